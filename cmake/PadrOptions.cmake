@@ -1,0 +1,70 @@
+# Language level, warnings, sanitizers and determinism flags, the same for every target.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+option(PADR_WERROR "Treat warnings as errors" OFF)
+set(PADR_SANITIZE "" CACHE STRING "Comma separated list for -fsanitize=, e.g. address,undefined")
+option(PADR_COVERAGE "Instrument for gcov" OFF)
+option(PADR_FUZZ "Build the libFuzzer targets (clang)" OFF)
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
+endif()
+
+# Asserts guard our own invariants and stay on in release; see CONTRIBUTING.md.
+string(REPLACE "-DNDEBUG" "" CMAKE_CXX_FLAGS_RELEASE "${CMAKE_CXX_FLAGS_RELEASE}")
+string(REPLACE "-DNDEBUG" "" CMAKE_CXX_FLAGS_RELWITHDEBINFO "${CMAKE_CXX_FLAGS_RELWITHDEBINFO}")
+
+# Peers compare physics to the last bit: no fused multiply-add, no fast-math, whatever the compiler's default.
+add_compile_options(-ffp-contract=off)
+
+if(PADR_SANITIZE)
+  add_compile_options(-fsanitize=${PADR_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${PADR_SANITIZE})
+endif()
+if(PADR_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link)
+endif()
+if(PADR_COVERAGE)
+  add_compile_options(--coverage)
+  add_link_options(--coverage)
+endif()
+
+# Generated code and third-party headers are not held to our warnings; our targets call this.
+function(padr_warnings target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
+    -Wnon-virtual-dtor -Woverloaded-virtual -Wold-style-cast -Wcast-qual)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # g++ 12 sees overlapping copies where a literal is joined to a temporary string (GCC bug 105651).
+    target_compile_options(${target} PRIVATE -Wno-restrict)
+  endif()
+  if(PADR_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+endfunction()
+
+# A static library of the pure core; includes are written from the repository root.
+function(padr_core_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_include_directories(${name} PUBLIC "${PROJECT_SOURCE_DIR}")
+  target_link_libraries(${name} PUBLIC ${ARG_LINKS})
+  padr_warnings(${name})
+  set_property(GLOBAL APPEND PROPERTY PADR_CORE_LIBRARIES ${name})
+endfunction()
+
+# A program of ours under bin/.
+function(padr_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}")
+  target_link_libraries(${name} PRIVATE ${ARG_LINKS})
+  padr_warnings(${name})
+endfunction()

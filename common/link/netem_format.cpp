@@ -1,0 +1,136 @@
+#include <charconv>
+#include <cmath>
+#include <string>
+#include <variant>
+
+#include "common/link/netem_spec.h"
+
+namespace padr::link {
+
+namespace {
+
+/// The largest unit that leaves a whole number.
+std::string time_text(Nanos t) {
+  if (t % kNanosPerSecond == 0) return std::to_string(t / kNanosPerSecond) + "s";
+  if (t % 1'000'000 == 0) return std::to_string(t / 1'000'000) + "ms";
+  if (t % kNanosPerMicro == 0) return std::to_string(t / kNanosPerMicro) + "us";
+  return std::to_string(t) + "ns";
+}
+
+/// The shortest decimal that reads back as the same fixed-point value.
+std::string percent_text(Chance c) {
+  const double exact = 100.0 * c / kAlways;
+  char buffer[32];
+  for (int digits = 0; digits < 17; ++digits) {
+    const auto end = std::to_chars(buffer, buffer + sizeof buffer, exact, std::chars_format::fixed, digits).ptr;
+    double back = 0;
+    std::from_chars(buffer, end, back);
+    if (std::llround(back / 100.0 * kAlways) == static_cast<long long>(c)) return std::string(buffer, end) + "%";
+  }
+  return std::to_string(exact) + "%";
+}
+
+std::string rate_text(std::uint64_t bits) {
+  if (bits % 1'000'000'000 == 0) return std::to_string(bits / 1'000'000'000) + "gbit";
+  if (bits % 1'000'000 == 0) return std::to_string(bits / 1'000'000) + "mbit";
+  if (bits % 1'000 == 0) return std::to_string(bits / 1'000) + "kbit";
+  return std::to_string(bits) + "bit";
+}
+
+class Writer {
+ public:
+  Writer& word(std::string_view w) {
+    if (!text_.empty()) text_ += ' ';
+    text_ += w;
+    return *this;
+  }
+  Writer& percent(Chance c) { return word(percent_text(c)); }
+  Writer& time(Nanos t) { return word(time_text(t)); }
+  Writer& number(std::int64_t n) { return word(std::to_string(n)); }
+
+  void knob(std::string_view name, const Knob& k) {
+    if (k.chance == 0) return;
+    word(name).percent(k.chance);
+    if (k.correlation != 0) percent(k.correlation);
+  }
+
+  void delay(const DelaySpec& d) {
+    if (d.mean == 0 && d.jitter == 0) return;
+    word("delay").time(d.mean);
+    if (d.jitter == 0) return;
+    time(d.jitter);
+    if (d.correlation != 0) percent(d.correlation);
+    if (d.distribution != Distribution::kUniform) word("distribution").word(to_string(d.distribution));
+  }
+
+  void loss(const NetemSpec& spec) {
+    if (const auto* random = std::get_if<Knob>(&spec.loss)) {
+      knob("loss", *random);
+    } else if (const auto* s = std::get_if<FourStateLoss>(&spec.loss)) {
+      word("loss").word("state").percent(s->p13).percent(s->p31).percent(s->p32).percent(s->p23).percent(s->p14);
+    } else if (const auto* g = std::get_if<GilbertElliottLoss>(&spec.loss)) {
+      word("loss").word("gemodel").percent(g->p).percent(g->r).percent(g->lose_bad).percent(g->lose_good);
+    }
+  }
+
+  void rate(const RateSpec& r) {
+    if (r.bits_per_second == 0) return;
+    word("rate").word(rate_text(r.bits_per_second));
+    if (r.overhead == 0 && r.cell == 0 && r.cell_overhead == 0) return;
+    number(r.overhead);
+    if (r.cell == 0 && r.cell_overhead == 0) return;
+    number(r.cell);
+    if (r.cell_overhead != 0) number(r.cell_overhead);
+  }
+
+  void slot(const SlotSpec& s) {
+    if (!s.on) return;
+    word("slot");
+    if (s.distribution) {
+      word("distribution").word(to_string(*s.distribution)).time(s.delay).time(s.jitter);
+    } else {
+      time(s.min);
+      if (s.max != s.min) time(s.max);
+    }
+    if (s.packets != 0) word("packets").number(s.packets);
+    if (s.bytes != 0) word("bytes").number(s.bytes);
+  }
+
+  std::string text() && { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+}  // namespace
+
+std::string_view to_string(Distribution distribution) {
+  switch (distribution) {
+    case Distribution::kUniform:
+      return "uniform";
+    case Distribution::kNormal:
+      return "normal";
+    case Distribution::kPareto:
+      return "pareto";
+    case Distribution::kParetoNormal:
+      return "paretonormal";
+  }
+  return "uniform";
+}
+
+std::string to_string(const NetemSpec& spec) {
+  Writer w;
+  w.delay(spec.delay);
+  w.loss(spec);
+  w.knob("corrupt", spec.corrupt);
+  w.knob("duplicate", spec.duplicate);
+  w.knob("reorder", spec.reorder);
+  if (spec.gap > 1) w.word("gap").number(spec.gap);
+  w.rate(spec.rate);
+  w.slot(spec.slot);
+  if (spec.limit != NetemSpec{}.limit) w.word("limit").number(spec.limit);
+  if (spec.seed) w.word("seed").word(std::to_string(*spec.seed));
+  return std::move(w).text();
+}
+
+}  // namespace padr::link

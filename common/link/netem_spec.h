@@ -1,0 +1,114 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace padr::link {
+
+/// A probability or correlation in 32-bit fixed point, as netem keeps it: 0 is never, kAlways is 100 %.
+using Chance = std::uint32_t;
+inline constexpr Chance kAlways = 0xFFFFFFFFU;
+
+/// Nanoseconds, netem's own resolution.
+using Nanos = std::int64_t;
+inline constexpr Nanos kNanosPerMicro = 1'000;
+inline constexpr Nanos kNanosPerSecond = 1'000'000'000;
+
+/// Ranges that parse_netem enforces and the shim relies on.
+inline constexpr Nanos kMaxTime = 4'294 * kNanosPerSecond;  ///< what fits tc's 32-bit microseconds
+inline constexpr Nanos kMaxJitter = 2'147'483'647;          ///< the kernel cuts jitter to a 32-bit int of nanoseconds
+inline constexpr int kMaxOverhead = 65'535;                 ///< bytes, either sign; also the largest cell
+inline constexpr std::uint64_t kMaxRate = 10'000'000'000'000ULL;  ///< bit/s
+
+/// `P [CORRELATION]`: how often, and how much a draw resembles the one before it.
+struct Knob {
+  Chance chance = 0;
+  Chance correlation = 0;
+  friend bool operator==(const Knob&, const Knob&) = default;
+};
+
+/// Shape of a random delay around DELAY, in units of JITTER. Uniform is netem's real default (its manual page says
+/// normal): every value in [DELAY - JITTER, DELAY + JITTER) alike. The others are tables, see distribution.h.
+enum class Distribution : std::uint8_t { kUniform, kNormal, kPareto, kParetoNormal };
+
+/// `delay TIME [JITTER [CORRELATION]] [distribution NAME]`.
+struct DelaySpec {
+  Nanos mean = 0;
+  Nanos jitter = 0;
+  Chance correlation = 0;
+  Distribution distribution = Distribution::kUniform;
+  friend bool operator==(const DelaySpec&, const DelaySpec&) = default;
+};
+
+/// `loss state P13 [P31 [P32 [P23 [P14]]]]`: chances to go from state to state, drawn once a packet. State 1 sends
+/// (gap), 2 sends within a burst of losses, 3 loses in a burst, 4 loses one packet and returns to 1.
+struct FourStateLoss {
+  Chance p13 = 0, p31 = 0, p32 = 0, p23 = 0, p14 = 0;
+  friend bool operator==(const FourStateLoss&, const FourStateLoss&) = default;
+};
+
+/// `loss gemodel P [R [1-H [1-K]]]` (Gilbert, Elliott): good to bad, bad to good, loss while bad, loss while good.
+struct GilbertElliottLoss {
+  Chance p = 0, r = 0, lose_bad = 0, lose_good = 0;
+  friend bool operator==(const GilbertElliottLoss&, const GilbertElliottLoss&) = default;
+};
+
+/// `rate RATE [OVERHEAD [CELL [CELLOVERHEAD]]]`.
+struct RateSpec {
+  std::uint64_t bits_per_second = 0;  ///< 0: unlimited
+  std::int32_t overhead = 0;          ///< bytes added to each packet; may be negative
+  std::uint32_t cell = 0;             ///< bytes; packets are rounded up to whole cells; 0: no cells
+  std::int32_t cell_overhead = 0;     ///< bytes added to each cell; may be negative
+  friend bool operator==(const RateSpec&, const RateSpec&) = default;
+};
+
+/// `slot MIN [MAX]` or `slot distribution NAME DELAY JITTER`, then `[packets N] [bytes B]`: packets that are due wait
+/// for the next slot, and a slot closes when it has sent N packets or B bytes.
+struct SlotSpec {
+  bool on = false;
+  Nanos min = 0, max = 0;                    ///< uniform in [min, max) when `distribution` is absent
+  std::optional<Distribution> distribution;  ///< otherwise around delay, in units of jitter
+  Nanos delay = 0, jitter = 0;
+  std::uint32_t packets = 0;  ///< 0: any number
+  std::uint32_t bytes = 0;    ///< counted as packet_length() counts; 0: any number
+  friend bool operator==(const SlotSpec&, const SlotSpec&) = default;
+};
+
+/// What one directed link does to packets: the options of tc-netem(8). Default constructed it is a perfect link.
+struct NetemSpec {
+  std::uint32_t limit = 1000;  ///< packets held at most; more are dropped
+  DelaySpec delay;
+  std::variant<Knob, FourStateLoss, GilbertElliottLoss> loss;
+  Knob corrupt;
+  Knob duplicate;
+  Knob reorder;
+  std::uint32_t gap = 0;  ///< 0: no reordering; else every gap-th packet may be sent at once
+  RateSpec rate;
+  SlotSpec slot;
+  std::optional<std::uint64_t> seed;  ///< takes the place of the seed a Shim is given
+  friend bool operator==(const NetemSpec&, const NetemSpec&) = default;
+};
+
+/// Reads the options of `tc qdisc add ... netem OPTIONS`, as iproute2 does: keywords by prefix, TIME with s, ms, us or
+/// ns (a bare number is microseconds), percentages with or without `%`, rates where `bit` is bits and `bps` is bytes
+/// per second. An empty text is a perfect link.
+///
+/// Stricter than tc where tc takes nonsense: transitions of `loss state` that add up to more than 100 %, infinite
+/// times. Laxer: `distribution uniform` works, `.5` is a number, `duplicate`'s correlation is never ignored, `seed N`
+/// is always known. `ecn` is refused: the datagrams that pass here have no ECN bits.
+///
+/// Things that are legal but rarely meant are added to `warnings`, one line each, unless it is null.
+/// Throws UserError: one line with the word, its number and column, and what is allowed.
+NetemSpec parse_netem(std::string_view text, std::vector<std::string>* warnings = nullptr);
+
+/// Canonical form: only what differs from a perfect link, every unit written. parse_netem(to_string(s)) == s.
+std::string to_string(const NetemSpec& spec);
+
+/// The name that the grammar uses: uniform, normal, pareto, paretonormal.
+std::string_view to_string(Distribution distribution);
+
+}  // namespace padr::link

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <string_view>
+
+namespace padr {
+
+/// Order-dependent 64-bit hash over exact bits, for comparing states and definitions between peers.
+/// Not cryptographic: it finds differences, it does not resist an attacker.
+class Hasher {
+ public:
+  void add(std::uint64_t v) {
+    h_ = (h_ ^ v) * 0x9FB21C651E98DF25ULL;
+    h_ ^= h_ >> 35U;
+  }
+  /// +0 and -0 hash alike: they play out alike, and which one a sum yields says nothing.
+  void add(float v) { add(bits(v)); }
+  /// Two numbers for the price of one.
+  void add(float a, float b) { add(bits(a) << 32U | bits(b)); }
+  void add(std::string_view s) {
+    add(static_cast<std::uint64_t>(s.size()));
+    for (const char c : s) add(static_cast<std::uint64_t>(static_cast<unsigned char>(c)));
+  }
+  std::uint64_t value() const {
+    std::uint64_t h = h_ * 0x9FB21C651E98DF25ULL;
+    return h ^ (h >> 28U);
+  }
+
+ private:
+  static std::uint64_t bits(float v) { return std::bit_cast<std::uint32_t>(v + 0.0F); }
+
+  std::uint64_t h_ = 0xCBF29CE484222325ULL;
+};
+
+}  // namespace padr

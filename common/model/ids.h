@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+
+namespace padr {
+
+/// Session-wide number of a peer, dealt out by the founder: 0 is the founder.
+using PeerId = std::uint8_t;
+inline constexpr PeerId kNoPeer = 0xFF;
+/// Avatar slots and peers of one session at most; one byte on the wire, one bit in a hold mask.
+inline constexpr int kMaxPeers = 32;
+
+/// Bodies are 0 .. bodies-1 in scenario order; the avatar of peer p is bodies + p.
+using EntityId = std::uint16_t;
+inline constexpr EntityId kNoEntity = 0xFFFF;
+
+/// Steps since the session's start. Tick t is the state after t steps; an update "at t" is true before step t -> t+1.
+using Tick = std::int32_t;
+inline constexpr int kTicksPerSecond = 60;
+inline constexpr float kTickSeconds = 1.0F / 60.0F;
+
+/// Microseconds on whatever clock the caller keeps (session time in the core).
+using Micros = std::int64_t;
+inline constexpr Micros kMicrosPerSecond = 1'000'000;
+
+/// Session time at which tick t begins, rounded down to whole microseconds.
+constexpr Micros tick_start(Tick t) {
+  return static_cast<Micros>(t) * kMicrosPerSecond / kTicksPerSecond;
+}
+
+}  // namespace padr

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace padr {
+
+/// What the others believe of an avatar between updates.
+enum class Model : std::uint8_t {
+  kStatic,  ///< stays where it was
+  kFirst,   ///< keeps its velocity (the paper's)
+  kSecond,  ///< keeps its acceleration, up to the avatar's top speed
+  kInput,   ///< keeps its control state: the same control law drives it towards the same target
+};
+
+/// What the avatar's threshold is adapted to.
+enum class Predictor : std::uint8_t {
+  kNone,
+  kLookahead,    ///< a contact within the next steps of a copy of the surroundings
+  kDensity,      ///< bodies within a radius
+  kPathDensity,  ///< bodies along the projected path
+  kPcc,          ///< look-ahead from the true and from the modelled state: the difference they make to bodies
+};
+
+enum class ThresholdLaw : std::uint8_t { kTwoLevel, kContinuous };
+enum class Convergence : std::uint8_t { kSnap, kBlend, kPvb };
+
+/// Everything that makes one synchronisation technique differ from another. All fields but `authority` are a peer's
+/// own affair; peers of one session must agree on `authority`.
+struct Technique {
+  std::string name = "full";
+  bool authority = true;  ///< dynamic authority over bodies; without it every peer plays bodies out by itself
+  bool replay = true;     ///< rewind and replay on late updates; without it they are applied as if true on arrival
+  Model model = Model::kInput;
+  Predictor predictor = Predictor::kLookahead;
+  ThresholdLaw law = ThresholdLaw::kTwoLevel;
+  float lead = 0.1F;            ///< s, how far ahead of its motion the input model's target is told; 0: as it is
+  float time_space = 0.04F;     ///< s, an avatar error is told once its time integral exceeds threshold x this; 0: off
+  float threshold_high = 0.8F;  ///< m, when nothing is predicted
+  float threshold_low = 0.3F;   ///< m, when interaction is predicted; equal to the high one for a fixed threshold
+  float body_threshold = 0.1F;  ///< m, for bodies under own authority; 0 switches it off
+  Convergence convergence = Convergence::kPvb;
+  float radius = 3.0F;     ///< m, of the surroundings that predictors look at
+  int steps = 30;          ///< ticks that predictors look ahead
+  int count = 4;           ///< bodies in the vicinity that make it dense
+  float pcc_bound = 0.1F;  ///< m of predicted cost above which the low threshold applies
+  /// Every contact and chain member is updated, as the paper does; otherwise only what the predicted world gets wrong.
+  bool update_every_contact = false;
+  bool every_tick = false;   ///< the own avatar and every awake body under own authority are told at every tick
+  bool end_update = true;    ///< the end of a contact carries the states it leaves; off: only that it has ended
+  bool proxy_update = true;  ///< what is reached through other bodies is claimed and told too
+  bool rest_state = true;    ///< what comes to rest is told exactly where; off: only that authority is given up
+};
+
+/// `avatar-only`, `fixed`, `adaptive`, `full` or `everything`; UserError names them on anything else.
+Technique technique_by_name(std::string_view name);
+std::vector<std::string_view> technique_names();
+
+// Knobs as people write them. Each throws UserError naming the flag, the value and what is allowed.
+void set_threshold(Technique& t, std::string_view text);       ///< "0.5" or "0.8:0.3", metres, 0.001 .. 100, high:low
+void set_body_threshold(Technique& t, std::string_view text);  ///< metres, 0.001 .. 100, or "off"
+void set_model(Technique& t, std::string_view text);           ///< static|first|second|input
+void set_predictor(Technique& t, std::string_view text);       ///< none|lookahead|density|path-density|pcc
+void set_law(Technique& t, std::string_view text);             ///< two-level|continuous
+void set_convergence(Technique& t, std::string_view text);     ///< snap|blend|pvb
+void set_lead(Technique& t, std::string_view text);            ///< seconds, 0 .. 1
+void set_time_space(Technique& t, std::string_view text);      ///< seconds, 0.001 .. 100, or "off"
+void set_replay(Technique& t, std::string_view text);          ///< on|off
+void set_radius(Technique& t, std::string_view text);          ///< metres, 0.1 .. 100
+void set_steps(Technique& t, std::string_view text);           ///< ticks, 1 .. 600
+void set_count(Technique& t, std::string_view text);           ///< bodies, 1 .. 5000
+void set_end_update(Technique& t, std::string_view text);      ///< on|off
+void set_proxy_update(Technique& t, std::string_view text);    ///< on|off
+void set_rest_state(Technique& t, std::string_view text);      ///< on|off
+void set_pcc_bound(Technique& t, std::string_view text);       ///< metres, 0 .. 1000
+
+/// One line: the name and every knob, in the form the flags take.
+std::string describe(const Technique& t);
+
+}  // namespace padr

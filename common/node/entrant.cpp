@@ -1,0 +1,70 @@
+#include "common/node/entrant.h"
+
+#include <algorithm>
+
+namespace padr::node {
+
+Entrant::Entrant(SessionDesk& desk, const Endpoint& by, std::uint64_t nonce, Micros local)
+    : desk_(desk), by_(by), nonce_(nonce), heard_(local) {
+  advance(local);
+}
+
+void Entrant::on_pong(const Endpoint& from, const wire::Pong& pong, Micros local) {
+  if (from != by_ || pong.sent > local || local - pong.sent > SessionPace::kSilence || pong.sent < desk_.born) return;
+  heard_ = local;
+  offset_.add(pong.sent, pong.founder, local);
+  finish_if_complete();
+}
+
+void Entrant::on_piece(const Endpoint& from, const wire::Piece& piece, Micros local) {
+  if (from != by_ || piece.nonce != nonce_ || ready_) return;
+  if (pieces_.empty()) {
+    pieces_.resize(piece.count);
+    missing_ = piece.count;
+  }
+  if (piece.count != pieces_.size() || !pieces_[piece.index].empty()) return;
+  heard_ = local;
+  pieces_[piece.index] = piece.bytes;
+  --missing_;
+  finish_if_complete();
+}
+
+void Entrant::finish_if_complete() {
+  if (ready_ || pieces_.empty() || missing_ > 0 || offset_.samples() < kSamples) return;
+  for (const wire::Bytes& p : pieces_) transfer_.insert(transfer_.end(), p.begin(), p.end());
+  desk_.clock.set(offset_.offset());
+  ready_ = true;
+}
+
+void Entrant::pull(Micros local) {
+  pulled_ = local;
+  wire::Pull p{nonce_, 0, ~std::uint64_t{0}};
+  if (!pieces_.empty()) {
+    const auto first = std::find_if(pieces_.begin(), pieces_.end(), [](const wire::Bytes& b) { return b.empty(); });
+    p.from = static_cast<std::uint32_t>(first - pieces_.begin());
+    p.wanted = 0;
+    for (std::size_t i = 0; i < 64 && p.from + i < pieces_.size(); ++i)
+      if (pieces_[p.from + i].empty()) p.wanted |= std::uint64_t{1} << i;
+  }
+  desk_.send(by_, p);
+}
+
+void Entrant::advance(Micros local) {
+  if (local - heard_ > kPatience)
+    return desk_.fail("peer at " + to_string(by_) + " has fallen silent while letting us in");
+  if (offset_.samples() < OffsetEstimator::kKept && local - pinged_ >= kPing) {
+    pinged_ = local;
+    desk_.send(by_, wire::Ping{local});
+  }
+  const Micros again = std::max(kAgain, offset_.round_trip() + offset_.round_trip() / 2);
+  if ((pieces_.empty() || missing_ > 0) && local - pulled_ >= again) pull(local);
+  if (entering_ && local - entered_ >= kAgain) enter(local);
+}
+
+void Entrant::enter(Micros local) {
+  entering_ = true;
+  entered_ = local;
+  desk_.send(by_, wire::Enter{nonce_});
+}
+
+}  // namespace padr::node

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+#include "common/model/ids.h"
+
+namespace padr::node {
+
+/// Least time that a link's recent datagrams were on their way, by the two session clocks: delay plus the difference of
+/// the clocks. The least is the sample that queueing disturbed least. Over a sliding span, so that it follows drift.
+class LinkClock {
+ public:
+  /// A datagram stamped with the start of `sent` (the sender's session clock) arrived at `arrived` (ours).
+  void sample(Tick sent, Micros arrived) {
+    const Micros transit = arrived - tick_start(sent);
+    if (arrived - span_start_ > kSpan) {
+      previous_ = current_;
+      current_ = kNone;
+      span_start_ = arrived;
+    }
+    current_ = std::min(current_, transit);
+  }
+  void told(std::int32_t tenth_ms) {
+    theirs_ = static_cast<Micros>(tenth_ms) * 100;
+    heard_ = true;
+  }
+
+  bool measured() const { return least() != kNone; }
+  /// Microseconds; only when measured.
+  Micros least() const { return std::min(previous_, current_); }
+  /// By how much our clock leads theirs, if delays are alike both ways; 0 until both have measured.
+  Micros lead() const { return measured() && heard_ ? (least() - theirs_) / 2 : 0; }
+
+ private:
+  static constexpr Micros kNone = std::numeric_limits<Micros>::max();
+  static constexpr Micros kSpan = 3 * kMicrosPerSecond;
+  Micros previous_ = kNone;
+  Micros current_ = kNone;
+  Micros span_start_ = 0;
+  Micros theirs_ = 0;
+  bool heard_ = false;
+};
+
+}  // namespace padr::node

@@ -1,0 +1,114 @@
+#include "common/node/membership.h"
+
+#include <utility>
+
+#include "common/node/session_objection.h"
+
+namespace padr::node {
+namespace {
+
+/// Confirmed may wait for somebody to be declared gone, and then some.
+constexpr Tick kStuck = 12 * kTicksPerSecond;
+
+}  // namespace
+
+Membership::Membership(SessionDesk& desk, RecordedNode& node)
+    : desk_(desk), node_(node), doorkeeper_(desk), removals_(desk), sides_(desk) {
+  desk_.roster.resize(static_cast<std::size_t>(desk.slots));
+  for (PeerId p = 0; p < desk_.roster.size(); ++p) node.locate(p, desk_.roster[p]);
+}
+
+void Membership::on_join(const Endpoint& from, const wire::Join& join, Micros local) {
+  const PeerId c = coordinator();
+  if (!node_.node().member() || c == kNoPeer || way_back()) return;  // it asks again
+  if (c == desk_.self) return doorkeeper_.on_join(from, join, node_, local);
+  if (desk_.may_answer(local)) desk_.send(from, wire::Redirect{join.nonce, desk_.roster[c]});
+}
+
+std::optional<PeerId> Membership::sender(const Endpoint& from, const wire::Header& header) const {
+  if (header.sender >= desk_.roster.size() || header.sender == desk_.self || desk_.roster[header.sender] != from ||
+      !node_.node().other(header.sender).reachable())
+    return std::nullopt;
+  return header.sender;
+}
+
+void Membership::receive(const Endpoint& from, const wire::Header& header, const wire::MembershipMessage& message,
+                         Micros local) {
+  if (const auto* probe = std::get_if<wire::Probe>(&message))
+    return sides_.on_probe(from, header.sender, *probe, node_.node(), local);
+  if (const auto* pull = std::get_if<wire::Pull>(&message))
+    return doorkeeper_.on_pull(from, *pull, node_, sides_.gone());
+  if (const auto* enter = std::get_if<wire::Enter>(&message))
+    return doorkeeper_.on_enter(from, *enter, node_, coordinator() == desk_.self && !removals_.busy());
+  const auto member = sender(from, header);
+  if (!member) return;
+  if (const auto* poll = std::get_if<wire::Poll>(&message)) removals_.on_poll(*member, *poll, node_);
+  if (const auto* answer = std::get_if<wire::Answer>(&message)) removals_.on_answer(*member, *answer);
+  if (const auto* fetch = std::get_if<wire::Fetch>(&message)) removals_.on_fetch(*member, *fetch, node_.node());
+  if (const auto* fetched = std::get_if<wire::Fetched>(&message)) removals_.on_fetched(*fetched, node_.node());
+}
+
+void Membership::follow_changes() {
+  for (MemberChange& c : node_.take_changes()) {
+    const std::string who = "peer " + std::to_string(c.slot);
+    if (c.kind == MemberChange::Kind::kAdmitted && c.slot != desk_.self) {
+      // Told of by the coordinator, who may see it elsewhere than we do.
+      if (c.by < desk_.roster.size() && desk_.roster[c.by].is_set()) c.at = as_seen_from(c.at, desk_.roster[c.by]);
+      // One process is one peer: if another slot's was there, that life of it is over.
+      for (PeerId p = 0; p < desk_.roster.size(); ++p)
+        if (p != desk_.self && p != c.slot && desk_.roster[p] == c.at) node_.give_up(p);
+      desk_.roster[c.slot] = c.at;
+      desk_.note(who + " at " + to_string(c.at) + " comes in at tick " + std::to_string(c.tick));
+    }
+    if (c.kind == MemberChange::Kind::kAdmitted && c.slot == desk_.self)
+      desk_.note("in at tick " + std::to_string(c.tick) + " as " + who);
+    if (c.kind == MemberChange::Kind::kLeft) desk_.note(who + " has left");
+    if (c.kind == MemberChange::Kind::kRemoved)
+      desk_.note(who + " is lost: out from tick " + std::to_string(c.tick), true);
+    sides_.on_change(c);
+    changes_.push_back(c);
+  }
+}
+
+void Membership::advance(Micros local) {
+  removals_.advance(node_);
+  follow_changes();
+  sides_.advance(node_.node());
+  doorkeeper_.advance(local);
+  int present = 1;
+  for (PeerId p = 0; p < desk_.roster.size(); ++p)
+    if (p != desk_.self && node_.node().other(p).there()) ++present;
+  desk_.present = present;
+}
+
+std::vector<MemberChange> Membership::take_changes() {
+  return std::exchange(changes_, {});
+}
+
+bool Membership::stuck() {
+  const Tick confirmed = node_.node().agreed().confirmed().tick;
+  const Tick now = node_.node().now();
+  if (confirmed != confirmed_) confirmed_at_ = now;
+  confirmed_ = confirmed;
+  return now - confirmed_at_ > kStuck;
+}
+
+std::optional<Endpoint> Membership::way_back() {
+  const Node& n = node_.node();
+  if (n.leaving()) return std::nullopt;
+  if (const auto winner = sides_.winner(n)) return winner;
+  const PeerId c = coordinator();
+  const bool follows = c != desk_.self && c != kNoPeer;
+  const bool differs = n.differs_from() < desk_.self && n.other(n.differs_from()).there();
+  std::string why;
+  if (n.expelled()) why = "the others have declared this peer gone";
+  if (follows && stuck()) why = "nothing has been confirmed for " + std::to_string(kStuck / kTicksPerSecond) + " s";
+  if (differs)
+    why = "CONFIRMED WORLDS DIFFER from peer " + std::to_string(n.differs_from()) + "'s at tick " +
+          std::to_string(n.stats().first_mismatch);
+  if (why.empty() || (!differs && !follows)) return std::nullopt;
+  if (!std::exchange(told_, true)) desk_.note(why + ": joining anew", true);
+  return desk_.roster[differs ? n.differs_from() : c];
+}
+
+}  // namespace padr::node

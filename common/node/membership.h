@@ -1,0 +1,53 @@
+#pragma once
+
+#include <optional>
+
+#include "common/node/doorkeeper.h"
+#include "common/node/removals.h"
+#include "common/node/sides.h"
+
+namespace padr::node {
+
+/// A member's part in who is in a running session.
+class Membership {
+ public:
+  /// Both must outlive it. The node's neighbours are where the desk's roster says.
+  Membership(SessionDesk& desk, RecordedNode& node);
+
+  void on_join(const Endpoint& from, const wire::Join& join, Micros local);
+  /// False if it is not of a newcomer.
+  bool on_ping(const Endpoint& from, const wire::Ping& ping, Micros local) {
+    return doorkeeper_.on_ping(from, ping, local);
+  }
+  void receive(const Endpoint& from, const wire::Header& header, const wire::MembershipMessage& message, Micros local);
+  /// A state datagram from an address that nobody sits at, or of somebody who is out.
+  void on_stranger(const Endpoint& from, std::size_t bytes, Micros local) {
+    sides_.on_stranger(from, bytes, node_.node(), local);
+  }
+  /// Where somebody was in another life of this peer's.
+  void remember(const Endpoint& at) { sides_.remember(at, node_.node().now()); }
+  /// Once a tick, after the node's step.
+  void advance(Micros local);
+  /// Whom to join anew because this peer is out, or has another world than the rest; nothing if all is well.
+  std::optional<Endpoint> way_back();
+  PeerId coordinator() const { return removals_.coordinator(node_.node()); }
+  /// Coming and going, since the last call, in words of `changes`.
+  std::vector<MemberChange> take_changes();
+
+ private:
+  std::optional<PeerId> sender(const Endpoint& from, const wire::Header& header) const;
+  void follow_changes();
+  bool stuck();
+
+  SessionDesk& desk_;
+  RecordedNode& node_;
+  Doorkeeper doorkeeper_;
+  Removals removals_;
+  Sides sides_;
+  std::vector<MemberChange> changes_;
+  Tick confirmed_ = -1;
+  Tick confirmed_at_ = 0;
+  bool told_ = false;
+};
+
+}  // namespace padr::node

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+
+#include "common/model/endpoint.h"
+#include "common/node/link_clock.h"
+#include "common/node/replay_window.h"
+#include "common/sync/delivery.h"
+
+namespace padr::node {
+
+enum class Presence : std::uint8_t {
+  kAbsent,  ///< nobody sits in the slot, or who did has been declared gone
+  kThere,
+  kLeft,  ///< has said goodbye, and may linger to get its last words across
+};
+
+/// Another slot of the session as seen from here, and the link with who sits in it.
+struct Neighbour {
+  Presence presence = Presence::kAbsent;
+  std::uint32_t incarnation = 0;  ///< of who sits or sat there last
+  std::uint32_t first = 0;        ///< number of its first update
+  Endpoint at;
+  sync::OutLink link;
+  ReplayWindow window;
+  LinkClock clock;
+  Tick heard = 0;     ///< when anything valid came last
+  Tick answered = 0;  ///< when it last said that it got something new of ours
+  std::uint32_t answered_seq = 0;
+  bool proven = false;         ///< it has answered since silence was last excused
+  std::uint32_t promised = 0;  ///< highest mark count heard
+  Tick confirmed = 0;          ///< it has confirmed so far at least
+  Tick checked = 0;            ///< when it was last told a hash
+  bool frozen = false;         ///< being declared gone: nothing more is taken from it
+
+  bool there() const { return presence == Presence::kThere; }
+  /// Whether it gets our datagrams and we may get some of it.
+  bool reachable() const { return presence != Presence::kAbsent; }
+};
+
+}  // namespace padr::node

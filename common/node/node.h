@@ -1,0 +1,232 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "common/model/scene.h"
+#include "common/model/technique.h"
+#include "common/node/neighbour.h"
+#include "common/sync/admit.h"
+#include "common/sync/agreed_world.h"
+#include "common/sync/convergence.h"
+#include "common/sync/live_world.h"
+#include "common/sync/reporter.h"
+#include "common/sync/threshold.h"
+#include "common/sync/transfer.h"
+#include "common/wire/seal.h"
+
+namespace padr::node {
+
+struct NodeConfig {
+  PeerId self = 0;
+  int peers = 1;                  ///< of the session at tick 0
+  int slots = 1;                  ///< avatar slots, >= peers
+  std::uint32_t incarnation = 0;  ///< of this peer in its slot; above 0 for one that came later
+  std::uint16_t session = 0;      ///< in every datagram's header
+  Technique technique;
+  sync::Fault fault;  ///< for tests only
+
+  sync::AgreedConfig agreed() const { return {slots, peers, self, technique.authority, technique.replay, fault}; }
+};
+
+/// Somebody has come or gone, as far as is known here.
+struct MemberChange {
+  enum class Kind : std::uint8_t { kAdmitted, kLeft, kRemoved };
+  Kind kind = Kind::kAdmitted;
+  PeerId slot = kNoPeer;
+  std::uint32_t incarnation = 0;
+  Endpoint at;  ///< not set if not known
+  Tick tick = 0;
+  PeerId by = kNoPeer;  ///< who said so
+};
+
+/// Bytes of IPv4 and UDP headers that every datagram costs besides its payload.
+inline constexpr std::size_t kIpUdpBytes = 28;
+
+struct Outgoing {
+  PeerId to = kNoPeer;
+  wire::Bytes bytes;
+};
+
+/// Counters since the start; never reset.
+struct NodeStats {
+  std::array<std::uint64_t, sync::kCauses> updates_by_cause{};  ///< entity updates told, each once however often sent
+  std::uint64_t bundles = 0;
+  std::uint64_t datagrams_sent = 0;
+  std::uint64_t wire_bytes_sent = 0;  ///< IP and UDP headers included
+  std::uint64_t repeats = 0;          ///< bundles sent again
+  std::uint64_t datagrams_received = 0;
+  std::array<std::uint64_t, sync::kDropReasons> dropped{};
+  std::uint64_t hash_checks = 0;
+  std::uint64_t hash_mismatches = 0;
+  Tick first_mismatch = -1;
+};
+
+/// One peer's brain: everything between bytes in, input in, and bytes out. No clock and no socket: the same object runs
+/// in the real process, in the lab and in tests, and the same calls give the same bits.
+class Node {
+ public:
+  using ConfirmedSink = sync::AgreedWorld::ConfirmedSink;
+
+  /// One who is there at tick 0.
+  Node(const Scene& scene, const NodeConfig& config, ConfirmedSink on_confirmed = {});
+  /// One who comes while the session runs, at tick `now`: watches until somebody admits it.
+  Node(const Scene& scene, const NodeConfig& config, const sync::Transfer& start, Tick now,
+       ConfirmedSink on_confirmed = {});
+  // What it is built of refers to it.
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
+
+  /// A state datagram of this session has arrived, `now` in session microseconds. Why it was dropped, if it was.
+  sync::DropReason receive(std::span<const std::byte> datagram, Micros now);
+  /// Advances to the next tick with the avatar driven towards `target` (m); `outgoing` then holds what to send.
+  void step(Vec2 target);
+  /// One datagram per receiver at most, of the last step.
+  const std::vector<Outgoing>& outgoing() const { return outgoing_; }
+  /// The next step tells everybody that this peer goes. Keep stepping until `delivered`.
+  void leave() { leaving_ = true; }
+  /// After leaving: everybody who is still there has all of this peer's updates, this peer has all that it knows of
+  /// theirs, and there has been time to tell. It may end.
+  bool delivered() const;
+  bool has_left(PeerId p) const { return others_[p].presence == Presence::kLeft; }
+
+  // Who is there. What the coordinator decides is published by `order`, one order a tick, and is a part of the agreed
+  // world: everybody applies it at the same tick.
+
+  /// To be published in place of an ordinary update: has an admission, a removal or a passed-on update, nothing else.
+  void order(const sync::Bundle& order) { orders_.push_back(order); }
+  std::size_t orders() const { return orders_.size(); }
+  /// Takes nothing more from p, whose end is being agreed on, or takes again what it says.
+  void freeze(PeerId p, bool frozen) { others_[p].frozen = frozen; }
+  /// This peer's avatar is, or was once, part of the session.
+  bool member() const { return member_; }
+  /// The tick of its admission; its updates are of later ones.
+  Tick in_since() const { return in_since_; }
+  /// This peer has been declared gone by others, or knows of updates that they have declared void.
+  bool expelled() const { return expelled_; }
+  /// Whose confirmed world differs from ours, the lowest; kNoPeer if nobody's does.
+  PeerId differs_from() const { return differs_from_; }
+  /// All that a newcomer needs to go on from here.
+  sync::Transfer transfer() const;
+  const Neighbour& other(PeerId p) const { return others_[p]; }
+  /// Where p of tick 0 is; for passing on.
+  void locate(PeerId p, const Endpoint& at) { others_[p].at = at; }
+  /// A peer that has left and been silent since has ended.
+  bool departed(PeerId p) const;
+  /// The highest incarnation that this peer has heard of, its own included.
+  std::uint32_t newest_incarnation() const;
+  /// This peer has said goodbye, or will with its next step.
+  bool leaving() const { return leaving_; }
+  /// Since the last call.
+  std::vector<MemberChange> take_changes();
+  /// Who sits there has been seen elsewhere: counts as silent from now on.
+  void give_up(PeerId p) { others_[p].answered = now() - 1000 * kTicksPerSecond; }
+  /// The process was held up: nobody can be blamed for not having been heard meanwhile.
+  void excuse_silence();
+
+  Tick now() const { return agreed_.now(); }
+  PeerId self() const { return config_.self; }
+  const NodeConfig& config() const { return config_; }
+  const sync::AgreedWorld& agreed() const { return agreed_; }
+  const sync::LiveWorld& live() const { return live_; }
+  const sync::Shown& shown() const { return shown_; }
+  const NodeStats& stats() const { return stats_; }
+  const sync::Reporter& reporter() const { return reporter_; }
+  const sync::OutLink& link(PeerId p) const { return others_[p].link; }
+  float threshold() const { return threshold_.metres(); }
+  /// What the threshold was last adapted to, besides contacts that are there already.
+  const sync::Prediction& prediction() const { return prediction_; }
+  /// What a peer keeps because somebody may still need it; bounded however long a session lasts.
+  struct Kept {
+    std::size_t log_ticks = 0;       ///< ticks with updates above the confirmed one
+    std::size_t own_updates = 0;     ///< bundles not acknowledged by everybody
+    std::size_t pending_checks = 0;  ///< others' hashes of ticks not confirmed here yet
+  };
+  Kept kept() const { return {agreed_.log().size(), own_log_.size(), pending_checks_.size()}; }
+  std::uint64_t lookahead_steps() const { return predictor_.steps(); }
+  /// Ticks since anything valid was heard of p; since the start if nothing was.
+  Tick silence(PeerId p) const { return now() - others_[p].heard; }
+  /// Ticks since p last said that it had got something new of ours: both ways of the link worked then.
+  Tick unanswered(PeerId p) const { return now() - others_[p].answered; }
+  /// By how much this peer's session clock leads that of the lowest other peer, in microseconds, as far as delays
+  /// are alike both ways; 0 until measured.
+  Micros clock_lead() const;
+  /// Sum over own entities of the distance between the live and the predicted world (m): what the others are believed
+  /// to have wrong.
+  float own_error() const;
+  /// Hash over the live world's entity states, for comparing runs.
+  std::uint64_t live_hash() const;
+
+ private:
+  struct Later {};
+  Node(const Scene& scene, const NodeConfig& config, const sync::Transfer& start, ConfirmedSink on_confirmed, Later);
+
+  ConfirmedSink check_and(ConfirmedSink sink);
+  sync::DropReason take(std::span<const std::byte> datagram, Micros now);
+  sync::DropReason file_updates(const sync::StatePacket& packet, PeerId from);
+  void file(const sync::Bundle& bundle);
+  void note_changes(const sync::Bundle& bundle);
+  void admit(const sync::Admission& a, const sync::Bundle& by);
+  void remove(const sync::Removal& r, const sync::Bundle& by);
+  void take_check(const sync::StatePacket& packet, PeerId from);
+  void settle_checks();
+  bool publish_order();
+  void keep_logs(std::uint32_t everyone);
+  bool all_through() const;
+  void adopt();
+  void report(Vec2 target, Vec2 velocity_before);
+  void publish(sync::Bundle bundle);
+  void send();
+  void fill(sync::StatePacket& packet, PeerId p);
+  void refresh_own();
+  bool own_is_predicted() const;
+  void read_positions(std::vector<Vec2>& out) const;
+  void compare(Tick t, std::uint32_t theirs, PeerId from);
+  std::uint32_t own_end() const { return own_first_ + static_cast<std::uint32_t>(own_log_.size()); }
+
+  Scene scene_;
+  NodeConfig config_;
+  std::map<Tick, std::uint32_t> checks_;  ///< own confirmed hashes at check ticks; filled by agreed_ from its birth on
+  sync::AgreedWorld agreed_;
+  sync::LiveWorld live_;
+  sync::Reporter reporter_;
+  sync::InteractionPredictor predictor_;
+  sync::Threshold threshold_;
+  sync::Prediction prediction_;
+  sync::Shown shown_;
+  std::deque<sync::Bundle> own_log_;  ///< not yet acknowledged by everybody, or recent
+  std::uint32_t own_first_ = 0;       ///< index of own_log_.front()
+  std::vector<Neighbour> others_;     ///< by slot; the own one is only a place
+  std::deque<sync::Bundle> orders_;
+  std::vector<MemberChange> changes_;
+  struct Check {
+    PeerId from;
+    std::uint32_t incarnation;
+    std::uint32_t hash;
+  };
+  std::map<Tick, std::vector<Check>> pending_checks_;  ///< others', of ticks not confirmed here yet
+  std::vector<bool> own_;
+  std::vector<Vec2> before_;
+  std::vector<Vec2> after_;
+  std::vector<Vec2> velocities_;
+  std::vector<Outgoing> outgoing_;
+  NodeStats stats_;
+  std::uint64_t repeats_of_gone_ = 0;
+  bool member_ = false;
+  Tick in_since_ = 0;
+  bool joined_ = false;  ///< the own avatar has been taken over from where it was admitted
+  bool expelled_ = false;
+  PeerId differs_from_ = kNoPeer;
+  bool leaving_ = false;
+  bool gone_ = false;
+  Tick through_ticks_ = 0;
+};
+
+/// The same hash over the entity states of an agreed world.
+std::uint64_t state_hash(const sync::FoldState& s);
+
+}  // namespace padr::node

@@ -1,0 +1,129 @@
+// A Node's part in who is there: coming in, and what is known of others' coming and going.
+#include <algorithm>
+#include <utility>
+
+#include "common/node/node.h"
+
+namespace padr::node {
+void Node::file(const sync::Bundle& bundle) {
+  if (agreed_.insert(bundle)) note_changes(bundle);
+}
+
+// Acted upon as soon as it is heard, not when it is confirmed: nothing can be confirmed before those are asked who must
+// be. What is heard out of order is put right by the incarnation.
+void Node::note_changes(const sync::Bundle& b) {
+  for (const sync::Bundle& lost : b.passed_on) file(lost);
+  for (const sync::Removal& r : b.removals) remove(r, b);
+  if (b.admission) admit(*b.admission, b);
+  if (!b.leave) return;
+  Neighbour& n = others_[b.peer];
+  const bool of_before = b.index < (b.peer == config_.self && member_ ? own_first_ : n.first);
+  if (of_before) return;  // somebody else sits there already
+  agreed_.close(b.peer, b.index + 1);
+  if (b.peer == config_.self || !n.there()) return;
+  n.presence = Presence::kLeft;
+  n.frozen = false;
+  changes_.push_back({MemberChange::Kind::kLeft, b.peer, n.incarnation, n.at, b.tick, b.peer});
+}
+
+void Node::admit(const sync::Admission& a, const sync::Bundle& by) {
+  Neighbour& n = others_[a.slot];
+  if (a.slot == config_.self) {
+    if (a.incarnation > config_.incarnation) expelled_ = true;
+    if (a.incarnation != config_.incarnation || member_) return;
+    agreed_.close(a.slot, a.first);
+    agreed_.enter(by.tick);
+    own_first_ = a.first;
+    member_ = true;
+    in_since_ = by.tick;
+    for (Neighbour& other : others_) {
+      other.link = sync::OutLink(a.first);
+      other.heard = other.answered = now();
+    }
+    changes_.push_back({MemberChange::Kind::kAdmitted, a.slot, a.incarnation, a.at, by.tick, by.peer});
+    return;
+  }
+  if (a.incarnation <= n.incarnation) return;
+  agreed_.close(a.slot, a.first);  // should the removal of who sat there before come later
+  agreed_.open(a.slot, by.tick);
+  repeats_of_gone_ += n.link.repeats();
+  n = Neighbour{};
+  n.presence = Presence::kThere;
+  n.incarnation = a.incarnation;
+  n.first = a.first;
+  n.at = a.at;
+  n.link = sync::OutLink(a.have[config_.self]);
+  n.heard = n.answered = now();
+  n.confirmed = agreed_.confirmed().tick;
+  changes_.push_back({MemberChange::Kind::kAdmitted, a.slot, a.incarnation, a.at, by.tick, by.peer});
+}
+
+void Node::remove(const sync::Removal& r, const sync::Bundle& by) {
+  if (r.slot == config_.self) {
+    if (r.incarnation == config_.incarnation) expelled_ = true;
+    if (!member_) agreed_.close(r.slot, r.count);  // of who sat there before
+    return;
+  }
+  Neighbour& n = others_[r.slot];
+  if (r.incarnation != n.incarnation || !n.reachable()) return;
+  if (agreed_.log().have(r.slot) > r.count) expelled_ = true;  // they agreed without us
+  agreed_.close(r.slot, r.count);
+  n.frozen = false;
+  if (!n.there()) return;  // it has left: its farewell was the end, and counts
+  n.presence = Presence::kAbsent;
+  changes_.push_back({MemberChange::Kind::kRemoved, r.slot, r.incarnation, n.at, by.tick, by.peer});
+}
+
+std::uint32_t Node::newest_incarnation() const {
+  std::uint32_t newest = config_.incarnation;
+  for (const Neighbour& n : others_) newest = std::max(newest, n.incarnation);
+  return newest;
+}
+
+std::vector<MemberChange> Node::take_changes() {
+  return std::exchange(changes_, {});
+}
+
+void Node::excuse_silence() {
+  for (Neighbour& n : others_) {
+    n.heard = n.answered = now();
+    n.proven = false;
+  }
+}
+
+sync::Transfer Node::transfer() const {
+  sync::Transfer t;
+  t.state = agreed_.confirmed();
+  t.tail = agreed_.log().since(t.state.tick);
+  t.slots.resize(others_.size());
+  t.have.resize(others_.size());
+  for (PeerId p = 0; p < others_.size(); ++p) {
+    const Neighbour& n = others_[p];
+    t.slots[p] = {agreed_.log().have(p), n.at};
+    t.have[p] = agreed_.log().have(p);
+  }
+  for (const sync::Bundle& b : t.tail) t.slots[b.peer].first = std::min(t.slots[b.peer].first, b.index);
+  return t;
+}
+
+Node::Node(const Scene& scene, const NodeConfig& config, const sync::Transfer& start, Tick now,
+           ConfirmedSink on_confirmed)
+    : Node(scene, config, start, std::move(on_confirmed), Later{}) {
+  for (PeerId p = 0; p < config.slots; ++p) {
+    const sync::Transfer::Slot& s = start.slots[p];
+    Neighbour& n = others_[p];
+    const sync::Member& member = start.state.members[p];
+    // Who is there in the state may have gone since: then the tail says so.
+    n.incarnation = member.incarnation;
+    n.at = s.at;
+    n.confirmed = n.heard = n.answered = start.state.tick;
+    if (member.present) n.presence = Presence::kThere;
+  }
+  for (const sync::Bundle& b : start.tail) file(b);
+  while (agreed_.now() < now) agreed_.step();
+  agreed_.catch_up();
+  excuse_silence();
+  adopt();
+}
+
+}  // namespace padr::node

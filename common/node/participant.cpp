@@ -1,0 +1,238 @@
+#include "common/node/participant.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "common/model/rng.h"
+#include "common/node/session_objection.h"
+#include "common/wire/transfer_codec.h"
+
+namespace padr::node {
+namespace {
+
+/// A step that is later than this: the process was held up, and nobody was heard because nobody listened.
+constexpr Micros kHeldUp = 400'000;
+/// Between two attempts to come back.
+constexpr Micros kTryAgain = 500'000;
+constexpr Micros kReturnPatience = 6 * kMicrosPerSecond;
+
+}  // namespace
+
+Participant::Participant(const Scene& scene, ParticipantConfig config, Micros local)
+    : scene_(scene), config_(std::move(config)) {
+  coming_.session = std::make_unique<Session>(config_.session, local);
+}
+
+Participant::~Participant() = default;
+
+NodeConfig Participant::node_config(const Session& session) const {
+  NodeConfig c = config_.node;
+  c.self = session.self();
+  c.slots = session.slots();
+  c.session = session.number();
+  c.incarnation = session.incarnation();
+  return c;
+}
+
+Node::ConfirmedSink Participant::sink() {
+  if (!config_.on_confirmed) return {};
+  return [this, life = lives_](const sync::FoldState& s, std::uint64_t hash) { config_.on_confirmed(life, s, hash); };
+}
+
+void Participant::receive(const Endpoint& from, std::span<const std::byte> datagram, Micros local) {
+  for (Life* life : {&life_, &coming_}) {
+    if (!life->session) continue;
+    const auto peer = life->session->receive(from, datagram, local);
+    if (!peer || !life->node) continue;
+    const auto why = life->node->receive(datagram, life->session->session_now(local));
+    if (why == sync::DropReason::kForeign && life->membership)
+      life->membership->on_stranger(from, datagram.size(), local);
+  }
+}
+
+void Participant::advance(Micros local) {
+  for (Life* life : {&life_, &coming_})
+    if (life->session && local >= life->session->next_due()) life->session->advance(local);
+  if (coming_.session) be_born(local);
+  collect(life_);
+  collect(coming_);
+}
+
+void Participant::be_born(Micros local) {
+  Session& s = *coming_.session;
+  if (s.phase() == SessionPhase::kFailed && life_.session) {
+    collect(coming_);
+    coming_ = {};
+    try_again_ = local + kTryAgain;
+  } else if (!coming_.node && s.phase() == SessionPhase::kStarted) {
+    begin_at_tick_0();
+  } else if (!coming_.node && s.may_enter()) {
+    begin_later(local);
+  } else if (coming_.node && coming_.node->node().member()) {
+    s.admitted();
+    take_over();
+  } else if (coming_.node) {
+    watch(coming_, local);
+  }
+}
+
+// Not in yet: steps along, so that it is up to date when it is.
+void Participant::watch(Life& life, Micros local) {
+  while (tick_start(life.node->node().now() + 1) <= life.session->session_now(local)) {
+    life.node->step({});
+    life.membership->advance(local);
+  }
+}
+
+void Participant::begin_at_tick_0() {
+  NodeConfig c = node_config(*coming_.session);
+  c.peers = static_cast<int>(coming_.session->roster().size());
+  coming_.node =
+      std::make_unique<RecordedNode>(scene_, c, config_.recording ? config_.recording(lives_) : std::nullopt, sink());
+  take_over();
+}
+
+void Participant::begin_later(Micros local) {
+  Session& s = *coming_.session;
+  auto transfer = wire::decode_transfer(s.transfer(), scene_, s.slots());
+  if (!transfer || transfer->slots.size() <= s.doorkeeper_number()) {
+    s.desk().fail("what " + to_string(s.doorkeeper()) + " sent as the agreed world does not decode");
+    return;
+  }
+  transfer->slots[s.doorkeeper_number()].at = s.doorkeeper();
+  for (sync::Transfer::Slot& slot : transfer->slots) {
+    if (slot.at.is_set()) slot.at = as_seen_from(slot.at, s.doorkeeper());
+    s.desk().roster.push_back(slot.at);
+  }
+  if (life_.node) {
+    const sync::FoldState* ours = life_.node->node().agreed().confirmed_at(transfer->state.tick);
+    const std::string difference = ours == nullptr ? "" : first_difference(*ours, transfer->state);
+    if (!difference.empty()) s.desk().note("here and there " + difference, true);
+  }
+  const Tick now = static_cast<Tick>(s.session_now(local) * kTicksPerSecond / kMicrosPerSecond);
+  coming_.node = std::make_unique<RecordedNode>(scene_, node_config(s), *transfer, std::max(now, transfer->state.tick),
+                                                config_.recording ? config_.recording(lives_) : std::nullopt, sink());
+  coming_.membership = std::make_unique<Membership>(s.desk(), *coming_.node);
+  for (const Endpoint& at : transfer->gone)
+    if (std::find(s.roster().begin(), s.roster().end(), at) == s.roster().end()) coming_.membership->remember(at);
+  s.hand_over_to(coming_.membership.get());
+  s.enter(local);
+}
+
+void Participant::take_over() {
+  Life before = std::move(life_);
+  life_ = std::move(coming_);
+  coming_ = {};
+  ++lives_;
+  if (!life_.membership) {
+    life_.membership = std::make_unique<Membership>(life_.session->desk(), *life_.node);
+    life_.session->hand_over_to(life_.membership.get());
+  }
+  if (!before.session) return;
+  collect(before);
+  for (const Endpoint& at : before.session->roster()) {
+    const auto& now = life_.session->roster();
+    if (at.is_set() && std::find(now.begin(), now.end(), at) == now.end()) life_.membership->remember(at);
+  }
+  before.node->finish(true);
+}
+
+void Participant::look_for_way_back(Micros local) {
+  const auto where = life_.membership->way_back();
+  if (!where && coming_.session && !coming_.node) coming_ = {};  // no need any more
+  if (coming_.session || local < try_again_ || !where || !where->is_set()) return;
+  SessionConfig c = config_.session;
+  c.join = *where;
+  c.seed = derive_seed(c.seed, 0xBAC, ++tries_);
+  c.patience = kReturnPatience;
+  coming_.session = std::make_unique<Session>(c, local);
+}
+
+Micros Participant::next_due() const {
+  Micros due = std::numeric_limits<Micros>::max();
+  for (const Life* life : {&life_, &coming_})
+    if (life->session) due = std::min(due, life->session->next_due());
+  return due;
+}
+
+Micros Participant::next_step() const {
+  return life_.session->local_at(tick_start(node().now() + 1));
+}
+
+void Participant::step(Vec2 target, Micros local) {
+  const Micros now = life_.session->session_now(local);
+  const Micros lateness = now - tick_start(node().now() + 1);
+  if (lateness > kHeldUp) life_.node->excuse_silence();
+  life_.node->step(target, lateness);
+  life_.membership->advance(local);
+  for (const Outgoing& o : life_.node->outgoing()) outgoing_.push_back({life_.session->roster()[o.to], o.to, o.bytes});
+  look_for_way_back(local);
+  collect(life_);
+  collect(coming_);
+}
+
+void Participant::leave() {
+  if (life_.node) {
+    life_.node->leave();
+    coming_ = {};
+  } else {
+    coming_.session->leave();
+    collect(coming_);
+  }
+}
+
+void Participant::collect(Life& life) {
+  if (!life.session) return;
+  for (SessionDatagram& d : life.session->take_outgoing()) outgoing_.push_back({d.to, kNoPeer, std::move(d.bytes)});
+  for (SessionNote& n : life.session->take_notes()) notes_.push_back(std::move(n));
+  if (!life.membership) return;
+  for (const MemberChange& c : life.membership->take_changes()) changes_.push_back(c);
+}
+
+std::vector<Parcel> Participant::take_outgoing() {
+  return std::exchange(outgoing_, {});
+}
+
+std::vector<SessionNote> Participant::take_notes() {
+  return std::exchange(notes_, {});
+}
+
+std::vector<MemberChange> Participant::take_changes() {
+  return std::exchange(changes_, {});
+}
+
+void Participant::finish() {
+  if (life_.node) life_.node->finish();
+}
+
+std::string first_difference(const sync::FoldState& ours, const sync::FoldState& theirs) {
+  const std::string where = "differ at tick " + std::to_string(ours.tick);
+  const std::size_t bodies = ours.authority.size();
+  for (std::size_t e = 0; e < ours.world.entities.size(); ++e) {
+    const world::Kinematics& a = ours.world.entities[e];
+    const world::Kinematics& b = theirs.world.entities[e];
+    const std::string who = (e < bodies ? " body " + std::to_string(e) : " avatar " + std::to_string(e - bodies));
+    const auto say = [&](const char* field, float x, float y) {
+      return where + " in" + who + "'s " + field + ": " + std::to_string(x) + " here, " + std::to_string(y) + " there";
+    };
+    if (a.position.x != b.position.x) return say("x (m)", a.position.x, b.position.x);
+    if (a.position.y != b.position.y) return say("y (m)", a.position.y, b.position.y);
+    if (a.angle != b.angle) return say("angle (rad)", a.angle, b.angle);
+    if (a.velocity.x != b.velocity.x) return say("x velocity (m/s)", a.velocity.x, b.velocity.x);
+    if (a.velocity.y != b.velocity.y) return say("y velocity (m/s)", a.velocity.y, b.velocity.y);
+    if (a.spin != b.spin) return say("spin (rad/s)", a.spin, b.spin);
+    if (a.sleep_time != b.sleep_time) return say("sleep time (s)", a.sleep_time, b.sleep_time);
+    if (a.awake != b.awake) return where + " in" + who + "'s being awake";
+  }
+  for (std::size_t b = 0; b < bodies; ++b) {
+    if (ours.authority[b] != theirs.authority[b]) return where + " in body " + std::to_string(b) + "'s authority";
+    if (ours.holds[b] != theirs.holds[b]) return where + " in who holds body " + std::to_string(b);
+  }
+  if (ours.members != theirs.members) return where + " in who is there";
+  if (ours.avatars != theirs.avatars) return where + " in an avatar's model";
+  if (ours.world.contacts != theirs.world.contacts) return where + " in the contacts' memory";
+  return "";
+}
+
+}  // namespace padr::node

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/node/session.h"
+
+namespace padr::node {
+
+struct ParticipantConfig {
+  SessionConfig session;
+  NodeConfig node;  ///< technique and fault; the rest is filled in
+  /// Where the n-th life of this peer (0, 1, ...) is recorded to; empty or nothing returned: nowhere.
+  std::function<std::optional<RecordedNode::Recording>(int life)> recording;
+  /// As Node's, besides the life it belongs to.
+  std::function<void(int life, const sync::FoldState& state, std::uint64_t hash)> on_confirmed;
+};
+
+/// A datagram for the shell to send.
+struct Parcel {
+  Endpoint to;
+  PeerId state_to = kNoPeer;  ///< the receiver's number, if it is a state datagram
+  wire::Bytes bytes;
+};
+
+/// A whole peer but for its clock, socket and input: comes together with others or into a running session, plays, and
+/// finds its way back when it was declared gone, fell out with the rest or met a larger side after a partition. Each
+/// time it begins a new life, with a fresh node that has taken over the agreed world; until that is in, the old one
+/// goes on.
+class Participant {
+ public:
+  /// `local`: microseconds on any monotonic clock of the caller's, the same for all calls.
+  Participant(const Scene& scene, ParticipantConfig config, Micros local);
+  ~Participant();
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+
+  void receive(const Endpoint& from, std::span<const std::byte> datagram, Micros local);
+  /// Upkeep besides the ticks; call at least whenever next_due() has come.
+  void advance(Micros local);
+  Micros next_due() const;
+
+  /// Whether there is a world to step.
+  bool playing() const { return life_.node != nullptr; }
+  /// Local time of the next step; only when playing.
+  Micros next_step() const;
+  /// One tick, with the avatar driven towards `target` (m).
+  void step(Vec2 target, Micros local);
+  /// Says goodbye: with the next step when playing, at once before.
+  void leave();
+
+  /// What to send, in order; empty afterwards.
+  std::vector<Parcel> take_outgoing();
+  std::vector<SessionNote> take_notes();
+  /// Who came and went, since the last call.
+  std::vector<MemberChange> take_changes();
+
+  /// Of the present life.
+  const Node& node() const { return life_.node->node(); }
+  const RecordedNode& recorded() const { return *life_.node; }
+  const Session& session() const { return life_.session ? *life_.session : *coming_.session; }
+  Session& session() { return life_.session ? *life_.session : *coming_.session; }
+  /// Lives begun so far, less one.
+  int life() const { return lives_ - 1; }
+  bool returning() const { return playing() && coming_.session != nullptr; }
+  bool failed() const { return !life_.session && coming_.session->phase() == SessionPhase::kFailed; }
+  PeerId coordinator() const { return life_.membership->coordinator(); }
+  /// Ends the trace. Nothing may be called afterwards but the getters.
+  void finish();
+
+ private:
+  struct Life {
+    std::unique_ptr<Session> session;
+    std::unique_ptr<RecordedNode> node;
+    std::unique_ptr<Membership> membership;
+  };
+  void be_born(Micros local);
+  void begin_at_tick_0();
+  void begin_later(Micros local);
+  void watch(Life& life, Micros local);
+  void take_over();
+  void look_for_way_back(Micros local);
+  void collect(Life& life);
+  NodeConfig node_config(const Session& session) const;
+  Node::ConfirmedSink sink();
+
+  Scene scene_;
+  ParticipantConfig config_;
+  Life life_;    ///< the present one, once there is one
+  Life coming_;  ///< one that is being begun
+  int lives_ = 0;
+  Micros try_again_ = 0;
+  std::uint64_t tries_ = 0;
+  std::vector<Parcel> outgoing_;
+  std::vector<SessionNote> notes_;
+  std::vector<MemberChange> changes_;
+};
+
+/// In which tick, entity and field two confirmed states of the same tick differ first; empty if in none.
+std::string first_difference(const sync::FoldState& ours, const sync::FoldState& theirs);
+
+}  // namespace padr::node

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <optional>
+
+#include "common/node/node.h"
+#include "common/trace/trace_writer.h"
+
+namespace padr::node {
+
+/// A Node whose boundary is recorded: every input, every datagram in and out, what the live world was after every step
+/// and what was confirmed. Without a recording it is a Node and costs what a Node costs.
+///
+/// What is recorded is all that a Node depends on, so a fresh Node that is fed a trace does the same to the bit.
+class RecordedNode {
+ public:
+  struct Recording {
+    trace::Provenance provenance;
+    trace::ByteSink sink;  ///< called during construction and every other call but the getters
+  };
+
+  RecordedNode(const Scene& scene, const NodeConfig& config, std::optional<Recording> recording = {},
+               Node::ConfirmedSink on_confirmed = {});
+  /// One who comes while the session runs, as in Node.
+  RecordedNode(const Scene& scene, const NodeConfig& config, const sync::Transfer& start, Tick now,
+               std::optional<Recording> recording = {}, Node::ConfirmedSink on_confirmed = {});
+  // The node's sink points to this object.
+  RecordedNode(const RecordedNode&) = delete;
+  RecordedNode& operator=(const RecordedNode&) = delete;
+
+  // As in Node.
+  sync::DropReason receive(std::span<const std::byte> datagram, Micros now);
+  /// `lateness`: by how much the step began after the time of its tick, for the record only.
+  void step(Vec2 target, Micros lateness = 0);
+  const std::vector<Outgoing>& outgoing() const { return node_.outgoing(); }
+  void leave();
+  void order(const sync::Bundle& order);
+  void freeze(PeerId p, bool frozen);
+  void excuse_silence();
+  void give_up(PeerId p);
+  void locate(PeerId p, const Endpoint& at);
+  std::vector<MemberChange> take_changes() { return node_.take_changes(); }
+
+  const Node& node() const { return node_; }
+
+  /// Ends the trace as complete. Nothing may be called afterwards but the getters. `superseded`: the peer goes on in
+  /// another life.
+  void finish(bool superseded = false);
+
+ private:
+  Node::ConfirmedSink traced(bool authority, Node::ConfirmedSink sink);
+  void record_step(Vec2 target, Micros lateness);
+
+  std::optional<trace::TraceWriter> writer_;  ///< before the node, which confirms tick 0 while it is built
+  trace::LiveView view_;
+  bool leaving_ = false;
+  bool stepped_ = false;  ///< something has been shown
+  Node node_;
+};
+
+/// The header of a trace of a node built from these.
+trace::Header trace_header(const Scene& scene, const NodeConfig& config, const trace::Provenance& provenance);
+
+}  // namespace padr::node

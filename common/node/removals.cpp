@@ -1,0 +1,157 @@
+#include "common/node/removals.h"
+
+#include <algorithm>
+
+namespace padr::node {
+
+bool Removals::suspected(const Node& node, PeerId p) {
+  return node.unanswered(p) >= kSilence;
+}
+
+PeerId Removals::coordinator(const Node& node) const {
+  for (PeerId p = 0; p < node.config().slots; ++p) {
+    if (p == node.self()) {
+      if (node.member() && !node.leaving()) return p;
+    } else if (node.other(p).there() && !suspected(node, p) && !lost_.contains(p)) {
+      return p;
+    }
+  }
+  return kNoPeer;
+}
+
+void Removals::on_poll(PeerId from, const wire::Poll& poll, RecordedNode& node) {
+  if (coordinator(node.node()) != from) return;  // not ours to follow, or not yet
+  wire::Answer answer;
+  for (const wire::Seat& s : poll.lost) {
+    if (s.slot >= desk_.slots || s.slot == desk_.self || s.slot == from) continue;
+    const Neighbour& n = node.node().other(s.slot);
+    if (n.reachable() && n.incarnation == s.incarnation && !n.frozen) node.freeze(s.slot, true);
+    if (n.frozen) frozen_for_[s.slot] = from;
+    answer.lost.push_back({s.slot, s.incarnation, node.node().agreed().log().have(s.slot)});
+  }
+  if (!answer.lost.empty()) desk_.send(desk_.roster[from], answer);
+}
+
+void Removals::on_answer(PeerId from, const wire::Answer& answer) {
+  for (const wire::Seat& s : answer.lost) {
+    const auto it = lost_.find(s.slot);
+    if (it != lost_.end() && it->second.incarnation == s.incarnation) it->second.have[from] = s.have;
+  }
+}
+
+void Removals::on_fetch(PeerId from, const wire::Fetch& fetch, const Node& node) {
+  if (fetch.slot >= desk_.slots || !node.other(fetch.slot).frozen) return;
+  wire::Fetched f{fetch.slot, fetch.incarnation, node.agreed().log().of(fetch.slot, fetch.from)};
+  if (!f.updates.empty()) desk_.send(desk_.roster[from], f);
+}
+
+void Removals::on_fetched(const wire::Fetched& fetched, const Node& node) {
+  const auto it = lost_.find(fetched.slot);
+  if (it == lost_.end() || it->second.incarnation != fetched.incarnation) return;
+  for (const sync::Bundle& b : fetched.updates)
+    if (sync::admit(b, node.live().world().scene(), desk_.slots) == sync::DropReason::kNone)
+      it->second.fetched.emplace(b.index, b);
+}
+
+void Removals::thaw(RecordedNode& node) {
+  for (auto it = frozen_for_.begin(); it != frozen_for_.end();) {
+    const Node& n = node.node();
+    if (!n.other(it->first).frozen) {  // it is out, or somebody else sits there
+      it = frozen_for_.erase(it);
+    } else if (!n.other(it->second).reachable()) {  // who asked is gone, and so is the question
+      node.freeze(it->first, false);
+      it = frozen_for_.erase(it);
+    } else {
+      ++it;
+    }
+  }
+}
+
+void Removals::notice(RecordedNode& node) {
+  const Node& n = node.node();
+  for (PeerId p = 0; p < n.config().slots; ++p) {
+    if (p == desk_.self || !n.other(p).there() || !suspected(n, p) || lost_.contains(p)) continue;
+    if (coordinator(n) != desk_.self) return;
+    node.freeze(p, true);
+    lost_[p].incarnation = n.other(p).incarnation;
+    asked_ = n.now() - kAskAgain;
+    desk_.note("peer " + std::to_string(p) + " has been silent for " + std::to_string(kSilence / kTicksPerSecond) +
+                   " s: asking the others what they have of it",
+               true);
+  }
+}
+
+bool Removals::all_answered(const Node& node) const {
+  for (PeerId p = 0; p < node.config().slots; ++p) {
+    if (p == desk_.self || !node.other(p).reachable() || node.departed(p) || lost_.contains(p)) continue;
+    for (const auto& [slot, lost] : lost_)
+      if (!lost.have.contains(p)) return false;
+  }
+  return true;
+}
+
+void Removals::ask(const Node& node) {
+  if (node.now() - asked_ < kAskAgain) return;
+  asked_ = node.now();
+  wire::Poll poll;
+  for (const auto& [slot, lost] : lost_) poll.lost.push_back({slot, lost.incarnation, 0});
+  for (PeerId p = 0; p < node.config().slots; ++p)
+    if (p != desk_.self && node.other(p).reachable() && !lost_.contains(p)) desk_.send(desk_.roster[p], poll);
+}
+
+void Removals::advance(RecordedNode& node) {
+  thaw(node);
+  notice(node);
+  std::erase_if(lost_, [&](const auto& entry) { return !node.node().other(entry.first).frozen; });
+  if (lost_.empty() || ordered()) return;
+  if (!all_answered(node.node())) return ask(node.node());
+  for (auto& [p, lost] : lost_)
+    if (!gather(p, lost, node.node())) return;
+  bury(node);
+}
+
+bool Removals::ordered() const {
+  return std::any_of(lost_.begin(), lost_.end(), [](const auto& entry) { return entry.second.ordered; });
+}
+
+// Whether all is here that anybody has of it and somebody may lack.
+bool Removals::gather(PeerId p, Lost& lost, const Node& node) {
+  const sync::UpdateLog& log = node.agreed().log();
+  lost.least = lost.most = log.have(p);
+  PeerId who = desk_.self;
+  for (const auto& [q, have] : lost.have) {
+    lost.least = std::min(lost.least, have);
+    if (have > lost.most) who = q;
+    lost.most = std::max(lost.most, have);
+  }
+  for (const sync::Bundle& b : log.of(p, lost.least)) lost.fetched.emplace(b.index, b);
+  for (std::uint32_t i = lost.least; i < lost.most; ++i) {
+    const auto found = lost.fetched.find(i);
+    if (found != lost.fetched.end()) {
+      if (found->second.tick >= node.now()) return false;  // its clock was ahead
+      continue;
+    }
+    if (node.now() - asked_ >= kAskAgain && who != desk_.self) {
+      asked_ = node.now();
+      desk_.send(desk_.roster[who], wire::Fetch{p, lost.incarnation, i});
+    }
+    return false;
+  }
+  return true;
+}
+
+void Removals::bury(RecordedNode& node) {
+  sync::Bundle last;
+  for (auto& [p, lost] : lost_) {
+    for (std::uint32_t i = lost.least; i < lost.most; ++i) {
+      sync::Bundle order;
+      order.passed_on.push_back(lost.fetched.at(i));
+      node.order(order);
+    }
+    last.removals.push_back({p, lost.incarnation, lost.most});
+    lost.ordered = true;
+  }
+  node.order(last);
+}
+
+}  // namespace padr::node

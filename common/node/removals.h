@@ -1,0 +1,60 @@
+#pragma once
+
+#include <map>
+
+#include "common/node/recorded_node.h"
+#include "common/node/session_desk.h"
+
+namespace padr::node {
+
+/// How those who fall silent are declared gone, so that nobody's confirmed world ever has to be taken back.
+///
+/// The coordinator, the lowest living peer, asks all whom it hears how many of the lost peer's updates they have. Who
+/// answers takes nothing more from the lost one, so the longest answer is the end of its log. What anybody lacks of
+/// that the coordinator passes on in its own log, and then the removal with the end's number, at its present tick. All
+/// of it is delivered and repeated like any update. If the coordinator is lost meanwhile, the next one does it for
+/// both.
+class Removals {
+ public:
+  explicit Removals(SessionDesk& desk) : desk_(desk) {}
+
+  void on_poll(PeerId from, const wire::Poll& poll, RecordedNode& node);
+  void on_answer(PeerId from, const wire::Answer& answer);
+  void on_fetch(PeerId from, const wire::Fetch& fetch, const Node& node);
+  void on_fetched(const wire::Fetched& fetched, const Node& node);
+  /// Once a tick.
+  void advance(RecordedNode& node);
+
+  /// The lowest peer that lives as far as this one can tell.
+  PeerId coordinator(const Node& node) const;
+  /// Silent, one way or the other, for too long.
+  static bool suspected(const Node& node, PeerId p);
+  bool busy() const { return !lost_.empty(); }
+
+  static constexpr Tick kSilence = 3 * kTicksPerSecond;
+  static constexpr Tick kAskAgain = 6;
+
+ private:
+  struct Lost {
+    std::uint32_t incarnation = 0;
+    std::map<PeerId, std::uint32_t> have;           ///< by who has answered
+    std::map<std::uint32_t, sync::Bundle> fetched;  ///< by number
+    std::uint32_t least = 0;                        ///< somebody has no more than the updates below this
+    std::uint32_t most = 0;                         ///< nobody has any beyond these
+    bool ordered = false;
+  };
+  void thaw(RecordedNode& node);
+  void notice(RecordedNode& node);
+  bool all_answered(const Node& node) const;
+  void ask(const Node& node);
+  bool ordered() const;
+  bool gather(PeerId p, Lost& lost, const Node& node);
+  void bury(RecordedNode& node);
+
+  SessionDesk& desk_;
+  std::map<PeerId, Lost> lost_;          ///< as the coordinator
+  std::map<PeerId, PeerId> frozen_for_;  ///< as one who has answered: whom for
+  Tick asked_ = 0;
+};
+
+}  // namespace padr::node

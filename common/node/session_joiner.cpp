@@ -1,0 +1,157 @@
+#include "common/node/session_joiner.h"
+
+#include "common/model/rng.h"
+#include "common/node/session_objection.h"
+
+namespace padr::node {
+namespace {
+
+constexpr int kMostRedirects = 4;
+
+std::string seconds(Micros t) {
+  return std::to_string(t / kMicrosPerSecond) + " s";
+}
+
+}  // namespace
+
+Joiner::Joiner(SessionDesk& desk, Micros local) : desk_(desk), target_(*desk.config.join) {
+  std::uint64_t seed = desk.config.seed;
+  do {
+    nonce_ = splitmix64(seed);
+  } while (nonce_ == 0);
+  ask(local);
+}
+
+void Joiner::ask(Micros local) {
+  asked_ = local;
+  const SessionConfig& c = desk_.config;
+  desk_.send(target_, wire::Join{nonce_, c.scene_hash, c.fingerprint, c.authority, c.scenario});
+}
+
+void Joiner::on_join(const Endpoint& from, const wire::Join& join, Micros local) {
+  if (join.nonce == nonce_) {
+    if (desk_.phase == SessionPhase::kJoining)
+      desk_.fail("the peer to join, " + to_string(target_) + ", is this peer itself");
+    return;
+  }
+  if (desk_.phase != SessionPhase::kGathering || !desk_.may_answer(local)) return;  // it asks again
+  desk_.send(from, wire::Redirect{join.nonce, target_});
+  desk_.note("passed " + to_string(from) + " on to the founder at " + to_string(target_));
+}
+
+void Joiner::on_welcome(const Endpoint& from, const wire::Header& header, const wire::Welcome& welcome, Micros local) {
+  if (desk_.phase != SessionPhase::kJoining || from != target_ || welcome.nonce != nonce_ || header.session == 0)
+    return;
+  desk_.self = welcome.peer;
+  desk_.number = header.session;
+  desk_.slots = welcome.slots;
+  desk_.wanted = welcome.wanted;
+  desk_.incarnation = welcome.incarnation;
+  heard_ = local;
+  if (welcome.running) {
+    desk_.phase = SessionPhase::kEntering;
+    desk_.note("the session runs; comes in as peer " + std::to_string(desk_.self) + " by " + to_string(target_));
+    return;
+  }
+  desk_.phase = SessionPhase::kGathering;
+  desk_.note("joined " + to_string(target_) + " as peer " + std::to_string(desk_.self) + " of " +
+             std::to_string(desk_.wanted));
+  ping(local);
+}
+
+// Whoever we were passed on to may have crashed just now: then ask again where we asked first.
+void Joiner::start_over_if_unheard(Micros local) {
+  if (redirects_ == 0 || local - redirected_ < SessionPace::kUnheard) return;
+  target_ = *desk_.config.join;
+  redirects_ = 0;
+  ask(local);
+}
+
+void Joiner::on_redirect(const Endpoint& from, const wire::Redirect& redirect, Micros local) {
+  if (desk_.phase != SessionPhase::kJoining || from != target_ || redirect.nonce != nonce_) return;
+  if (++redirects_ > kMostRedirects) return desk_.fail("passed on from member to member, last by " + to_string(from));
+  redirected_ = local;
+  target_ = as_seen_from(redirect.founder, from);
+  desk_.note(to_string(from) + " passes us on to the founder at " + to_string(target_));
+  ask(local);
+}
+
+void Joiner::on_refuse(const Endpoint& from, const wire::Refuse& refuse) {
+  if (desk_.phase != SessionPhase::kJoining || from != target_ || refuse.nonce != nonce_) return;
+  desk_.fail("refused by " + to_string(from) + ": " + refuse.reason);
+}
+
+void Joiner::on_other_version(const Endpoint& from, int version) {
+  if (desk_.phase != SessionPhase::kJoining || from != target_) return;
+  desk_.fail("protocol version differs: " + std::to_string(version) + " at " + to_string(from) + ", " +
+             std::to_string(wire::kProtocolVersion) + " here");
+}
+
+void Joiner::on_pong(const Endpoint& from, const wire::Pong& pong, Micros local) {
+  // Only of our own recent pings, or the sample is nonsense.
+  if (from != target_ || desk_.phase < SessionPhase::kGathering) return;
+  if (pong.sent > local || local - pong.sent > SessionPace::kSilence || pong.sent < desk_.born) return;
+  heard_ = local;
+  desk_.present = pong.present;
+  offset_.add(pong.sent, pong.founder, local);
+  // Samples go on improving the clock until it is needed; from tick 0 on it is only ever steered.
+  if (desk_.phase == SessionPhase::kStarted && desk_.clock.now(local) < 0) desk_.clock.set(offset_.offset() - tick0_);
+}
+
+void Joiner::on_start(const Endpoint& from, const wire::Start& start, Micros local) {
+  if (from != target_ || offset_.samples() == 0 || static_cast<int>(start.members.size()) != desk_.wanted) return;
+  heard_ = local;
+  if (desk_.phase == SessionPhase::kGathering) {
+    for (const Endpoint& e : start.members) desk_.roster.push_back(as_seen_from(e, from));
+    desk_.roster[0] = from;
+    tick0_ = start.tick0;
+    desk_.clock.set(offset_.offset() - tick0_);
+    desk_.phase = SessionPhase::kStarted;
+  }
+  if (desk_.phase == SessionPhase::kStarted) desk_.send(target_, wire::Ready{offset_.round_trip(), true});
+}
+
+void Joiner::on_bye(const Endpoint& from, const wire::Bye& bye) {
+  if (desk_.phase != SessionPhase::kGathering || from != target_) return;
+  desk_.fail("the founder at " + to_string(from) + " has ended the session before its start: " + bye.reason);
+}
+
+void Joiner::ping(Micros local) {
+  pinged_ = local;
+  desk_.send(target_, wire::Ping{local});
+  if (agreed() && desk_.phase == SessionPhase::kGathering)
+    desk_.send(target_, wire::Ready{offset_.round_trip(), false});
+}
+
+void Joiner::advance(Micros local) {
+  if (desk_.phase == SessionPhase::kFailed || desk_.phase == SessionPhase::kEntering) return;
+  if (desk_.phase == SessionPhase::kStarted) {
+    if (desk_.clock.now(local) < 0 && local - pinged_ >= SessionPace::kPing) ping(local);
+    return;
+  }
+  give_up_if_late(local);
+  if (desk_.phase == SessionPhase::kJoining) start_over_if_unheard(local);
+  if (desk_.phase == SessionPhase::kJoining && local - asked_ >= SessionPace::kJoin) ask(local);
+  if (desk_.phase == SessionPhase::kGathering &&
+      local - pinged_ >= (agreed() ? SessionPace::kIdlePing : SessionPace::kPing))
+    ping(local);
+}
+
+void Joiner::give_up_if_late(Micros local) {
+  if (desk_.phase == SessionPhase::kGathering && local - heard_ > SessionPace::kSilence)
+    return desk_.fail("the founder at " + to_string(target_) + " has been silent for " +
+                      seconds(SessionPace::kSilence));
+  if (desk_.config.patience == 0 || local - desk_.born < desk_.config.patience) return;
+  const std::string within = " within " + seconds(desk_.config.patience);
+  if (desk_.phase == SessionPhase::kJoining) return desk_.fail("no answer from " + to_string(target_) + within);
+  const std::string reason =
+      "only " + std::to_string(desk_.present) + " of " + std::to_string(desk_.wanted) + " peers came" + within;
+  leave(reason);
+  desk_.fail(reason);
+}
+
+void Joiner::leave(const std::string& reason) {
+  if (desk_.phase == SessionPhase::kGathering) desk_.send(target_, wire::Bye{reason});
+}
+
+}  // namespace padr::node

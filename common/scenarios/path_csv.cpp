@@ -1,0 +1,163 @@
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <type_traits>
+
+#include "common/model/user_error.h"
+#include "common/scenarios/numbers.h"
+#include "common/scenarios/path.h"
+
+namespace padr::scenarios {
+namespace {
+
+constexpr std::size_t kMaxRows = 1'000'000;  // more than four hours at 60 Hz
+constexpr double kMaxSeconds = 1e10;         // wide enough for Unix time
+constexpr float kMaxMetres = 10'000;         // beyond any play area, and still exact to a millimetre as float
+constexpr std::string_view kBlanks = " \t";
+constexpr std::size_t kColumns = 3;
+constexpr std::array<std::string_view, kColumns> kNames{"t", "x", "y"};
+
+struct Field {
+  std::string_view text;  ///< without the blanks round it
+  std::size_t column = 1;
+};
+
+Field trimmed(std::string_view text, std::size_t column) {
+  const auto first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {{}, column};
+  text = text.substr(0, text.find_last_not_of(kBlanks) + 1);
+  return {text.substr(first), column + first};
+}
+
+/// What is quoted from a file, on one line and not too long.
+std::string quoted(std::string_view text) {
+  std::string result(1, '"');
+  for (const char c : text.substr(0, 40)) result += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
+  result += text.size() > 40 ? "...\"" : "\"";
+  return result;
+}
+
+/// The number that is all of `text`; infinite if too large to be one.
+template <typename Number>
+std::optional<Number> number(std::string_view text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc::invalid_argument || end != text.data() + text.size()) return std::nullopt;
+  if (error == std::errc::result_out_of_range) {
+    // Too small for a float is not wrong: it is as good as 0.
+    const bool tiny = std::is_same_v<Number, float> && std::abs(number<double>(text).value()) < 1;
+    return tiny ? Number{0} : std::numeric_limits<Number>::infinity();
+  }
+  return value;
+}
+
+class Reader {
+ public:
+  explicit Reader(std::string_view label) : label_(label) {}
+
+  std::vector<PathPoint> read(std::string_view text) {
+    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+    while (!text.empty()) {
+      const auto end = text.find('\n');
+      std::string_view line = text.substr(0, end);
+      text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+      ++line_;
+      if (line.ends_with('\r')) line.remove_suffix(1);
+      const Field content = trimmed(line, 1);
+      if (!content.text.empty() && !content.text.starts_with('#')) row(line);
+    }
+    if (points_.size() < 2) {
+      ++line_;
+      fail(1, "the file ends after " + std::to_string(points_.size()) + " rows, allowed: at least 2 rows t,x,y");
+    }
+    return std::move(points_);
+  }
+
+ private:
+  void row(std::string_view line) {
+    const std::array<Field, kColumns> fields = split(line);
+    if (first_) {
+      first_ = false;
+      if (is_header(fields)) return;
+    }
+    if (points_.size() == kMaxRows) {
+      fail(1, "one row too many, allowed: at most " + std::to_string(kMaxRows) + " rows");
+    }
+    PathPoint point;
+    point.seconds = value<double>(fields[0], 0, kMaxSeconds, "s");
+    point.position.x = value<float>(fields[1], 1, kMaxMetres, "m");
+    point.position.y = value<float>(fields[2], 2, kMaxMetres, "m");
+    if (!points_.empty() && point.seconds <= points_.back().seconds) {
+      fail(fields[0].column, "t is " + number_text(point.seconds) + " s, allowed: more than " +
+                                 number_text(points_.back().seconds) + " s, the t of the row before");
+    }
+    points_.push_back(point);
+  }
+
+  std::array<Field, kColumns> split(std::string_view line) const {
+    std::array<Field, kColumns> fields;
+    std::size_t count = 0;
+    std::size_t begin = 0;
+    for (;;) {
+      const auto comma = line.find(',', begin);
+      const auto end = comma == std::string_view::npos ? line.size() : comma;
+      if (count == kColumns) fail(begin + 1, "a fourth column, allowed: the three columns t,x,y");
+      fields[count++] = trimmed(line.substr(begin, end - begin), begin + 1);
+      if (comma == std::string_view::npos) break;
+      begin = comma + 1;
+    }
+    if (count < kColumns) {
+      fail(line.size() + 1, std::string(kNames[count]) + " is missing, allowed: the three columns t,x,y");
+    }
+    return fields;
+  }
+
+  bool is_header(const std::array<Field, kColumns>& fields) const {
+    if (number<double>(fields[0].text)) return false;
+    for (std::size_t i = 0; i < kColumns; ++i) {
+      if (fields[i].text == kNames[i]) continue;
+      fail(fields[i].column,
+           quoted(fields[i].text) + " in the first line, allowed: the header t,x,y or a row of numbers");
+    }
+    return true;
+  }
+
+  template <typename Number>
+  Number value(const Field& field, std::size_t index, Number limit, const char* unit) const {
+    const std::optional<Number> v = number<Number>(field.text);
+    if (!v || !std::isfinite(*v) || *v < -limit || *v > limit) {
+      fail(field.column, std::string(kNames[index]) + " is " + quoted(field.text) + (v ? "" : ", not a number") +
+                             ", allowed: " + number_text(-limit) + " .. " + number_text(limit) + " " + unit);
+    }
+    return *v;
+  }
+
+  [[noreturn]] void fail(std::size_t column, const std::string& message) const {
+    throw UserError(label_ + ":" + std::to_string(line_) + ":" + std::to_string(column) + ": " + message);
+  }
+
+  std::string label_;
+  std::size_t line_ = 0;
+  bool first_ = true;
+  std::vector<PathPoint> points_;
+};
+
+}  // namespace
+
+Path parse_path_csv(std::string_view text, std::string_view label) {
+  return Path(Reader(label).read(text));
+}
+
+std::string write_path_csv(const Path& path) {
+  std::string text = "t,x,y\n";
+  for (const PathPoint& p : path.points()) {
+    text += number_text(p.seconds) + ",";
+    text += number_text(p.position.x) + ",";
+    text += number_text(p.position.y) + "\n";
+  }
+  return text;
+}
+
+}  // namespace padr::scenarios

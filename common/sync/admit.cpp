@@ -1,0 +1,88 @@
+#include "common/sync/admit.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace padr::sync {
+namespace {
+
+struct Checker {
+  const Scene& scene;
+  int slots;
+  const AdmitLimits& limits;
+
+  bool place(Vec2 p) const {
+    return is_finite(p) && p.x >= scene.lower.x - limits.margin && p.x <= scene.upper.x + limits.margin &&
+           p.y >= scene.lower.y - limits.margin && p.y <= scene.upper.y + limits.margin;
+  }
+  bool speed(Vec2 v) const { return is_finite(v) && length(v) <= limits.max_speed; }
+
+  bool avatar(const AvatarUpdate& u) const {
+    // Targets may lie anywhere a pointer may be; accelerations are bounded by the force over a step, generously.
+    const bool control = is_finite(u.control) && length(u.control) <= limits.max_control;
+    const bool at_rest_is_still = u.awake || u.velocity == Vec2{};
+    return place(u.position) && speed(u.velocity) && control && at_rest_is_still;
+  }
+  bool body(const BodyState& s) const {
+    const bool turn = std::isfinite(s.angle) && std::abs(s.angle) <= limits.max_angle && std::isfinite(s.spin) &&
+                      std::abs(s.spin) <= limits.max_spin;
+    return place(s.position) && speed(s.velocity) && turn;
+  }
+};
+
+// Incarnations and numbers grow by one at a time: 2^30 of either take years.
+constexpr std::uint32_t kMost = 1U << 30U;
+
+bool is_admission(const Admission& a, const Checker& check) {
+  return a.slot < check.slots && a.incarnation > 0 && a.incarnation < kMost && a.first < kMost && a.at.is_set() &&
+         a.have.size() == static_cast<std::size_t>(check.slots) &&
+         std::all_of(a.have.begin(), a.have.end(), [](std::uint32_t have) { return have < kMost; });
+}
+
+bool is_removal(const Removal& r, const Checker& check) {
+  return r.slot < check.slots && r.incarnation < kMost && r.count < kMost;
+}
+
+DropReason check_bundle(const Bundle& b, const Checker& check) {
+  if (b.admission && (!is_admission(*b.admission, check) || b.admission->slot == b.peer)) return DropReason::kValue;
+  for (const Removal& r : b.removals)
+    if (!is_removal(r, check) || r.slot == b.peer) return DropReason::kValue;
+  for (const Bundle& p : b.passed_on) {
+    if (p.peer >= check.slots || p.peer == b.peer || p.index >= kMost || p.tick < 0 || p.tick > b.tick)
+      return DropReason::kValue;
+    if (const DropReason why = check_bundle(p, check); why != DropReason::kNone) return why;
+  }
+  for (const BodyUpdate& u : b.bodies) {
+    if (u.body >= check.scene.bodies.size()) return DropReason::kEntity;
+    if (!u.has_state) continue;
+    // Epochs grow by one a claim: 2^30 of them would take a session of years.
+    if (u.epoch == 0 || u.epoch > (1U << 30U) || u.claimed < 0 || u.claimed > b.tick) return DropReason::kValue;
+    if (!check.body(u.state)) return DropReason::kValue;
+  }
+  return b.avatar && !check.avatar(*b.avatar) ? DropReason::kValue : DropReason::kNone;
+}
+
+}  // namespace
+
+DropReason admit(const StatePacket& p, const Scene& scene, int slots, Tick now, const AdmitLimits& limits) {
+  if (p.mark_tick > now + limits.max_ahead) return DropReason::kTick;
+  const Checker check{scene, slots, limits};
+  for (std::size_t i = 0; i < p.updates.size(); ++i) {
+    const Bundle& b = p.updates[i];
+    if (b.index >= p.mark_count || b.tick > p.mark_tick || b.tick < 0) return DropReason::kOrder;
+    if (i > 0 && (b.index <= p.updates[i - 1].index || b.tick <= p.updates[i - 1].tick)) return DropReason::kOrder;
+    const DropReason why = check_bundle(b, check);
+    if (why != DropReason::kNone) return why;
+  }
+  return DropReason::kNone;
+}
+
+DropReason admit(const Bundle& bundle, const Scene& scene, int slots, const AdmitLimits& limits) {
+  return check_bundle(bundle, Checker{scene, slots, limits});
+}
+
+bool believable(const BodyState& state, const Scene& scene, const AdmitLimits& limits) {
+  return Checker{scene, 0, limits}.body(state);
+}
+
+}  // namespace padr::sync

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "common/model/scene.h"
+#include "common/sync/packet.h"
+
+namespace padr::sync {
+
+/// Why something that a peer sent was dropped. Counted, never asserted.
+enum class DropReason : std::uint8_t {
+  kNone,
+  kSeal,       ///< too short or long, wrong magic, version or tag
+  kForeign,    ///< another session, or an address that is no member
+  kMalformed,  ///< does not decode
+  kDuplicate,  ///< a datagram that has been here already
+  kTick,       ///< a tick outside what is believable now
+  kOrder,      ///< updates whose numbers and ticks contradict one another or an earlier promise
+  kEntity,     ///< no such body, or one told of twice
+  kValue,      ///< not finite, outside the world, or faster than anything here can be
+};
+inline constexpr std::size_t kDropReasons = 9;
+inline constexpr std::array<std::string_view, kDropReasons> kDropNames{
+    "none", "seal", "foreign", "malformed", "duplicate", "tick", "order", "entity", "value"};
+
+/// Limits of what is believed: Box2D asserts, and so aborts, on what is not finite, and loses precision far out.
+struct AdmitLimits {
+  float margin = 20;           ///< m beyond the scene's corners
+  float max_speed = 121;       ///< m/s: Box2D's own limit is 2 m a step, 120 at 60 Hz, give or take its rounding
+  float max_spin = 95;         ///< rad/s: a quarter turn a step, 94.2, likewise
+  float max_angle = 1.0e5F;    ///< rad
+  float max_control = 1.0e4F;  ///< an avatar's target point, m, or acceleration, m/s^2, from zero
+  Tick max_ahead = 120;        ///< ticks a sender's clock may lead ours
+};
+
+/// Whether a decoded packet of a session of so many slots, whose present tick is `now`, may be believed; kNone if so.
+DropReason admit(const StatePacket& packet, const Scene& scene, int slots, Tick now, const AdmitLimits& limits = {});
+
+/// The same of a single update, whose number and tick are another's to judge.
+DropReason admit(const Bundle& bundle, const Scene& scene, int slots, const AdmitLimits& limits = {});
+/// Whether physics can take it.
+bool believable(const BodyState& state, const Scene& scene, const AdmitLimits& limits = {});
+
+}  // namespace padr::sync

@@ -1,0 +1,202 @@
+#include "common/sync/agreed_world.h"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+
+namespace padr::sync {
+namespace {
+
+// Ticks of predicted that are kept for rewinding: 8.5 s, well past any delay of a link that is worth playing over.
+// Older updates are served by folding anew from confirmed, which costs more and loses nothing.
+constexpr std::size_t kKeptTicks = 512;
+constexpr Tick kClean = std::numeric_limits<Tick>::max();
+
+}  // namespace
+
+AgreedWorld::AgreedWorld(const Scene& scene, const AgreedConfig& config, ConfirmedSink on_confirmed)
+    : config_(config),
+      on_confirmed_(std::move(on_confirmed)),
+      log_(config.slots),
+      predicted_(scene, config.slots, config.peers, config.authority),
+      ring_(config.replay ? kKeptTicks : 0),
+      dirty_(kClean) {
+  if (!config.replay) follower_ = std::make_unique<Fold>(scene, config.slots, config.peers, config.authority);
+  for (PeerId p = 0; p < config.peers; ++p) log_.begin(p, 0, -1);
+  begin();
+}
+
+AgreedWorld::AgreedWorld(const Scene& scene, const AgreedConfig& config, const Transfer& start,
+                         ConfirmedSink on_confirmed)
+    : config_(config),
+      on_confirmed_(std::move(on_confirmed)),
+      log_(config.slots),
+      predicted_(scene, config.slots, 0, config.authority),
+      ring_(config.replay ? kKeptTicks : 0),
+      dirty_(kClean),
+      in_(false) {
+  predicted_.restore(start.state);
+  if (!config.replay) {
+    follower_ = std::make_unique<Fold>(scene, config.slots, 0, config.authority);
+    follower_->restore(start.state);
+  }
+  for (PeerId p = 0; p < config.slots; ++p)
+    log_.begin(p, start.slots[p].first, start.state.members[p].present ? start.state.tick - 1 : kClean);
+  begin();
+}
+
+void AgreedWorld::begin() {
+  predicted_.save(current_);
+  confirmed_ = current_;
+  for (FoldState& s : ring_) s.tick = -1;
+  if (config_.replay) {
+    kept(now()) = current_;
+  } else {
+    const auto slots = static_cast<std::size_t>(config_.slots);
+    newest_avatar_.assign(slots, -1);
+    newest_body_.assign(slots, std::vector<Tick>(static_cast<std::size_t>(predicted_.world().bodies()), -1));
+  }
+  log_.prune(now(), now());
+  announce(confirmed_);
+}
+
+bool AgreedWorld::insert(const Bundle& bundle) {
+  if (!log_.insert(bundle)) return false;
+  if (config_.replay) {
+    if (bundle.tick <= now()) dirty_ = std::min(dirty_, bundle.tick);
+  } else {
+    arrived_.push_back(bundle);
+  }
+  return true;
+}
+
+void AgreedWorld::close(PeerId peer, std::uint32_t count) {
+  const Tick changed = log_.close(peer, count);
+  if (config_.replay && changed <= now()) dirty_ = std::min(dirty_, changed);
+  std::erase_if(arrived_, [&](const Bundle& b) { return b.peer == peer && b.index >= count; });
+}
+
+void AgreedWorld::enter(Tick since) {
+  log_.open(config_.self, since);
+  in_ = true;
+}
+
+const FoldState* AgreedWorld::confirmed_at(Tick t) const {
+  if (t < 0 || t > confirmed_.tick || ring_.empty()) return nullptr;
+  const FoldState& s = ring_[static_cast<std::size_t>(t) % ring_.size()];
+  return s.tick == t ? &s : nullptr;
+}
+
+void AgreedWorld::apply_known(Tick t) {
+  if (t == config_.fault.tick) predicted_.disturb(config_.fault.entity, config_.fault.by);
+  for (const Bundle& b : log_.at(t)) refused_ += static_cast<std::uint64_t>(predicted_.apply(b));
+}
+
+void AgreedWorld::advance_predicted() {
+  predicted_.step();
+  if (!config_.replay) return;
+  predicted_.save(kept(now()));
+  apply_known(now());
+}
+
+void AgreedWorld::rewind_to(Tick t) {
+  const Tick target = now();
+  predicted_.restore(is_kept(t) ? kept(t) : confirmed_);
+  if (!is_kept(now())) predicted_.save(kept(now()));
+  apply_known(now());
+  while (now() < target) {
+    advance_predicted();
+    ++replayed_steps_;
+  }
+}
+
+bool AgreedWorld::catch_up() {
+  if (config_.replay) {
+    if (dirty_ == kClean) return false;
+    rewind_to(dirty_);
+    dirty_ = kClean;
+  } else {
+    if (arrived_.empty()) return false;
+    for (const Bundle& b : arrived_) arrive(b);
+    arrived_.clear();
+  }
+  predicted_.save(current_);
+  return true;
+}
+
+// As if true now, but never an older word on an entity after a newer one of the same peer.
+void AgreedWorld::arrive(const Bundle& bundle) {
+  Bundle b = bundle;
+  if (b.leave) newest_avatar_[b.peer] = kClean;
+  if (b.admission) {
+    newest_avatar_[b.admission->slot] = -1;
+    newest_body_[b.admission->slot].assign(newest_body_[b.admission->slot].size(), -1);
+  }
+  if (b.avatar && b.tick <= newest_avatar_[b.peer] && !b.leave) b.avatar.reset();
+  if (b.avatar) newest_avatar_[b.peer] = b.tick;
+  std::vector<Tick>& newest = newest_body_[b.peer];
+  std::erase_if(b.bodies, [&](const BodyUpdate& u) { return b.tick <= newest[u.body]; });
+  for (const BodyUpdate& u : b.bodies) newest[u.body] = b.tick;
+  b.tick = now();
+  refused_ += static_cast<std::uint64_t>(predicted_.apply(b));
+}
+
+void AgreedWorld::step() {
+  catch_up();
+  advance_predicted();
+  if (config_.replay && log_.at(now()).empty()) {
+    current_ = kept(now());
+  } else {
+    predicted_.save(current_);
+  }
+}
+
+Tick AgreedWorld::complete_tick() const {
+  Tick t = now();
+  for (PeerId p = 0; p < config_.slots; ++p)
+    if (p != config_.self || !in_ || log_.waits(p)) t = std::min(t, log_.complete(p));
+  return t;
+}
+
+void AgreedWorld::confirm() {
+  assert(dirty_ == kClean);
+  // The state at the begin of tick t rests on the updates of all ticks below t.
+  const Tick upto = std::min(complete_tick(), now() - 1) + 1;
+  if (upto <= confirmed_.tick) return;
+  if (config_.replay && is_kept(confirmed_.tick + 1)) {
+    confirm_from_kept(upto);
+  } else {
+    confirm_by_folding(upto);
+  }
+  log_.prune(confirmed_.tick, keep_);
+}
+
+void AgreedWorld::confirm_from_kept(Tick upto) {
+  for (Tick t = confirmed_.tick + 1; t <= upto; ++t) announce(kept(t));
+  confirmed_ = kept(upto);
+}
+
+// Without replay: the follower. With it: confirmed lags by more than is kept, so its ticks are folded once more.
+void AgreedWorld::confirm_by_folding(Tick upto) {
+  Fold& fold = config_.replay ? predicted_ : *follower_;
+  if (config_.replay) fold.restore(confirmed_);
+  while (fold.tick() < upto) {
+    for (const Bundle& b : log_.at(fold.tick())) fold.apply(b);
+    fold.step();
+    fold.save(confirmed_);
+    announce(confirmed_);
+  }
+  if (!config_.replay) return;
+  apply_known(fold.tick());
+  while (fold.tick() < current_.tick) {
+    advance_predicted();
+    ++replayed_steps_;
+  }
+}
+
+void AgreedWorld::announce(const FoldState& s) {
+  confirmed_hash_ = hash_of(s);
+  if (on_confirmed_) on_confirmed_(s, confirmed_hash_);
+}
+
+}  // namespace padr::sync

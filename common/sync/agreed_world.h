@@ -1,0 +1,114 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "common/sync/fold.h"
+#include "common/sync/transfer.h"
+#include "common/sync/update_log.h"
+
+namespace padr::sync {
+
+/// For tests only: something that must never happen. At `tick`, and whenever that tick is folded again, `entity` is
+/// found `by` metres from where it is.
+struct Fault {
+  Tick tick = -1;
+  EntityId entity = 0;
+  Vec2 by;
+};
+
+struct AgreedConfig {
+  int slots = 0;  ///< avatar slots of the session
+  int peers = 0;  ///< at tick 0: 0 .. peers-1; unused when beginning later
+  PeerId self = 0;
+  bool authority = true;
+  bool replay = true;
+  Fault fault;
+};
+
+/// The two views of the agreed world that a peer keeps.
+///
+/// *Predicted* is the fold up to now with every update known so far. With replay, an update that arrives late rewinds
+/// it to the tick it belongs to and replays; since a step depends on nothing but the state that is kept of every tick,
+/// what comes out is what would have come out had the update never been late. Without replay (the paper) updates are
+/// applied when they arrive, as if true now.
+///
+/// *Confirmed* is the fold up to the newest tick for which everybody's updates are complete; it never goes back and is
+/// the same on every peer. With replay it is not a world of its own but the state kept of that tick, which is final
+/// from then on; without replay it is a second fold that follows behind.
+class AgreedWorld {
+ public:
+  /// Called once for every tick that becomes confirmed, in order, beginning with tick 0.
+  using ConfirmedSink = std::function<void(const FoldState&, std::uint64_t hash)>;
+
+  /// From tick 0 on.
+  AgreedWorld(const Scene& scene, const AgreedConfig& config, ConfirmedSink on_confirmed);
+  /// From where another one is, the tail not filed yet, and not yet a part of it.
+  AgreedWorld(const Scene& scene, const AgreedConfig& config, const Transfer& start, ConfirmedSink on_confirmed);
+
+  /// Files an update, own or foreign; false if it was known. Foreign ones take effect in the next catch_up.
+  bool insert(const Bundle& bundle);
+  const UpdateLog& log() const { return log_; }
+  /// As in UpdateLog.
+  void mark(PeerId peer, Tick tick, std::uint32_t count) { log_.mark(peer, tick, count); }
+  void close(PeerId peer, std::uint32_t count);
+  void open(PeerId peer, Tick since) { log_.open(peer, since); }
+  /// As open, of the own slot.
+  void enter(Tick since);
+  /// Confirmed updates of ticks from `tick` on are kept, for those who may lack them.
+  void keep_from(Tick tick) { keep_ = tick; }
+
+  /// Brings predicted up to date with all that has been filed; false if it was already.
+  bool catch_up();
+  /// Advances predicted by one tick.
+  void step();
+  /// Advances confirmed as far as the log is complete; own updates are complete up to the present tick.
+  void confirm();
+
+  Tick now() const { return predicted_.tick(); }
+  const Fold& predicted() const { return predicted_; }
+  /// Predicted as of now, with the updates of this tick.
+  const FoldState& predicted_state() const { return current_; }
+  const FoldState& confirmed() const { return confirmed_; }
+  /// The confirmed state of a tick, while it is kept; null otherwise, and always without replay.
+  const FoldState* confirmed_at(Tick t) const;
+  std::uint64_t confirmed_hash() const { return confirmed_hash_; }
+
+  std::uint64_t replayed_steps() const { return replayed_steps_; }
+  std::uint64_t refused_bodies() const { return refused_; }
+
+ private:
+  void begin();
+  FoldState& kept(Tick t) { return ring_[static_cast<std::size_t>(t) % ring_.size()]; }
+  bool is_kept(Tick t) { return kept(t).tick == t; }
+  void apply_known(Tick t);
+  void advance_predicted();
+  void rewind_to(Tick t);
+  void arrive(const Bundle& bundle);
+  Tick complete_tick() const;
+  void announce(const FoldState& s);
+  void confirm_from_kept(Tick upto);
+  void confirm_by_folding(Tick upto);
+
+  AgreedConfig config_;
+  ConfirmedSink on_confirmed_;
+  UpdateLog log_;
+  Fold predicted_;
+  FoldState current_;
+  std::vector<FoldState> ring_;      ///< with replay: predicted at the begin of recent ticks, before their updates
+  Tick dirty_;                       ///< earliest tick whose updates have changed since predicted was computed
+  std::vector<Bundle> arrived_;      ///< without replay: not yet applied
+  std::vector<Tick> newest_avatar_;  ///< without replay: by peer
+  std::vector<std::vector<Tick>> newest_body_;  ///< without replay: by peer, then body
+  std::unique_ptr<Fold> follower_;              ///< without replay: confirmed's own world
+  FoldState confirmed_;
+  std::uint64_t confirmed_hash_ = 0;
+  std::uint64_t replayed_steps_ = 0;
+  std::uint64_t refused_ = 0;
+  Tick keep_ = 0;
+  bool in_ = true;  ///< the own slot's updates are this peer's
+};
+
+}  // namespace padr::sync

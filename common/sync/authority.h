@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+
+#include "common/model/ids.h"
+
+namespace padr::sync {
+
+/// Who may say what a body's state is.
+struct Authority {
+  PeerId owner = kNoPeer;  ///< who claimed this epoch; kNoPeer before the first claim
+  bool released = true;    ///< the owner has given it up since: nobody owns the body, the epoch still counts
+  std::uint32_t epoch = 0;
+  Tick claimed = 0;  ///< tick of the claim
+  friend bool operator==(const Authority&, const Authority&) = default;
+
+  /// The present owner, or kNoPeer.
+  PeerId holder() const { return released ? kNoPeer : owner; }
+};
+
+/// Whether `claim` beats `present` for `body`. In plain words: the higher epoch wins; of two claims of the same epoch
+/// the one made at the earlier tick; of two made at the same tick the one with the smaller hash of (peer, body,
+/// epoch), which favours nobody. The same owner's further updates in its epoch are not contests: they pass.
+/// A total order, so all peers agree whatever order claims arrive in.
+bool wins(const Authority& claim, const Authority& present, EntityId body);
+
+}  // namespace padr::sync

@@ -1,0 +1,56 @@
+#include "common/sync/contact_chain.h"
+
+#include <algorithm>
+
+namespace padr::sync {
+
+ContactChain::ContactChain(int bodies, EntityId avatar, Tick patience)
+    : avatar_(avatar),
+      patience_(patience),
+      direct_(static_cast<std::size_t>(bodies), kNever),
+      chain_(static_cast<std::size_t>(bodies), kNever) {}
+
+void reach(const std::vector<Contact>& contacts, int bodies, std::vector<char>& marked) {
+  for (bool grew = true; grew;) {
+    grew = false;
+    for (const Contact& c : contacts) {
+      if (marked[c.first] == marked[c.second]) continue;
+      const EntityId next = marked[c.first] != 0 ? c.second : c.first;
+      if (next >= bodies) continue;
+      marked[next] = 1;
+      grew = true;
+    }
+  }
+}
+
+ChainChanges ContactChain::update(const std::vector<Contact>& contacts, Tick now) {
+  ChainChanges changes;
+  const auto bodies = static_cast<int>(direct_.size());
+  reached_.assign(direct_.size() + 64, 0);
+  reached_[avatar_] = 1;
+  reach(contacts, bodies, reached_);
+  const auto touches = [&](EntityId b) {
+    return std::binary_search(contacts.begin(), contacts.end(), Contact{b, avatar_});
+  };
+  for (EntityId b = 0; b < bodies; ++b) {
+    Tick& direct = direct_[b];
+    if (reached_[b] != 0 && touches(b)) {
+      if (direct == kNever) changes.begun.push_back(b);
+      direct = now;
+    } else if (direct != kNever && now - direct > patience_) {
+      direct = kNever;
+      changes.ended.push_back(b);
+    }
+    Tick& link = chain_[b];
+    if (reached_[b] != 0) {
+      if (link == kNever && direct == kNever) changes.joined.push_back(b);
+      link = now;
+    } else if (link != kNever && now - link > patience_) {
+      link = kNever;
+      changes.left.push_back(b);
+    }
+  }
+  return changes;
+}
+
+}  // namespace padr::sync

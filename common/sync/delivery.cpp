@@ -1,0 +1,136 @@
+#include "common/sync/delivery.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace padr::sync {
+namespace {
+
+// With nothing to tell, a mark goes out this often: it moves confirmed on and carries acknowledgements.
+constexpr Tick kMarkInterval = 15;  // 250 ms
+// Where next to nothing gets lost, acknowledgements are not urgent, and there is nothing else a mark is needed for.
+constexpr Tick kCalmMarkInterval = 45;  // 750 ms
+// A promised update that has not come is asked for after this long: jitter reorders, and asking costs a datagram.
+constexpr Tick kGapPatience = 3;
+// Datagrams whose time of sending is remembered for round trips: 4 s at one a tick.
+constexpr std::size_t kRemembered = 256;
+// An update goes along with the next datagram if it is unacknowledged after this long, once.
+constexpr Tick kEcho = 2;
+// But only where at least this many per cent get lost: elsewhere it is waste.
+constexpr std::uint32_t kLossy = 2;
+// Where this many per cent get lost, the second copy does not wait for company: every fourth update that comes a round
+// trip late costs more than its datagram.
+constexpr std::uint32_t kVeryLossy = 15;
+constexpr Tick kEchoAlone = 3;
+
+}  // namespace
+
+bool OutLink::arrived(std::uint32_t index) const {
+  if (index < acked_) return true;
+  const std::uint32_t beyond = index - acked_ - 1;
+  return index > acked_ && beyond < 32 && (acked_beyond_ & (1U << beyond)) != 0;
+}
+
+OutLink::Flight& OutLink::flight(std::uint32_t index) {
+  const std::size_t i = index - acked_;
+  while (flights_.size() <= i) flights_.emplace_back();
+  return flights_[i];
+}
+
+// Lost: something sent clearly later has arrived, or it is overdue.
+bool OutLink::lost(const Flight& f, Tick now) const {
+  const auto slack = static_cast<Tick>(std::ceil(rttvar_));
+  const auto timeout = static_cast<Tick>(std::ceil(srtt_ + 4 * rttvar_)) + interval_ + 1;
+  return newest_seen_sent_ > f.sent + slack || now - f.sent > timeout * std::min(f.times, 4);
+}
+
+std::optional<StatePacket> OutLink::compose(const Context& c, const std::deque<Bundle>& own, std::uint32_t first,
+                                            const std::function<std::size_t(const Bundle&)>& size_of,
+                                            std::size_t room) {
+  const auto end = first + static_cast<std::uint32_t>(own.size());
+  interval_ = c.calm && loss_ < kLossy ? kCalmMarkInterval : kMarkInterval;
+  bool urgent = false;
+  std::vector<std::uint32_t> repeats;
+  std::vector<std::uint32_t> chosen;
+  std::size_t used = 0;
+  const auto fits = [&](std::uint32_t i) {
+    const std::size_t n = size_of(own[i - first]);
+    if (used + n > room) return false;
+    used += n;
+    return true;
+  };
+  for (std::uint32_t i = end; i-- > std::max(acked_, first);) {  // newest first: it matters most to what is seen
+    if (arrived(i)) continue;
+    const Flight& f = flight(i);
+    const bool alone = loss_ >= kVeryLossy && f.times == 1 && c.now - f.sent >= kEchoAlone;
+    const bool must = f.times == 0 || alone || lost(f, c.now);
+    if (must && fits(i)) {
+      urgent = true;
+      chosen.push_back(i);
+    } else if (!must && loss_ >= kLossy && f.times == 1 && c.now - f.sent >= kEcho) {
+      repeats.push_back(i);
+    }
+  }
+  gap_since_ = c.gap ? (gap_since_ < 0 ? c.now : gap_since_) : -1;
+  const bool ask = gap_since_ >= 0 && c.now - gap_since_ >= kGapPatience && c.now - last_sent_ >= kGapPatience;
+  if (!urgent && !ask && c.now - last_sent_ < interval_) return std::nullopt;
+
+  for (const std::uint32_t i : repeats)
+    if (fits(i)) chosen.push_back(i);
+  StatePacket p;
+  p.seq = ++seq_;
+  p.mark_tick = c.now;
+  p.mark_count = end;
+  p.have = c.have;
+  p.have_beyond = c.have_beyond;
+  p.seen_seq = heard_seq_;
+  p.seen_age = static_cast<std::uint32_t>(std::max(0, c.now - heard_at_));
+  std::sort(chosen.begin(), chosen.end());
+  for (const std::uint32_t i : chosen) {
+    Flight& f = flight(i);
+    if (f.times > 0) ++repeats_;
+    f.sent = c.now;
+    ++f.times;
+    p.updates.push_back(own[i - first]);
+  }
+  sent_at_.push_back(c.now);
+  if (sent_at_.size() > kRemembered) sent_at_.pop_front();
+  last_sent_ = c.now;
+  return p;
+}
+
+void OutLink::on_packet(const StatePacket& p, Tick now) {
+  if (p.seq > heard_seq_) {
+    if (p.updates.empty()) loss_ = p.loss;
+    heard_seq_ = p.seq;
+    heard_at_ = now;
+  }
+  if (p.have > acked_) {
+    for (std::uint32_t i = acked_; i < p.have && !flights_.empty(); ++i) flights_.pop_front();
+    acked_ = p.have;
+    acked_beyond_ = p.have_beyond;
+  } else if (p.have == acked_) {
+    acked_beyond_ |= p.have_beyond;
+  }
+  if (p.seen_seq <= newest_seen_ || p.seen_seq > seq_) return;
+  newest_seen_ = p.seen_seq;
+  const std::uint32_t back = seq_ - p.seen_seq;
+  if (back >= sent_at_.size()) return;
+  newest_seen_sent_ = sent_at_[sent_at_.size() - 1 - back];
+  sample(static_cast<float>(now - newest_seen_sent_) - static_cast<float>(p.seen_age));
+}
+
+// RFC 6298, in ticks.
+void OutLink::sample(float rtt) {
+  rtt = std::max(0.0F, rtt);
+  if (!measured_) {
+    measured_ = true;
+    srtt_ = rtt;
+    rttvar_ = rtt / 2;
+    return;
+  }
+  rttvar_ += (std::abs(srtt_ - rtt) - rttvar_) / 4;
+  srtt_ += (rtt - srtt_) / 8;
+}
+
+}  // namespace padr::sync

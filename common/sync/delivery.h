@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "common/sync/packet.h"
+#include "common/sync/update_log.h"
+
+namespace padr::sync {
+
+/// When and what to send on one directed link, so that its receiver gets every update of ours, soon, and with few
+/// bytes: new updates at once, unacknowledged ones once more with whatever goes out next, lost ones again as soon as
+/// their loss shows, and a mark now and then when there is nothing to say.
+class OutLink {
+ public:
+  /// `acked`: the receiver has our updates below this already.
+  explicit OutLink(std::uint32_t acked) : acked_(acked) {}
+  OutLink() = default;
+
+  /// What this peer says on the link besides its updates.
+  struct Context {
+    Tick now = 0;
+    std::uint32_t have = 0;  ///< of the receiver's updates
+    std::uint32_t have_beyond = 0;
+    bool gap = false;   ///< the receiver has promised updates that are not here
+    bool calm = false;  ///< its datagrams are known to arrive, and neither end waits for the other's last words
+  };
+
+  /// The packet to send this tick, if any, updates and marks filled in. `own`: this peer's log, `own.front()` numbered
+  /// `first`. `size_of` gives the bytes an update takes, `room` those that updates may take in all.
+  std::optional<StatePacket> compose(const Context& c, const std::deque<Bundle>& own, std::uint32_t first,
+                                     const std::function<std::size_t(const Bundle&)>& size_of, std::size_t room);
+  /// Takes in what a datagram from the receiver says about ours.
+  void on_packet(const StatePacket& p, Tick now);
+
+  /// Our updates 0 .. acked-1 have arrived there.
+  std::uint32_t acked() const { return acked_; }
+  /// Smoothed round trip in ticks, its acknowledgement delay taken out; a guess until the first measurement.
+  float round_trip() const { return srtt_; }
+  std::uint32_t sent() const { return seq_; }
+  /// Updates sent more than once, counted by repetition.
+  std::uint64_t repeats() const { return repeats_; }
+
+ private:
+  struct Flight {
+    Tick sent = -1;  ///< tick of the last transmission, -1 before the first
+    int times = 0;
+  };
+  bool arrived(std::uint32_t index) const;
+  bool lost(const Flight& f, Tick now) const;
+  Flight& flight(std::uint32_t index);
+  void sample(float rtt);
+
+  std::uint32_t seq_ = 0;
+  std::deque<Tick> sent_at_;  ///< tick of datagram seq_ - size + 1 + i
+  std::uint32_t acked_ = 0;
+  std::uint32_t acked_beyond_ = 0;
+  Tick newest_seen_sent_ = -1;  ///< when the newest datagram known to have arrived was sent
+  std::uint32_t newest_seen_ = 0;
+  std::deque<Flight> flights_;  ///< updates acked_ + i
+  Tick last_sent_ = -1000;
+  Tick interval_ = 15;  ///< between marks
+  Tick gap_since_ = -1;
+  std::uint32_t heard_seq_ = 0;  ///< highest seq from the receiver
+  Tick heard_at_ = 0;
+  std::uint32_t loss_ = 0;  ///< per cent, as the receiver told last
+  float srtt_ = 12;
+  float rttvar_ = 6;
+  bool measured_ = false;
+  std::uint64_t repeats_ = 0;
+};
+
+}  // namespace padr::sync

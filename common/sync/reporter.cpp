@@ -1,0 +1,355 @@
+#include "common/sync/reporter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/world/avatar_control.h"
+
+namespace padr::sync {
+namespace {
+
+// What is pushed is touched and let go of many times a second; a link is over after this long. The paper reports every
+// end at once.
+constexpr Tick kPatience = 6;
+// A claim by proxy is made when the predicted world misses a collision or has it clearly differently. Lower, and whole
+// piles are claimed for differences that nobody sees; higher, and what the avatar pushes over goes where its model
+// would have pushed it, for everybody alike, but not where the player's did (`padr-lab examples`, proxy, "untrue").
+constexpr float kProxyShift = 0.01F;  // m, by one step
+constexpr float kProxySpeed = 0.3F;   // m/s
+// An update takes along what its avatar or its held bodies are off by more than Box2D's own slop.
+constexpr float kAlongMetres = 0.005F;
+// A wrong velocity is an error to come: it counts with what it will have shifted the body by after this time.
+constexpr float kErrorHorizon = 0.1F;  // s
+
+// A word takes a tick at least; the second is for what the first adds to the velocity.
+constexpr float kSoon = 2 * kTickSeconds;
+
+// Box2D's own limits of sleep. It cannot be left to Box2D here: what touches a sleeping body of somebody else's is
+// woken by it every tick.
+constexpr float kStillSpeed = 0.01F;                       // m/s
+constexpr float kStillSpin = 2.0F / 180.0F * 3.14159265F;  // rad/s
+constexpr Tick kStillTicks = 30;
+constexpr Tick kSettledTicks = 30;
+// Overwriting a body starts its sleep timer anew, in a pile everybody's: leave the others' view time to fall asleep.
+constexpr Tick kRestAgainTicks = 4 * kStillTicks;
+constexpr float kMisdriven = 0.001F;  // m
+
+float rim_of(const BodyDef& d) {
+  return d.shape == ShapeKind::kCircle ? 0 : length(d.half);
+}
+
+}  // namespace
+
+Reporter::Reporter(const Scene& scene, PeerId self, const Technique& technique)
+    : self_(self),
+      technique_(technique),
+      chain_(static_cast<int>(scene.bodies.size()), static_cast<EntityId>(scene.bodies.size() + self),
+             technique.update_every_contact ? 0 : kPatience),
+      aim_(technique.lead),
+      model_error_(technique.time_space),
+      no_claim_before_(scene.bodies.size(), 0),
+      owned_(scene.bodies.size(), 0),
+      claiming_(scene.bodies.size(), 0),
+      claim_told_(scene.bodies.size(), -1),
+      still_since_(scene.bodies.size(), 0),
+      rest_told_(scene.bodies.size(), -kRestAgainTicks) {
+  for (const BodyDef& d : scene.bodies) rim_.push_back(rim_of(d));
+}
+
+Bundle Reporter::report(const Situation& s) {
+  avatar_.reset();
+  exact_ = false;
+  aim_.follow(s.target);
+  changes_ = chain_.update(s.live->world().contacts(), s.predicted->tick);
+  holding_ = false;
+  for (EntityId b = 0; b < s.live->world().bodies(); ++b) holding_ = holding_ || chain_.held(b);
+  if (technique_.authority) {
+    note_lost_contests(s);
+    report_contacts(s);
+    report_proxies(s);
+    report_bodies(s);
+  }
+  report_avatar(s);
+  if (technique_.authority) {
+    bound_the_sum(s);
+    complete_cluster(s);
+  }
+  if (avatar_) model_error_.corrected();
+  return finish(s);
+}
+
+void Reporter::note_lost_contests(const Situation& s) {
+  for (EntityId b = 0; b < owned_.size(); ++b) {
+    const bool now = owns(s, b);
+    const PeerId holder = s.predicted->authority[b].holder();
+    // Of a claim made last tick nothing is owned yet: it may have been lost before it was seen to be won.
+    if ((owned_[b] != 0 || claiming_[b] != 0) && !now && holder != kNoPeer) {
+      no_claim_before_[b] = s.predicted->tick + s.round_trip;
+      ++contests_lost_;
+    }
+    const bool waits = claiming_[b] != 0 && bodies_.contains(b);  // did not fit last tick's bundle
+    claiming_[b] = waits && !now && holder == kNoPeer ? 1 : 0;
+    owned_[b] = now ? 1 : 0;
+  }
+}
+
+bool Reporter::may_claim(const Situation& s, EntityId b) const {
+  const PeerId holder = s.predicted->authority[b].holder();
+  if (holder == self_ || s.predicted->tick < no_claim_before_[b]) return false;
+  return holder == kNoPeer || (s.predicted->holds[b] & (1U << holder)) == 0;
+}
+
+BodyUpdate& Reporter::entry(EntityId b, Cause cause) {
+  const auto [found, fresh] = bodies_.try_emplace(b);
+  BodyUpdate& u = found->second;
+  if (fresh) u.cause = cause;
+  u.body = b;
+  u.held = chain_.held(b);
+  return u;
+}
+
+void Reporter::tell_state(const Situation& s, EntityId b, Cause cause) {
+  BodyUpdate& u = entry(b, cause);
+  const Authority& a = s.predicted->authority[b];
+  if (!u.has_state) {
+    u.epoch = a.epoch;
+    u.claimed = a.claimed;
+  }
+  u.has_state = true;
+}
+
+void Reporter::claim(const Situation& s, EntityId b, Cause cause) {
+  BodyUpdate& u = entry(b, cause);
+  u.has_state = true;
+  u.epoch = s.predicted->authority[b].epoch + 1;
+  u.claimed = s.predicted->tick;
+  claim_told_[b] = s.predicted->tick;
+  claiming_[b] = 1;
+}
+
+void Reporter::report_contacts(const Situation& s) {
+  for (const EntityId b : changes_.begun) {
+    report_touch(s, b);
+    tell_avatar(s, Cause::kContactBegin);
+  }
+  // Still touching something that could not be claimed when the touch began.
+  for (EntityId b = 0; b < owned_.size(); ++b)
+    if (chain_.touching_now(b, s.predicted->tick) && may_claim(s, b)) claim(s, b, Cause::kContactBegin);
+  for (const EntityId b : changes_.ended) {
+    entry(b, Cause::kContactEnd);
+    if (!technique_.end_update) continue;
+    if (owns(s, b) && (technique_.update_every_contact || error_of(s, b).ahead_metres > kAlongMetres))
+      tell_state(s, b, Cause::kContactEnd);
+    if (technique_.update_every_contact) tell_avatar(s, Cause::kContactEnd);
+  }
+}
+
+void Reporter::report_touch(const Situation& s, EntityId b) {
+  if (owns(s, b)) {
+    tell_state(s, b, Cause::kContactBegin);
+  } else if (may_claim(s, b)) {
+    claim(s, b, Cause::kContactBegin);
+  } else {
+    entry(b, Cause::kContactBegin);  // only that the avatar touches it
+  }
+}
+
+void Reporter::report_proxies(const Situation& s) {
+  if (!technique_.proxy_update) return;
+  if (technique_.update_every_contact) {
+    for (const EntityId b : changes_.joined) {
+      if (owns(s, b)) tell_state(s, b, Cause::kProxy);
+      if (may_claim(s, b)) claim(s, b, Cause::kProxy);
+    }
+    for (const EntityId b : changes_.left)
+      if (owns(s, b)) tell_state(s, b, Cause::kProxy);
+    return;
+  }
+  // Only what the predicted world gets wrong: it plays collisions of bodies among themselves out as well as we do.
+  const world::World& live = s.live->world();
+  reached_.assign(static_cast<std::size_t>(live.entities()), 0);
+  reached_[s.live->avatar()] = 1;
+  for (EntityId b = 0; b < owned_.size(); ++b) reached_[b] = owned_[b];
+  reach(live.contacts(), live.bodies(), reached_);
+  for (EntityId b = 0; b < owned_.size(); ++b) {
+    if (reached_[b] == 0 || owned_[b] != 0 || bodies_.contains(b) || !may_claim(s, b)) continue;
+    const world::Kinematics& believed = s.predicted->world.entities[b];
+    const bool shifted = distance(live.position(b), believed.position) > kProxyShift;
+    if (shifted || distance(live.velocity(b), believed.velocity) > kProxySpeed) claim(s, b, Cause::kProxy);
+  }
+}
+
+Reporter::BodyError Reporter::error_of(const Situation& s, EntityId b) const {
+  const BodyState truth = s.live->world().state(b);
+  const world::Kinematics& believed = s.predicted->world.entities[b];
+  const Vec2 shift = truth.position - believed.position;
+  const Vec2 drift = truth.velocity - believed.velocity;
+  const float turn = std::abs(truth.angle - believed.angle) * rim_[b];
+  BodyError e;
+  e.metres = std::max(length(shift), turn);
+  e.soon_metres = length(shift + drift * kSoon);
+  e.ahead_metres = std::max(length(shift + drift * kErrorHorizon), turn);
+  e.differs = truth != BodyState{believed.position, believed.angle, believed.velocity, believed.spin, believed.awake};
+  return e;
+}
+
+bool Reporter::at_rest(const Situation& s, EntityId b) {
+  const BodyState now = s.live->world().state(b);
+  const bool still = !now.awake || (length(now.velocity) < kStillSpeed && std::abs(now.spin) < kStillSpin);
+  if (!still || owned_[b] == 0) still_since_[b] = s.predicted->tick;
+  return !now.awake || s.predicted->tick - still_since_[b] >= kStillTicks;
+}
+
+void Reporter::report_rest(const Situation& s, EntityId b, bool differs) {
+  if (!chain_.held(b)) {
+    if (differs && technique_.rest_state) tell_state(s, b, Cause::kAtRest);
+    entry(b, Cause::kAtRest).release = true;
+  } else if (differs && technique_.rest_state && s.predicted->tick - rest_told_[b] >= kRestAgainTicks) {
+    tell_state(s, b, Cause::kAtRest);
+    rest_told_[b] = s.predicted->tick;
+  }
+}
+
+void Reporter::report_bodies(const Situation& s) {
+  for (EntityId b = 0; b < owned_.size(); ++b) {
+    const bool rests = at_rest(s, b);
+    if (owned_[b] == 0) continue;
+    const BodyError e = error_of(s, b);
+    const bool always = technique_.every_tick && s.live->world().state(b).awake;
+    const bool off = technique_.body_threshold > 0 && std::max(e.metres, e.ahead_metres) > technique_.body_threshold;
+    if (!always && rests && s.everyone_has >= claim_told_[b]) {
+      report_rest(s, b, e.differs);
+    } else if (always || off) {
+      tell_state(s, b, Cause::kBodyThreshold);
+    }
+  }
+}
+
+void Reporter::tell_avatar(const Situation& s, Cause cause) {
+  if (avatar_) return;
+  const BodyState truth = s.live->world().state(s.live->avatar());
+  AvatarUpdate u;
+  u.cause = cause;
+  u.position = truth.position;
+  u.velocity = truth.velocity;
+  u.awake = truth.awake;
+  u.model = technique_.model;
+  if (u.model == Model::kInput) u.control = aim_.ahead();
+  if (u.model == Model::kSecond) u.control = s.acceleration;
+  avatar_ = u;
+}
+
+// Small errors that would last: the input has stopped changing, or the avatar stands, and the model is still off within
+// its threshold, or still drives towards something else. One exact word, of the bodies it owns too, ends that: from
+// then on live and predicted are the same and, the input being steady, stay so.
+bool Reporter::settled_but_wrong(const Situation& s, const BodyState& truth) {
+  const Tick now = s.predicted->tick;
+  if (s.target != last_target_) {
+    last_target_ = s.target;
+    target_since_ = now;
+  }
+  if (length(truth.velocity) > kStillSpeed) avatar_moved_ = now;
+  const bool steady = now - target_since_ >= kSettledTicks;
+  const bool stands = now - avatar_moved_ >= kSettledTicks;
+  if ((!steady && !stands) || now - settled_told_ < kSettledTicks) return false;
+  const world::Kinematics& believed = s.predicted->world.entities[s.live->avatar()];
+  const AvatarModel& model = s.predicted->avatars[self_];
+  const bool misdriven = model.kind == Model::kInput && distance(model.control, s.target) > kMisdriven;
+  const bool misplaced = distance(truth.position, believed.position) > kMisdriven;
+  exact_ = steady && stands && now - settled_told_ >= kRestAgainTicks && anything_differs(s);
+  if (!misdriven && !misplaced && !exact_) return false;
+  settled_told_ = now;
+  return true;
+}
+
+bool Reporter::anything_differs(const Situation& s) const {
+  const EntityId avatar = s.live->avatar();
+  const world::Kinematics& k = s.predicted->world.entities[avatar];
+  if (s.live->world().state(avatar) != BodyState{k.position, k.angle, k.velocity, k.spin, k.awake}) return true;
+  for (EntityId b = 0; b < owned_.size(); ++b)
+    if (owned_[b] != 0 && error_of(s, b).differs) return true;
+  return false;
+}
+
+bool Reporter::avatar_rests(const Situation& s, const BodyState& truth) {
+  const bool still = !truth.awake || world::has_arrived(truth.position, truth.velocity, s.target);
+  if (!still) avatar_driven_ = s.predicted->tick;
+  if (s.predicted->tick - avatar_rest_told_ < kRestAgainTicks) return false;
+  return !truth.awake || s.predicted->tick - avatar_driven_ >= kStillTicks;
+}
+
+void Reporter::report_avatar(const Situation& s) {
+  const BodyState truth = s.live->world().state(s.live->avatar());
+  const world::Kinematics& believed = s.predicted->world.entities[s.live->avatar()];
+  const Vec2 shift = truth.position - believed.position;
+  // The paper tests the error as it is.
+  const Vec2 drift = technique_.update_every_contact ? Vec2{} : truth.velocity - believed.velocity;
+  if (model_error_.exceeds(shift, drift, s.threshold) || (technique_.every_tick && truth.awake)) {
+    tell_avatar(s, Cause::kThreshold);
+  } else if (technique_.model == Model::kInput && settled_but_wrong(s, truth)) {
+    tell_avatar(s, Cause::kAtRest);
+  } else if (avatar_rests(s, truth) && (truth.awake || truth.position != believed.position || believed.awake)) {
+    tell_avatar(s, Cause::kAtRest);
+    avatar_rest_told_ = s.predicted->tick;
+    avatar_->awake = false;
+    avatar_->velocity = {};
+  }
+}
+
+// Every entity may be within its own threshold and all of them together too far off. They never are by more than the
+// largest errors allowed of an avatar and of a body: then everything is told that is off at all.
+void Reporter::bound_the_sum(const Situation& s) {
+  if (technique_.body_threshold <= 0) return;
+  const EntityId avatar = s.live->avatar();
+  const world::Kinematics& believed = s.predicted->world.entities[avatar];
+  const Vec2 shift = s.live->world().position(avatar) - believed.position;
+  const Vec2 drift = s.live->world().velocity(avatar) - believed.velocity;
+  const float avatar_error = avatar_ ? 0 : length(shift + drift * kSoon);
+  float sum = avatar_error;
+  for (EntityId b = 0; b < owned_.size(); ++b) {
+    const auto told = bodies_.find(b);
+    if (owned_[b] != 0 && (told == bodies_.end() || !told->second.has_state)) sum += error_of(s, b).soon_metres;
+  }
+  if (sum <= technique_.threshold_high + technique_.body_threshold) return;
+  if (avatar_error > kAlongMetres) tell_avatar(s, Cause::kThreshold);
+  for (EntityId b = 0; b < owned_.size(); ++b)
+    if (owned_[b] != 0 && error_of(s, b).ahead_metres > kAlongMetres) tell_state(s, b, Cause::kBodyThreshold);
+}
+
+// An avatar that is put right while the body it pushes is not would be inside it, and the solver would fling them
+// apart.
+void Reporter::complete_cluster(const Situation& s) {
+  if (technique_.update_every_contact) return;
+  const world::Kinematics& believed = s.predicted->world.entities[s.live->avatar()];
+  const Vec2 truth = s.live->world().position(s.live->avatar());
+  bool body_told = false;
+  for (const auto& [b, u] : bodies_) body_told = body_told || (u.has_state && u.held);
+  if (body_told && distance(truth, believed.position) > kAlongMetres) tell_avatar(s, Cause::kBodyThreshold);
+  if (!avatar_) return;
+  for (EntityId b = 0; b < owned_.size(); ++b)
+    if (owned_[b] != 0 &&
+        ((chain_.member(b) && error_of(s, b).metres > kAlongMetres) || (exact_ && error_of(s, b).differs)))
+      tell_state(s, b, exact_ ? Cause::kBodyThreshold : avatar_->cause);
+}
+
+Bundle Reporter::finish(const Situation& s) {
+  Bundle bundle;
+  bundle.peer = self_;
+  bundle.tick = s.predicted->tick;
+  bundle.avatar = avatar_;
+  while (!bodies_.empty() && bundle.bodies.size() < kMaxBodiesPerBundle) {
+    BodyUpdate u = bodies_.begin()->second;
+    bodies_.erase(bodies_.begin());
+    u.held = chain_.held(u.body);
+    if (u.has_state) u.state = s.live->world().state(u.body);
+    if (u.has_state && u.cause == Cause::kAtRest) {  // at rest is exactly at rest
+      u.state.awake = false;
+      u.state.velocity = {};
+      u.state.spin = 0;
+    }
+    bundle.bodies.push_back(u);
+  }
+  return bundle;
+}
+
+}  // namespace padr::sync

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <vector>
+
+#include "common/sync/aim.h"
+#include "common/sync/contact_chain.h"
+#include "common/sync/fold.h"
+#include "common/sync/live_world.h"
+#include "common/sync/model_error.h"
+
+namespace padr::sync {
+
+/// Decides, tick by tick, what the others must be told: the difference between the live world, which is the truth for
+/// what this peer owns, and the predicted one, which is what the others believe.
+class Reporter {
+ public:
+  Reporter(const Scene& scene, PeerId self, const Technique& technique);
+
+  struct Situation {
+    const LiveWorld* live = nullptr;
+    const FoldState* predicted = nullptr;  ///< same tick, without this tick's own updates
+    Vec2 target;                           ///< m, control state of the own avatar
+    Vec2 acceleration;                     ///< m/s^2, of the own avatar over the last step
+    float threshold = 0;                   ///< m, in force for the avatar
+    Tick round_trip = 0;                   ///< ticks; how long a lost contest keeps this peer from claiming again
+    Tick everyone_has = -1;                ///< all peers have this peer's updates up to this tick
+  };
+  /// The updates of this tick: an empty bundle (no avatar, no bodies) if the others' beliefs are right. Peer and tick
+  /// are filled in, the index is the caller's.
+  Bundle report(const Situation& s);
+
+  /// Whether the avatar touches a body right now.
+  bool holding() const { return holding_; }
+  /// Times this peer lost a contest for a body.
+  int contests_lost() const { return contests_lost_; }
+
+ private:
+  struct BodyError {
+    float metres = 0;        ///< shift, with rotation as metres at the rim
+    float soon_metres = 0;   ///< the position's shift two ticks on
+    float ahead_metres = 0;  ///< the same after the difference in velocity has acted for kErrorHorizon
+    bool differs = false;    ///< in any bit
+  };
+  void note_lost_contests(const Situation& s);
+  void report_contacts(const Situation& s);
+  void report_touch(const Situation& s, EntityId b);
+  void report_proxies(const Situation& s);
+  void report_bodies(const Situation& s);
+  void report_rest(const Situation& s, EntityId b, bool differs);
+  void report_avatar(const Situation& s);
+  bool avatar_rests(const Situation& s, const BodyState& truth);
+  bool settled_but_wrong(const Situation& s, const BodyState& truth);
+  bool anything_differs(const Situation& s) const;
+  void bound_the_sum(const Situation& s);
+  void complete_cluster(const Situation& s);
+  bool may_claim(const Situation& s, EntityId b) const;
+  bool at_rest(const Situation& s, EntityId b);
+  bool owns(const Situation& s, EntityId b) const { return s.predicted->authority[b].holder() == self_; }
+  BodyError error_of(const Situation& s, EntityId b) const;
+  BodyUpdate& entry(EntityId b, Cause cause);
+  void tell_state(const Situation& s, EntityId b, Cause cause);
+  void claim(const Situation& s, EntityId b, Cause cause);
+  void tell_avatar(const Situation& s, Cause cause);
+  Bundle finish(const Situation& s);
+
+  PeerId self_;
+  Technique technique_;
+  std::vector<float> rim_;  ///< m, by body: distance from the centre that turns fastest
+  ContactChain chain_;
+  Aim aim_;
+  ModelError model_error_;
+  std::vector<Tick> no_claim_before_;
+  std::vector<char> owned_;        ///< by body, last tick
+  std::vector<char> claiming_;     ///< by body: claimed, and not known yet to be owned or lost
+  std::vector<Tick> claim_told_;   ///< by body: tick of this peer's last claim
+  std::vector<Tick> still_since_;  ///< by body: last tick it moved
+  std::vector<Tick> rest_told_;    ///< by body: when it was last told to rest while held
+  std::vector<char> reached_;
+  std::map<EntityId, BodyUpdate> bodies_;  ///< being collected; what does not fit one bundle waits for the next tick
+  std::optional<AvatarUpdate> avatar_;
+  ChainChanges changes_;
+  Vec2 last_target_;
+  Tick target_since_ = 0;   ///< since when the input has been the same
+  Tick avatar_driven_ = 0;  ///< last tick anything drove the avatar
+  Tick avatar_rest_told_ = -1000;
+  Tick avatar_moved_ = 0;   ///< last tick the avatar moved
+  Tick settled_told_ = -1;  ///< when steady input or a standing avatar was last told exactly
+  bool exact_ = false;      ///< this tick tells everything that differs in any bit
+  bool holding_ = false;
+  int contests_lost_ = 0;
+};
+
+}  // namespace padr::sync

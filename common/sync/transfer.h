@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/model/endpoint.h"
+#include "common/sync/fold.h"
+
+namespace padr::sync {
+
+/// All that a peer needs to go on where another one is: a confirmed state, and every update known beyond it.
+///
+/// It is enough for confirmed worlds to be the same to the bit from there on, because a step depends on nothing but the
+/// state: world::World orders its contacts before every step and its snapshots carry their memory.
+struct Transfer {
+  static constexpr std::size_t kMostGone = 64;
+  struct Slot {
+    std::uint32_t first = 0;  ///< number of the slot's first update that is not in `state`
+    Endpoint at;              ///< of who sits there; not set for the sender
+  };
+  FoldState state;
+  std::vector<Slot> slots;
+  std::vector<Bundle> tail;         ///< by tick and peer
+  std::vector<std::uint32_t> have;  ///< by slot: with `tail`, all its updates below this are known
+  std::vector<Endpoint> gone;       ///< where those were who were declared gone; at most kMostGone
+};
+
+}  // namespace padr::sync

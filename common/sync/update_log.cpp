@@ -1,0 +1,117 @@
+#include "common/sync/update_log.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace padr::sync {
+namespace {
+
+// A sender that is far ahead of what arrives is heard again and again; only its newest promises matter.
+constexpr std::size_t kMaxWaitingMarks = 64;
+constexpr Tick kForever = std::numeric_limits<Tick>::max();
+
+}  // namespace
+
+UpdateLog::UpdateLog(int slots) : peers_(static_cast<std::size_t>(slots)) {
+  for (Peer& p : peers_) p.complete = kForever;
+}
+
+void UpdateLog::begin(PeerId peer, std::uint32_t first, Tick complete) {
+  peers_[peer] = {};
+  peers_[peer].have = first;
+  peers_[peer].complete = complete;
+  peers_[peer].end = complete == kForever ? first : kOpen;
+}
+
+bool UpdateLog::insert(Bundle bundle) {
+  Peer& p = peers_[bundle.peer];
+  if (bundle.index < p.have || bundle.index >= p.end || p.beyond.contains(bundle.index) || bundle.tick < final_)
+    return false;
+  std::vector<Bundle>& same_tick = by_tick_[bundle.tick];
+  for (const Bundle& b : same_tick)
+    if (b.peer == bundle.peer) return false;  // one a tick: two would be folded in order of arrival
+  p.beyond.insert(bundle.index);
+  while (!p.beyond.empty() && *p.beyond.begin() == p.have) {
+    p.beyond.erase(p.beyond.begin());
+    ++p.have;
+  }
+  const auto place =
+      std::find_if(same_tick.begin(), same_tick.end(), [&bundle](const Bundle& b) { return b.peer > bundle.peer; });
+  same_tick.insert(place, std::move(bundle));
+  settle(p);
+  return true;
+}
+
+void UpdateLog::mark(PeerId peer, Tick tick, std::uint32_t count) {
+  Peer& p = peers_[peer];
+  if (tick <= p.complete) return;
+  if (p.waiting.size() == kMaxWaitingMarks) p.waiting.erase(p.waiting.begin());
+  p.waiting.push_back({tick, count});
+  settle(p);
+}
+
+Tick UpdateLog::close(PeerId peer, std::uint32_t count) {
+  Peer& p = peers_[peer];
+  p.end = count;
+  std::erase_if(p.waiting, [count](const Mark& m) { return m.count > count; });
+  p.beyond.erase(p.beyond.lower_bound(count), p.beyond.end());
+  Tick earliest = kForever;
+  for (auto& [tick, bundles] : by_tick_)
+    if (std::erase_if(bundles, [&](const Bundle& b) { return b.peer == peer && b.index >= count; }) > 0)
+      earliest = std::min(earliest, tick);
+  mark(peer, kForever, count);
+  return earliest;
+}
+
+void UpdateLog::open(PeerId peer, Tick since) {
+  Peer& p = peers_[peer];
+  for (Mark& m : p.waiting) m.tick = std::min(m.tick, since);
+  p.complete = std::min(p.complete, since);
+  p.end = kOpen;
+}
+
+void UpdateLog::settle(Peer& p) {
+  for (const Mark& m : p.waiting)
+    if (m.count <= p.have) p.complete = std::max(p.complete, m.tick);
+  std::erase_if(p.waiting, [&p](const Mark& m) { return m.count <= p.have || m.tick <= p.complete; });
+}
+
+const std::vector<Bundle>& UpdateLog::at(Tick tick) const {
+  static const std::vector<Bundle> kNone;
+  const auto found = by_tick_.find(tick);
+  return found == by_tick_.end() ? kNone : found->second;
+}
+
+Tick UpdateLog::complete(PeerId peer) const {
+  return peers_[peer].complete;
+}
+
+std::uint32_t UpdateLog::have_beyond(PeerId peer) const {
+  const Peer& p = peers_[peer];
+  std::uint32_t mask = 0;
+  for (const std::uint32_t index : p.beyond)
+    if (index - p.have - 1 < 32) mask |= 1U << (index - p.have - 1);
+  return mask;
+}
+
+std::vector<Bundle> UpdateLog::of(PeerId peer, std::uint32_t from) const {
+  std::vector<Bundle> found;
+  for (const auto& [tick, bundles] : by_tick_)
+    for (const Bundle& b : bundles)
+      if (b.peer == peer && b.index >= from) found.push_back(b);
+  return found;  // a peer's numbers rise with its ticks
+}
+
+std::vector<Bundle> UpdateLog::since(Tick tick) const {
+  std::vector<Bundle> found;
+  for (auto it = by_tick_.lower_bound(tick); it != by_tick_.end(); ++it)
+    found.insert(found.end(), it->second.begin(), it->second.end());
+  return found;
+}
+
+void UpdateLog::prune(Tick final, Tick keep) {
+  final_ = std::max(final_, final);
+  by_tick_.erase(by_tick_.begin(), by_tick_.lower_bound(std::min(final, keep)));
+}
+
+}  // namespace padr::sync

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "common/sync/updates.h"
+
+namespace padr::sync {
+
+/// What has been heard of every peer's updates: the bundles, and up to which tick they are known to be complete.
+class UpdateLog {
+ public:
+  /// Nobody is there yet: all slots are closed at 0.
+  explicit UpdateLog(int slots);
+
+  /// Before anything else is filed of the slot: its updates below `first` are dealt with, and it is complete up to
+  /// `complete`; the largest Tick: closed.
+  void begin(PeerId peer, std::uint32_t first, Tick complete);
+
+  /// Files a bundle; false if it was known already, is of a final tick or beyond its slot's end, or its peer has
+  /// another of its tick.
+  bool insert(Bundle bundle);
+  /// The peer says: all my bundles up to and including `tick` are numbered below `count`.
+  void mark(PeerId peer, Tick tick, std::uint32_t count);
+  /// Who sat in the slot says no more, ever: it is complete for all time once its bundles below `count` are here.
+  /// Forgets what is known beyond; the earliest tick of that, or the largest Tick.
+  Tick close(PeerId peer, std::uint32_t count);
+  /// Another peer sits in a closed slot: its bundles are numbered from the old one's end on and of ticks after `since`.
+  void open(PeerId peer, Tick since);
+  /// Whether more has been promised than is here.
+  bool waits(PeerId peer) const { return !peers_[peer].waiting.empty(); }
+  bool closed(PeerId peer) const { return peers_[peer].end != kOpen; }
+
+  /// Known bundles of a tick, by ascending peer; empty if none.
+  const std::vector<Bundle>& at(Tick tick) const;
+  /// The last tick for which all of the peer's bundles are here; -1 if none; the largest Tick when closed.
+  Tick complete(PeerId peer) const;
+  /// The peer's bundles 0 .. have-1 are here.
+  std::uint32_t have(PeerId peer) const { return peers_[peer].have; }
+  /// Bit i: bundle have+1+i is here too (have itself is not).
+  std::uint32_t have_beyond(PeerId peer) const;
+  /// The known bundles of a slot numbered `from` and up, by number.
+  std::vector<Bundle> of(PeerId peer, std::uint32_t from) const;
+  /// All known bundles of ticks from `tick` on, by tick and peer.
+  std::vector<Bundle> since(Tick tick) const;
+  /// Ticks below `final` take no bundles any more; those below `keep`, too, are forgotten.
+  void prune(Tick final, Tick keep);
+  std::size_t size() const { return by_tick_.size(); }
+
+ private:
+  static constexpr std::uint32_t kOpen = 0xFFFFFFFFU;
+  struct Mark {
+    Tick tick = -1;
+    std::uint32_t count = 0;
+  };
+  struct Peer {
+    std::uint32_t have = 0;
+    std::set<std::uint32_t> beyond;  // indices above `have` that are here
+    Tick complete = -1;
+    std::vector<Mark> waiting;  // marks that promise more than is here
+    std::uint32_t end = 0;      // closed: no bundle is numbered this or higher
+  };
+  void settle(Peer& p);
+
+  std::map<Tick, std::vector<Bundle>> by_tick_;
+  std::vector<Peer> peers_;
+  Tick final_ = 0;
+};
+
+}  // namespace padr::sync

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "common/model/endpoint.h"
+#include "common/model/state.h"
+#include "common/model/technique.h"
+
+namespace padr::sync {
+
+/// Why an update was sent; counted by every report.
+enum class Cause : std::uint8_t {
+  kThreshold,      ///< an avatar's model error exceeded the threshold
+  kContactBegin,   ///< the avatar began to touch a body
+  kContactEnd,     ///< it let go
+  kProxy,          ///< a body joined or left the chain of contacts
+  kBodyThreshold,  ///< a body's error exceeded the body threshold
+  kAtRest,         ///< it came to rest: the exact final state
+  kLeave,          ///< the avatar left
+};
+inline constexpr std::size_t kCauses = 7;
+inline constexpr std::array<std::string_view, kCauses> kCauseNames{
+    "threshold", "contact_begin", "contact_end", "proxy", "body_threshold", "at_rest", "leave"};
+
+/// An avatar's exact state and what its model needs besides.
+struct AvatarUpdate {
+  Cause cause = Cause::kThreshold;
+  Vec2 position;  ///< m
+  Vec2 velocity;  ///< m/s
+  bool awake = true;
+  Model model = Model::kFirst;
+  Vec2 control;  ///< target point in m (input model), acceleration in m/s^2 (second order), else unused
+  friend bool operator==(const AvatarUpdate&, const AvatarUpdate&) = default;
+};
+
+/// What a peer says of one body: that its avatar holds it or no longer does, and, as its owner, its exact state.
+struct BodyUpdate {
+  EntityId body = 0;
+  Cause cause = Cause::kThreshold;
+  bool held = false;        ///< the sender's avatar touches the body
+  bool has_state = false;   ///< otherwise the predicted state is right, and only the flags are told
+  bool release = false;     ///< the sender gives its authority up
+  BodyState state;          ///< if has_state
+  std::uint32_t epoch = 0;  ///< if has_state: of the authority this rests on
+  Tick claimed = 0;         ///< if has_state: tick of the claim of that epoch
+  friend bool operator==(const BodyUpdate&, const BodyUpdate&) = default;
+};
+
+/// A peer comes in: from this tick on its avatar is there, and its updates count.
+struct Admission {
+  PeerId slot = kNoPeer;
+  std::uint32_t incarnation = 1;  ///< of the slot; 0 are those who were there at tick 0
+  std::uint32_t first = 0;        ///< number of its first update: a slot's numbers go on from one peer to the next
+  Endpoint at;
+  std::vector<std::uint32_t> have;  ///< by slot: it has that slot's updates below this
+  friend bool operator==(const Admission&, const Admission&) = default;
+};
+
+/// A peer that fell silent is out: its updates from `count` on never happened, its avatar goes.
+struct Removal {
+  PeerId slot = kNoPeer;
+  std::uint32_t incarnation = 0;
+  std::uint32_t count = 0;
+  friend bool operator==(const Removal&, const Removal&) = default;
+};
+
+/// All that one peer tells of one tick: the unit of the log, of acknowledgement and of repair.
+struct Bundle {
+  PeerId peer = kNoPeer;
+  std::uint32_t index = 0;  ///< 0, 1, 2, ... in the sender's log
+  Tick tick = 0;            ///< at which every state in it is true, before the step to the next
+  bool leave = false;       ///< the sender's last bundle: its avatar goes
+  std::optional<AvatarUpdate> avatar;
+  std::vector<BodyUpdate> bodies;  ///< by ascending body id, each once
+  // What only the coordinator says, each in an update of its own:
+  std::optional<Admission> admission;
+  std::vector<Removal> removals;  ///< who is declared gone together goes at the same tick
+  std::vector<Bundle> passed_on;  ///< at most one: an update of a lost peer that somebody may lack, without such a one
+  friend bool operator==(const Bundle&, const Bundle&) = default;
+};
+
+/// Bodies one bundle may carry, so that any bundle fits a datagram, passed on by kMaxPassing peers in turn, too; a
+/// larger set goes out over several ticks.
+inline constexpr std::size_t kMaxBodiesPerBundle = 27;
+
+/// How deep updates may lie in updates: every coordinator that is lost while it passes on adds one.
+inline constexpr int kMaxPassing = 3;
+
+}  // namespace padr::sync

@@ -1,0 +1,138 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "common/model/endpoint.h"
+#include "common/model/ids.h"
+#include "common/model/state.h"
+#include "common/model/technique.h"
+#include "common/trace/metrics.h"
+
+namespace padr::trace {
+
+/// A trace begins with these 7 bytes and the version's byte.
+inline constexpr std::string_view kMagic = "PADRTRC";
+inline constexpr std::uint8_t kFormatVersion = 2;
+
+/// Takes the next bytes of a trace; whole records at a time.
+using ByteSink = std::function<void(std::span<const std::byte>)>;
+
+/// Where a run came from: what only the program around the core knows.
+struct Provenance {
+  std::string program;   ///< such as padr-peer
+  std::string revision;  ///< of the source
+  std::vector<std::string> command;
+  std::string scenario;       ///< name or file, for people
+  std::string scenario_text;  ///< the scenario itself
+  std::uint64_t scenario_seed = 0;
+  std::string netem;  ///< what shapes this peer's outgoing links, as the option was written
+  std::uint64_t netem_seed = 0;
+  std::string input;         ///< as the option was written
+  Micros start_unix_us = 0;  ///< wall clock at the start; 0: not told
+};
+
+/// The first record: provenance, and what a Node and its world are built from.
+struct Header : Provenance {
+  PeerId peer = 0;
+  int peers = 1;  ///< of the session at tick 0; not told if incarnation > 0
+  int slots = 1;
+  std::uint32_t incarnation = 0;  ///< above 0: came later, and a Begin follows
+  std::uint16_t session = 0;
+  std::uint64_t scene_hash = 0;
+  std::uint64_t fingerprint = 0;
+  int bodies = 0;
+  Technique technique;
+  int entities() const { return bodies + slots; }
+};
+
+/// What one who came while the session ran began with.
+struct Begin {
+  Tick tick = 0;                        ///< of the first Step
+  Tick confirmed = 0;                   ///< of the first Confirmed, that of the transfer
+  std::span<const std::byte> transfer;  ///< as common/wire encodes it
+};
+
+// What is asked of a node about who is there; as in node::Node.
+
+struct Order {
+  std::span<const std::byte> fetched;  ///< a wire::Fetched with the update, as common/wire encodes it
+};
+
+struct Freeze {
+  PeerId peer = kNoPeer;
+  bool frozen = false;
+};
+
+struct GiveUp {
+  PeerId peer = kNoPeer;
+};
+
+struct Excuse {};
+
+struct Locate {
+  PeerId peer = kNoPeer;
+  Endpoint at;
+};
+
+/// What a step took in and how it went; the live world after it is told beside it.
+struct Step {
+  Tick tick = 0;  ///< after the step; 0: the state before the first
+  Vec2 target;    ///< m
+  bool leaving = false;
+  bool outside = false;  ///< the avatar is not, or not yet, a part of the session
+  std::uint64_t live_hash = 0;
+  float threshold = 0;               ///< m
+  float own_error = 0;               ///< m
+  Micros lateness = 0;               ///< of the step's begin against tick_start
+  std::uint64_t replayed_steps = 0;  ///< total
+  std::uint32_t snaps = 0;           ///< total
+  double snap_m = 0;                 ///< total, m
+};
+
+/// The live world of one tick.
+struct LiveView {
+  std::vector<BodyState> states;  ///< by entity
+  std::vector<Vec2> shown;        ///< m, by entity
+};
+
+struct Received {
+  Micros at = 0;  ///< session time
+  std::span<const std::byte> datagram;
+};
+
+struct Sent {
+  PeerId to = kNoPeer;
+  Tick tick = 0;
+  std::span<const std::byte> datagram;
+};
+
+struct Confirmed {
+  Tick tick = 0;
+  std::uint64_t hash = 0;
+};
+
+/// Counters at a clean end, as in node::NodeStats.
+struct Footer {
+  std::uint64_t bundles = 0;
+  std::vector<std::uint64_t> updates_by_cause;
+  std::uint64_t repeats = 0;
+  std::uint64_t datagrams_sent = 0;
+  std::uint64_t wire_bytes_sent = 0;
+  std::uint64_t datagrams_received = 0;
+  std::vector<std::uint64_t> dropped;
+  std::uint64_t hash_checks = 0;
+  std::uint64_t hash_mismatches = 0;
+  Tick first_mismatch = -1;
+  bool superseded = false;  ///< the peer began another life, in another trace
+};
+
+/// One record after the header.
+using Event = std::variant<Step, Received, Sent, Confirmed, Footer, Begin, Order, Freeze, GiveUp, Excuse, Locate>;
+
+}  // namespace padr::trace

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "common/model/ids.h"
+#include "common/model/vec.h"
+
+namespace padr::trace {
+
+/// Combined inconsistency of one view over the ticks measured, in metres (area: metre seconds).
+struct Inconsistency {
+  std::uint64_t ticks = 0;
+  double mean_m = 0;
+  double avatar_mean_m = 0;  ///< the part of avatars
+  double body_mean_m = 0;    ///< the part of bodies
+  double p95_m = 0;
+  double p99_m = 0;
+  double peak_m = 0;
+  double area_ms = 0;
+  double final_m = 0;
+  double shown_mean_m = 0;  ///< of the shown positions, convergence included
+  double shown_peak_m = 0;
+};
+
+/// One tick's combined inconsistency of one peer's view.
+struct InconsistencyPoint {
+  Tick tick = 0;
+  float avatars_m = 0;
+  float bodies_m = 0;
+  float shown_m = 0;
+  float combined() const { return avatars_m + bodies_m; }
+};
+
+/// What one peer's view was off by, tick by tick.
+using InconsistencySeries = std::vector<InconsistencyPoint>;
+
+/// Where every entity is in one peer's view at one tick.
+struct View {
+  std::vector<Vec2> live;   ///< m, by entity id
+  std::vector<Vec2> shown;  ///< m
+};
+
+/// The agreed word on one tick.
+struct Truth {
+  std::vector<PeerId> owner;  ///< by entity id; kNoPeer: nobody, the agreed world itself is the truth
+  std::vector<bool> present;  ///< by entity id
+  std::vector<Vec2> agreed;   ///< m, positions in the confirmed world
+};
+
+/// Combined inconsistency as all programs mean it: per tick, the sum over entities of the distance between a peer's
+/// view and the view of the entity's authority at the same session tick; for a body that nobody owns, the agreed world.
+/// Who owned what is known once the tick is confirmed; views wait for that.
+class InconsistencyMeter {
+ public:
+  /// Entities 0 .. bodies-1 are bodies, bodies + p the avatar of peer p. Views are of peers 0 .. peers-1.
+  InconsistencyMeter(int peers, int bodies);
+  /// Views are of viewers 0, 1, ..., who sit where `slots` says: several may sit in a slot, one after the other. Should
+  /// two be there at a time, the later one's view is the slot's.
+  InconsistencyMeter(std::vector<PeerId> slots, int bodies);
+
+  void view(std::size_t viewer, Tick tick, View v);
+  /// The viewer has no view of ticks before this one. To be said before any view is.
+  void came(std::size_t viewer, Tick from) { came_at_[viewer] = from; }
+  /// The viewer has no view of ticks from this one on: it has left.
+  void gone(std::size_t viewer, Tick from);
+  void truth(Tick tick, Truth t);
+
+  Inconsistency result(std::size_t viewer) const;
+  /// The mean over peers, ticks weighted alike; peaks are the highest of any.
+  Inconsistency overall() const;
+  const std::vector<InconsistencyPoint>& series(std::size_t viewer) const { return series_[viewer]; }
+
+ private:
+  struct Pending {
+    std::map<std::size_t, View> views;  ///< by viewer
+    bool has_truth = false;
+    Truth truth;
+  };
+  void settle(Tick tick);
+  bool ready(Tick tick, const Pending& p) const;
+  void measure(Tick tick, const Pending& p);
+
+  int bodies_;
+  std::vector<PeerId> slots_;  ///< by viewer
+  std::vector<Tick> came_at_;
+  std::vector<Tick> gone_from_;
+  std::map<Tick, Pending> pending_;
+  std::vector<std::vector<InconsistencyPoint>> series_;
+};
+
+/// Summary of a series.
+Inconsistency summarize(const InconsistencySeries& series);
+/// The mean over several peers' series, ticks weighted alike; peaks are the highest of any.
+Inconsistency summarize_all(const std::vector<InconsistencySeries>& series);
+
+/// Below this an inconsistency is noise: Box2D's linear slop, in metres.
+inline constexpr double kNoiseMetres = 0.005;
+
+}  // namespace padr::trace

@@ -1,0 +1,41 @@
+#pragma once
+
+// What the writer and the reader of traces share; nobody else includes it.
+
+#include <array>
+#include <cstdint>
+
+#include "common/trace/events.h"
+#include "proto/trace.pb.h"
+
+namespace padr::trace {
+
+/// A record is never longer: the largest is a header with a scenario's text.
+inline constexpr std::size_t kMaxRecordBytes = 16U << 20U;
+
+inline constexpr std::uint32_t kAwakeBit = 1U << 6U;    ///< in Step.changed_fields
+inline constexpr std::uint32_t kPresentBit = 1U << 6U;  ///< in Confirmed.owner; peers + 1 stay below it
+
+/// An entity before anything was told of it.
+inline constexpr BodyState kUntold{{}, 0, {}, 0, false};
+
+inline std::array<float, 6> fields_of(const BodyState& s) {
+  return {s.position.x, s.position.y, s.angle, s.velocity.x, s.velocity.y, s.spin};
+}
+inline void set_fields(BodyState& s, const std::array<float, 6>& v) {
+  s.position = {v[0], v[1]};
+  s.angle = v[2];
+  s.velocity = {v[3], v[4]};
+  s.spin = v[5];
+}
+
+/// The agreed world before anything was told of it.
+inline Truth nothing_agreed(std::size_t entities) {
+  return {std::vector<PeerId>(entities, kNoPeer), std::vector<bool>(entities, false), std::vector<Vec2>(entities)};
+}
+
+void put_header(const Header& h, file::Header& out);
+/// Empty if all is well, otherwise what is wrong with it.
+std::string take_header(const file::Header& in, Header& h);
+
+}  // namespace padr::trace

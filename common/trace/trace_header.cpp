@@ -1,0 +1,124 @@
+#include <cmath>
+
+#include "common/trace/trace_format.h"
+
+namespace padr::trace {
+namespace {
+
+void put_technique(const Technique& t, file::Technique& out) {
+  // Names every field, so that a new one does not compile until it is told here and in take_technique.
+  const auto& [name, authority, replay, model, predictor, law, lead, time_space, high, low, body_threshold, convergence,
+               radius, steps, count, pcc_bound, update_every_contact, every_tick, end_update, proxy_update,
+               rest_state] = t;
+  out.set_name(name);
+  out.set_authority(authority);
+  out.set_replay(replay);
+  out.set_model(static_cast<std::uint32_t>(model));
+  out.set_predictor(static_cast<std::uint32_t>(predictor));
+  out.set_law(static_cast<std::uint32_t>(law));
+  out.set_convergence(static_cast<std::uint32_t>(convergence));
+  out.set_threshold_high(high);
+  out.set_threshold_low(low);
+  out.set_body_threshold(body_threshold);
+  out.set_lead(lead);
+  out.set_time_space(time_space);
+  out.set_radius(radius);
+  out.set_steps(static_cast<std::uint32_t>(steps));
+  out.set_count(static_cast<std::uint32_t>(count));
+  out.set_pcc_bound(pcc_bound);
+  out.set_update_every_contact(update_every_contact);
+  out.set_every_tick(every_tick);
+  out.set_no_end_update(!end_update);
+  out.set_no_proxy_update(!proxy_update);
+  out.set_no_rest_state(!rest_state);
+}
+
+bool take_technique(const file::Technique& in, Technique& t) {
+  if (in.model() > static_cast<unsigned>(Model::kInput) || in.predictor() > static_cast<unsigned>(Predictor::kPcc) ||
+      in.law() > static_cast<unsigned>(ThresholdLaw::kContinuous) ||
+      in.convergence() > static_cast<unsigned>(Convergence::kPvb))
+    return false;
+  for (const float v : {in.lead(), in.time_space(), in.threshold_high(), in.threshold_low(), in.body_threshold(),
+                        in.radius(), in.pcc_bound()})
+    if (!std::isfinite(v) || v < 0 || v > 1.0e6F) return false;
+  if (in.steps() > 100'000 || in.count() > 100'000) return false;
+  t.name = in.name();
+  t.authority = in.authority();
+  t.replay = in.replay();
+  t.model = static_cast<Model>(in.model());
+  t.predictor = static_cast<Predictor>(in.predictor());
+  t.law = static_cast<ThresholdLaw>(in.law());
+  t.convergence = static_cast<Convergence>(in.convergence());
+  t.threshold_high = in.threshold_high();
+  t.threshold_low = in.threshold_low();
+  t.body_threshold = in.body_threshold();
+  t.lead = in.lead();
+  t.time_space = in.time_space();
+  t.radius = in.radius();
+  t.steps = static_cast<int>(in.steps());
+  t.count = static_cast<int>(in.count());
+  t.pcc_bound = in.pcc_bound();
+  t.update_every_contact = in.update_every_contact();
+  t.every_tick = in.every_tick();
+  t.end_update = !in.no_end_update();
+  t.proxy_update = !in.no_proxy_update();
+  t.rest_state = !in.no_rest_state();
+  return true;
+}
+
+}  // namespace
+
+void put_header(const Header& h, file::Header& out) {
+  out.set_program(h.program);
+  out.set_revision(h.revision);
+  for (const std::string& word : h.command) out.add_command(word);
+  out.set_peer(h.peer);
+  out.set_peers(static_cast<std::uint32_t>(h.peers));
+  out.set_slots(static_cast<std::uint32_t>(h.slots));
+  out.set_session(h.session);
+  out.set_scenario(h.scenario);
+  out.set_scenario_text(h.scenario_text);
+  out.set_scenario_seed(h.scenario_seed);
+  out.set_scene_hash(h.scene_hash);
+  out.set_fingerprint(h.fingerprint);
+  out.set_bodies(static_cast<std::uint32_t>(h.bodies));
+  put_technique(h.technique, *out.mutable_technique());
+  out.set_netem(h.netem);
+  out.set_netem_seed(h.netem_seed);
+  out.set_input(h.input);
+  out.set_start_unix_us(h.start_unix_us);
+  out.set_incarnation(h.incarnation);
+}
+
+std::string take_header(const file::Header& in, Header& h) {
+  if (in.slots() < 1 || in.slots() > kMaxPeers) return "slots " + std::to_string(in.slots()) + ", allowed: 1 to 32";
+  if (in.peers() < 1 || in.peers() > in.slots()) return "peers " + std::to_string(in.peers()) + ", allowed: 1 to slots";
+  if (in.incarnation() == 0 && in.peer() >= in.peers())
+    return "peer " + std::to_string(in.peer()) + ", allowed: below the number of peers";
+  if (in.peer() >= in.slots()) return "peer " + std::to_string(in.peer()) + ", allowed: below the number of slots";
+  if (in.session() > 0xFFFF) return "session " + std::to_string(in.session()) + ", allowed: 0 to 65535";
+  if (in.bodies() >= kNoEntity || in.bodies() + in.slots() >= kNoEntity)
+    return "bodies " + std::to_string(in.bodies()) + ", too many";
+  if (!take_technique(in.technique(), h.technique)) return "a knob of the technique is out of range";
+  h.program = in.program();
+  h.revision = in.revision();
+  h.command.assign(in.command().begin(), in.command().end());
+  h.peer = static_cast<PeerId>(in.peer());
+  h.peers = static_cast<int>(in.peers());
+  h.slots = static_cast<int>(in.slots());
+  h.session = static_cast<std::uint16_t>(in.session());
+  h.scenario = in.scenario();
+  h.scenario_text = in.scenario_text();
+  h.scenario_seed = in.scenario_seed();
+  h.scene_hash = in.scene_hash();
+  h.fingerprint = in.fingerprint();
+  h.bodies = static_cast<int>(in.bodies());
+  h.netem = in.netem();
+  h.netem_seed = in.netem_seed();
+  h.input = in.input();
+  h.start_unix_us = in.start_unix_us();
+  h.incarnation = in.incarnation();
+  return {};
+}
+
+}  // namespace padr::trace

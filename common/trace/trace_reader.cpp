@@ -1,0 +1,290 @@
+#include "common/trace/trace_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/model/user_error.h"
+#include "common/trace/trace_format.h"
+
+namespace padr::trace {
+namespace {
+
+/// Entity ids out of gaps; an id past the last entity is reported by `ok`.
+class Ids {
+ public:
+  explicit Ids(std::size_t entities) : entities_(entities) {}
+  std::optional<std::size_t> next(std::uint32_t gap) {
+    if (gap >= entities_ - next_) return std::nullopt;
+    next_ += gap + std::size_t{1};
+    return next_ - 1;
+  }
+
+ private:
+  std::size_t entities_;
+  std::size_t next_ = 0;
+};
+
+bool finite(const BodyState& s) {
+  for (const float v : fields_of(s))
+    if (!std::isfinite(v)) return false;
+  return true;
+}
+
+bool follows(std::uint32_t tick, Tick last) {
+  return tick < static_cast<std::uint32_t>(std::numeric_limits<Tick>::max()) && static_cast<Tick>(tick) == last + 1;
+}
+
+}  // namespace
+
+/// What records say, once their bytes have been told apart. Each function returns what is wrong, if anything.
+struct TraceReader::Parser {
+  TraceReader& r;
+
+  std::string changes(const file::Step& in) const {
+    if (in.changed_size() != in.changed_fields_size()) return "columns of changed entities differ in length";
+    Ids ids(r.live_.states.size());
+    int next_value = 0;
+    for (int i = 0; i < in.changed_size(); ++i) {
+      const auto e = ids.next(in.changed(i));
+      if (!e) return "no such entity";
+      BodyState& s = r.live_.states[*e];
+      auto values = fields_of(s);
+      for (unsigned f = 0; f < values.size(); ++f) {
+        if ((in.changed_fields(i) & (1U << f)) == 0) continue;
+        if (next_value >= in.values_size()) return "fewer values than changed fields";
+        values[f] = in.values(next_value++);
+      }
+      set_fields(s, values);
+      s.awake = (in.changed_fields(i) & kAwakeBit) != 0;
+      if (!finite(s)) return "the state of an entity is not finite";
+    }
+    return next_value == in.values_size() ? "" : "more values than changed fields";
+  }
+
+  std::string shown(const file::Step& in) const {
+    for (std::size_t e = 0; e < r.live_.shown.size(); ++e) r.live_.shown[e] = r.live_.states[e].position;
+    if (in.shown_at_size() != 2 * in.shown_size()) return "columns of shown entities differ in length";
+    Ids ids(r.live_.shown.size());
+    for (int i = 0; i < in.shown_size(); ++i) {
+      const auto e = ids.next(in.shown(i));
+      if (!e) return "no such entity";
+      r.live_.shown[*e] = {in.shown_at(2 * i), in.shown_at(2 * i + 1)};
+      if (!is_finite(r.live_.shown[*e])) return "a shown position is not finite";
+    }
+    return "";
+  }
+
+  std::string step(const file::Step& in, Step& s) const {
+    if (!follows(in.tick(), r.last_step_)) return "step to tick " + std::to_string(in.tick()) + " is out of turn";
+    s.tick = r.last_step_ = static_cast<Tick>(in.tick());
+    s.target = {in.target_x(), in.target_y()};
+    if (!is_finite(s.target) || !std::isfinite(in.threshold()) || !std::isfinite(in.own_error()) ||
+        !std::isfinite(in.snap_m()))
+      return "a number is not finite";
+    s.leaving = in.leaving();
+    s.outside = in.outside();
+    s.live_hash = in.live_hash();
+    s.threshold = in.threshold();
+    s.own_error = in.own_error();
+    s.lateness = in.lateness_us();
+    s.replayed_steps = in.replayed_steps();
+    s.snaps = in.snaps();
+    s.snap_m = in.snap_m();
+    const std::string wrong = changes(in);
+    return wrong.empty() ? shown(in) : wrong;
+  }
+
+  std::string confirmed(const file::Confirmed& in, Confirmed& c) const {
+    if (!follows(in.tick(), r.last_confirmed_))
+      return "confirmed tick " + std::to_string(in.tick()) + " is out of turn";
+    c.tick = r.last_confirmed_ = static_cast<Tick>(in.tick());
+    c.hash = in.hash();
+    if (in.owner_size() != in.changed_size() || in.position_size() != 2 * in.changed_size())
+      return "columns of confirmed entities differ in length";
+    Ids ids(r.truth_.owner.size());
+    for (int i = 0; i < in.changed_size(); ++i) {
+      const auto e = ids.next(in.changed(i));
+      if (!e) return "no such entity";
+      const std::uint32_t owner = in.owner(i) & ~kPresentBit;
+      if (owner > static_cast<std::uint32_t>(r.header_.slots)) return "no such owner";
+      r.truth_.owner[*e] = owner == 0 ? kNoPeer : static_cast<PeerId>(owner - 1);
+      r.truth_.present[*e] = (in.owner(i) & kPresentBit) != 0;
+      r.truth_.agreed[*e] = {in.position(2 * i), in.position(2 * i + 1)};
+      if (!is_finite(r.truth_.agreed[*e])) return "a confirmed position is not finite";
+    }
+    return "";
+  }
+
+  std::string begin(const file::Begin& in, Begin& b) const {
+    constexpr auto kMost = static_cast<std::uint32_t>(std::numeric_limits<Tick>::max());
+    if (r.begun_) return "begins where something has begun";
+    if (in.tick() >= kMost || in.confirmed() > in.tick()) return "begins at a tick that makes no sense";
+    b.tick = static_cast<Tick>(in.tick());
+    b.confirmed = static_cast<Tick>(in.confirmed());
+    r.last_step_ = b.tick - 1;
+    r.last_confirmed_ = b.confirmed - 1;
+    return "";
+  }
+
+  std::string locate(const file::Locate& in, Locate& l) const {
+    if (in.peer() >= static_cast<std::uint32_t>(r.header_.slots)) return "tells where no slot is";
+    if (in.address().size() != l.at.address.size() || in.port() > 0xFFFF) return "tells of no address";
+    l.peer = static_cast<PeerId>(in.peer());
+    std::transform(in.address().begin(), in.address().end(), l.at.address.begin(),
+                   [](char c) { return static_cast<std::uint8_t>(c); });
+    l.at.port = static_cast<std::uint16_t>(in.port());
+    return "";
+  }
+
+  std::string sent(const file::Sent& in) const {
+    if (in.to() >= static_cast<std::uint32_t>(r.header_.slots)) return "sent to peer " + std::to_string(in.to());
+    if (r.last_step_ < 0 || in.tick() != static_cast<std::uint32_t>(r.last_step_))
+      return "sent at tick " + std::to_string(in.tick()) + ", which is not the present one";
+    return "";
+  }
+
+  static Footer footer(const file::Footer& in) {
+    Footer f;
+    f.bundles = in.bundles();
+    f.updates_by_cause.assign(in.updates_by_cause().begin(), in.updates_by_cause().end());
+    f.repeats = in.repeats();
+    f.datagrams_sent = in.datagrams_sent();
+    f.wire_bytes_sent = in.wire_bytes_sent();
+    f.datagrams_received = in.datagrams_received();
+    f.dropped.assign(in.dropped().begin(), in.dropped().end());
+    f.hash_checks = in.hash_checks();
+    f.hash_mismatches = in.hash_mismatches();
+    f.first_mismatch = in.first_mismatch();
+    f.superseded = in.superseded();
+    return f;
+  }
+};
+
+void TraceReader::refuse(const std::string& what) const {
+  throw UserError(label_ + ": record " + std::to_string(record_) + " at byte " + std::to_string(record_start_) + ": " +
+                  what);
+}
+
+TraceReader::TraceReader(std::span<const std::byte> bytes, std::string label)
+    : bytes_(bytes), label_(std::move(label)) {
+  if (bytes.empty()) throw UserError(label_ + ": is empty, not a trace");
+  const std::size_t preamble = kMagic.size() + 1;
+  for (std::size_t i = 0; i < std::min(kMagic.size(), bytes.size()); ++i)
+    if (bytes[i] != static_cast<std::byte>(kMagic[i]))
+      throw UserError(label_ + ": not a trace of padr (it does not begin with " + std::string(kMagic) + ")");
+  if (bytes.size() < preamble)
+    throw UserError(label_ + ": ends within the first " + std::to_string(preamble) + " bytes");
+  const auto version = std::to_integer<unsigned>(bytes[kMagic.size()]);
+  if (version != kFormatVersion)
+    throw UserError(label_ + ": trace format " + std::to_string(version) + "; this program reads format " +
+                    std::to_string(kFormatVersion));
+  at_ = preamble;
+  const auto first = next_record();
+  if (!first) throw UserError(label_ + ": ends before its header is complete");
+  file::Record record;
+  if (!record.ParseFromArray(first->data(), static_cast<int>(first->size())) || !record.has_header())
+    refuse("is not a header");
+  const std::string wrong = take_header(record.header(), header_);
+  if (!wrong.empty()) refuse("header: " + wrong);
+  begun_ = header_.incarnation == 0;
+  const auto entities = static_cast<std::size_t>(header_.entities());
+  live_.states.assign(entities, kUntold);
+  live_.shown.resize(entities);
+  truth_ = nothing_agreed(entities);
+}
+
+std::optional<std::span<const std::byte>> TraceReader::next_record() {
+  if (at_ >= bytes_.size()) return std::nullopt;
+  record_start_ = at_;
+  ++record_;
+  std::size_t size = 0;
+  for (unsigned shift = 0;; shift += 7) {
+    if (at_ >= bytes_.size()) {
+      truncated_ = true;
+      return std::nullopt;
+    }
+    const auto byte = std::to_integer<std::size_t>(bytes_[at_++]);
+    size |= (byte & 0x7FU) << shift;
+    if (byte < 0x80U) break;
+    if (shift >= 21) refuse("its length makes no sense");
+  }
+  if (size > kMaxRecordBytes) refuse("its length of " + std::to_string(size) + " bytes makes no sense");
+  if (bytes_.size() - at_ < size) {
+    at_ = bytes_.size();
+    truncated_ = true;
+    return std::nullopt;
+  }
+  const auto record = bytes_.subspan(at_, size);
+  at_ += size;
+  return record;
+}
+
+std::optional<Event> TraceReader::next() {
+  const auto bytes = next_record();
+  if (!bytes) return std::nullopt;
+  if (clean_) refuse("comes after the footer");
+  file::Record record;
+  if (!record.ParseFromArray(bytes->data(), static_cast<int>(bytes->size()))) refuse("does not decode");
+  const Parser parser{*this};
+  const auto check = [this](const std::string& wrong) {
+    if (!wrong.empty()) refuse(wrong);
+  };
+  const auto keep = [this](const std::string& datagram) -> std::span<const std::byte> {
+    datagram_.resize(datagram.size());
+    std::transform(datagram.begin(), datagram.end(), datagram_.begin(),
+                   [](char c) { return static_cast<std::byte>(c); });
+    return datagram_;
+  };
+  if (!begun_ && !record.has_begin()) refuse("is not what one who came later begins with");
+  switch (record.kind_case()) {
+    case file::Record::kBegin: {
+      Begin b;
+      check(parser.begin(record.begin(), b));
+      begun_ = true;
+      b.transfer = keep(record.begin().transfer());
+      return b;
+    }
+    case file::Record::kOrder:
+      return Order{keep(record.order().fetched())};
+    case file::Record::kFreeze:
+      if (record.freeze().peer() >= static_cast<std::uint32_t>(header_.slots)) refuse("freezes no slot");
+      return Freeze{static_cast<PeerId>(record.freeze().peer()), record.freeze().frozen()};
+    case file::Record::kGiveUp:
+      if (record.give_up().peer() >= static_cast<std::uint32_t>(header_.slots)) refuse("gives up no slot");
+      return GiveUp{static_cast<PeerId>(record.give_up().peer())};
+    case file::Record::kExcuse:
+      return Excuse{};
+    case file::Record::kLocate: {
+      Locate l;
+      check(parser.locate(record.locate(), l));
+      return l;
+    }
+    case file::Record::kStep: {
+      Step s;
+      check(parser.step(record.step(), s));
+      return s;
+    }
+    case file::Record::kReceived:
+      return Received{record.received().at_us(), keep(record.received().datagram())};
+    case file::Record::kSent:
+      check(parser.sent(record.sent()));
+      return Sent{static_cast<PeerId>(record.sent().to()), static_cast<Tick>(record.sent().tick()),
+                  keep(record.sent().datagram())};
+    case file::Record::kConfirmed: {
+      Confirmed c;
+      check(parser.confirmed(record.confirmed(), c));
+      return c;
+    }
+    case file::Record::kFooter:
+      clean_ = true;
+      return Parser::footer(record.footer());
+    case file::Record::kHeader:
+      refuse("is a second header");
+    case file::Record::KIND_NOT_SET:
+      break;
+  }
+  refuse("is of a kind that this program does not know");
+}
+
+}  // namespace padr::trace

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "common/sync/fold.h"
+#include "common/trace/metrics.h"
+
+namespace padr::trace {
+
+/// The agreed word on a confirmed tick. Without dynamic authority nobody owns a body: the first peer's word stands, as
+/// good as any.
+Truth truth_of(const sync::FoldState& confirmed, bool authority);
+
+}  // namespace padr::trace

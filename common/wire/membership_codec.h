@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "common/sync/updates.h"
+#include "common/wire/seal.h"
+
+namespace padr::wire {
+
+// What peers of a running session say about who is there, as plain structs; proto/wire.proto says who says what to
+// whom.
+
+struct Pull {
+  std::uint64_t nonce = 0;
+  std::uint32_t from = 0;    ///< below kMaxPieces
+  std::uint64_t wanted = 0;  ///< bit i: piece from+i
+  friend bool operator==(const Pull&, const Pull&) = default;
+};
+
+struct Piece {
+  std::uint64_t nonce = 0;
+  std::uint32_t index = 0;  ///< below count
+  std::uint32_t count = 0;  ///< 1 .. kMaxPieces
+  Bytes bytes;              ///< 1 .. kPieceBytes
+  friend bool operator==(const Piece&, const Piece&) = default;
+};
+
+struct Enter {
+  std::uint64_t nonce = 0;
+  friend bool operator==(const Enter&, const Enter&) = default;
+};
+
+struct Seat {
+  PeerId slot = kNoPeer;  ///< below kMaxPeers
+  std::uint32_t incarnation = 0;
+  std::uint32_t have = 0;
+  friend bool operator==(const Seat&, const Seat&) = default;
+};
+
+struct Poll {
+  std::vector<Seat> lost;  ///< 1 .. kMaxPeers, by ascending slot
+  friend bool operator==(const Poll&, const Poll&) = default;
+};
+
+struct Answer {
+  std::vector<Seat> lost;  ///< 1 .. kMaxPeers, by ascending slot
+  friend bool operator==(const Answer&, const Answer&) = default;
+};
+
+struct Fetch {
+  PeerId slot = kNoPeer;  ///< below kMaxPeers
+  std::uint32_t incarnation = 0;
+  std::uint32_t from = 0;
+  friend bool operator==(const Fetch&, const Fetch&) = default;
+};
+
+struct Fetched {
+  PeerId slot = kNoPeer;  ///< below kMaxPeers
+  std::uint32_t incarnation = 0;
+  std::vector<sync::Bundle> updates;  ///< of the slot, by number and tick, at least one
+  friend bool operator==(const Fetched&, const Fetched&) = default;
+};
+
+struct Probe {
+  std::uint32_t incarnation = 0;
+  std::vector<Seat> members;  ///< 1 .. kMaxPeers, by ascending slot
+  bool knows_you = false;
+  std::uint32_t newest = 0;  ///< the highest incarnation heard of
+  friend bool operator==(const Probe&, const Probe&) = default;
+};
+
+using MembershipMessage = std::variant<Pull, Piece, Enter, Poll, Answer, Fetch, Fetched, Probe>;
+
+inline constexpr std::uint32_t kMaxPieces = 2048;
+inline constexpr std::size_t kPieceBytes = kMaxPayload - 40;
+
+/// Payload bytes. A Fetched takes as many of its updates, from the first on, as fit a datagram.
+Bytes encode_membership(const MembershipMessage& message);
+/// The message, if the bytes are well formed and every value is in the range that its struct states.
+std::optional<MembershipMessage> decode_membership(std::span<const std::byte> payload);
+
+}  // namespace padr::wire

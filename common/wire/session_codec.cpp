@@ -1,0 +1,199 @@
+#include "common/wire/session_codec.h"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+#include <string_view>
+
+#include "common/wire/endpoint_codec.h"
+#include "proto/wire.pb.h"
+
+namespace padr::wire {
+namespace {
+
+/// A ping, even one sent at 0, which takes no bytes, must not be smaller than any pong.
+constexpr std::size_t kPingPadding = 18;
+
+std::string printable(std::string_view text, std::size_t limit) {
+  std::string s(text.substr(0, limit));
+  std::replace_if(
+      s.begin(), s.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return s;
+}
+
+bool is_clock(Micros t) {
+  return t >= -kMaxClock && t <= kMaxClock;
+}
+
+// ---- out
+
+/// Pads to `size` bytes in all. From 128 bytes up both lengths around the padding take two bytes to write.
+void pad_join(Session& out, std::size_t size) {
+  constexpr std::size_t kLeast = 128;
+  out.mutable_join()->set_padding(std::string(kLeast, '\0'));
+  const std::size_t least_size = out.ByteSizeLong();
+  assert(least_size <= size);
+  out.mutable_join()->set_padding(std::string(kLeast + size - least_size, '\0'));
+}
+
+struct Encoder {
+  Session& out;
+
+  void operator()(const Join& m) const {
+    auto& j = *out.mutable_join();
+    j.set_nonce(m.nonce);
+    j.set_scene_hash(m.scene_hash);
+    j.set_fingerprint(m.fingerprint);
+    j.set_authority(m.authority);
+    j.set_scenario(printable(m.scenario, kMaxLabel));
+    pad_join(out, kMaxPayload);
+  }
+  void operator()(const Welcome& m) const {
+    auto& w = *out.mutable_welcome();
+    w.set_nonce(m.nonce);
+    w.set_peer(m.peer);
+    w.set_slots(static_cast<std::uint32_t>(m.slots));
+    w.set_wanted(static_cast<std::uint32_t>(m.wanted));
+    w.set_running(m.running);
+    w.set_incarnation(m.incarnation);
+  }
+  void operator()(const Redirect& m) const {
+    auto& r = *out.mutable_redirect();
+    r.set_nonce(m.nonce);
+    r.set_address(address_bytes(m.founder));
+    r.set_port(m.founder.port);
+  }
+  void operator()(const Refuse& m) const {
+    out.mutable_refuse()->set_nonce(m.nonce);
+    out.mutable_refuse()->set_reason(printable(m.reason, kMaxReason));
+  }
+  void operator()(const Ping& m) const {
+    out.mutable_ping()->set_sent_us(m.sent);
+    out.mutable_ping()->set_padding(std::string(kPingPadding, '\0'));
+  }
+  void operator()(const Pong& m) const {
+    out.mutable_pong()->set_sent_us(m.sent);
+    out.mutable_pong()->set_founder_us(m.founder);
+    out.mutable_pong()->set_present(static_cast<std::uint32_t>(m.present));
+  }
+  void operator()(const Start& m) const {
+    auto& s = *out.mutable_start();
+    s.set_tick0_us(m.tick0);
+    for (std::size_t p = 0; p < m.members.size(); ++p) {
+      auto& member = *s.add_members();
+      member.set_peer(static_cast<std::uint32_t>(p));
+      if (p == 0) continue;
+      member.set_address(address_bytes(m.members[p]));
+      member.set_port(m.members[p].port);
+    }
+  }
+  void operator()(const Ready& m) const {
+    const Micros most = std::numeric_limits<std::uint32_t>::max();
+    out.mutable_ready()->set_round_trip_us(static_cast<std::uint32_t>(std::clamp<Micros>(m.round_trip, 0, most)));
+    out.mutable_ready()->set_started(m.started);
+  }
+  void operator()(const Bye& m) const { out.mutable_bye()->set_reason(printable(m.reason, kMaxReason)); }
+};
+
+// ---- in
+
+std::optional<SessionMessage> take(const Session::Join& in) {
+  if (in.nonce() == 0 || in.scenario().size() > kMaxLabel) return std::nullopt;
+  return Join{in.nonce(), in.scene_hash(), in.fingerprint(), in.authority(), printable(in.scenario(), kMaxLabel)};
+}
+
+std::optional<SessionMessage> take(const Session::Welcome& in) {
+  constexpr std::uint32_t most = kMaxPeers;
+  if (in.slots() > most || in.wanted() == 0 || in.wanted() > in.slots() || in.peer() >= in.slots()) return std::nullopt;
+  // Those of tick 0, and only they, have incarnation 0.
+  if (in.running() != (in.incarnation() != 0)) return std::nullopt;
+  if (!in.running() && (in.peer() == 0 || in.peer() >= in.wanted())) return std::nullopt;
+  return Welcome{in.nonce(),
+                 static_cast<PeerId>(in.peer()),
+                 static_cast<int>(in.slots()),
+                 static_cast<int>(in.wanted()),
+                 in.running(),
+                 in.incarnation()};
+}
+
+std::optional<SessionMessage> take(const Session::Redirect& in) {
+  Redirect r{in.nonce(), {}};
+  if (!take_endpoint(in.address(), in.port(), r.founder)) return std::nullopt;
+  return r;
+}
+
+std::optional<SessionMessage> take(const Session::Refuse& in) {
+  if (in.reason().size() > kMaxReason) return std::nullopt;
+  return Refuse{in.nonce(), printable(in.reason(), kMaxReason)};
+}
+
+std::optional<SessionMessage> take(const Session::Ping& in) {
+  if (!is_clock(in.sent_us()) || in.padding().size() < kPingPadding) return std::nullopt;
+  return Ping{in.sent_us()};
+}
+
+std::optional<SessionMessage> take(const Session::Pong& in) {
+  if (!is_clock(in.sent_us()) || !is_clock(in.founder_us()) || in.present() > kMaxPeers) return std::nullopt;
+  return Pong{in.sent_us(), in.founder_us(), static_cast<int>(in.present())};
+}
+
+std::optional<SessionMessage> take(const Session::Start& in) {
+  if (!is_clock(in.tick0_us()) || in.members_size() < 1 || in.members_size() > kMaxPeers) return std::nullopt;
+  Start s{in.tick0_us(), Roster(static_cast<std::size_t>(in.members_size()))};
+  for (std::size_t p = 0; p < s.members.size(); ++p) {
+    const auto& m = in.members(static_cast<int>(p));
+    if (m.peer() != p) return std::nullopt;
+    if (p == 0 ? !m.address().empty() || m.port() != 0 : !take_endpoint(m.address(), m.port(), s.members[p]))
+      return std::nullopt;
+  }
+  return s;
+}
+
+std::optional<SessionMessage> take(const Session::Ready& in) {
+  return Ready{in.round_trip_us(), in.started()};
+}
+
+std::optional<SessionMessage> take(const Session::Bye& in) {
+  if (in.reason().size() > kMaxReason) return std::nullopt;
+  return Bye{printable(in.reason(), kMaxReason)};
+}
+
+}  // namespace
+
+Bytes encode_session(const SessionMessage& message) {
+  Session out;
+  std::visit(Encoder{out}, message);
+  Bytes bytes(out.ByteSizeLong());
+  out.SerializeToArray(bytes.data(), static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+std::optional<SessionMessage> decode_session(std::span<const std::byte> payload) {
+  Session in;
+  if (!in.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) return std::nullopt;
+  switch (in.kind_case()) {
+    case Session::kJoin:
+      return take(in.join());
+    case Session::kWelcome:
+      return take(in.welcome());
+    case Session::kRedirect:
+      return take(in.redirect());
+    case Session::kRefuse:
+      return take(in.refuse());
+    case Session::kPing:
+      return take(in.ping());
+    case Session::kPong:
+      return take(in.pong());
+    case Session::kStart:
+      return take(in.start());
+    case Session::kReady:
+      return take(in.ready());
+    case Session::kBye:
+      return take(in.bye());
+    case Session::KIND_NOT_SET:
+      break;
+  }
+  return std::nullopt;
+}
+
+}  // namespace padr::wire

@@ -1,0 +1,271 @@
+#include "common/wire/transfer_codec.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "common/sync/admit.h"
+#include "common/wire/endpoint_codec.h"
+#include "common/wire/update_codec.h"
+#include "proto/wire.pb.h"
+
+namespace padr::wire {
+namespace {
+
+using sync::FoldState;
+using Message = padr::wire::Transfer;
+
+constexpr int kEntityNumbers = 7;
+constexpr int kPointNumbers = 4;
+constexpr char kAsleep = '\0';
+constexpr char kAwake = '\1';
+constexpr unsigned kLastManifoldType = 2;
+// Of a contact's memory: Box2D aborts on impulses that pull, and must not overflow. Far above what any scene has.
+constexpr float kMostNormal = 1.01F;    ///< each coordinate of a unit vector, or 0
+constexpr float kMostLocal = 1.0e4F;    ///< m
+constexpr float kMostImpulse = 1.0e9F;  ///< N s
+
+void put_world(const world::Snapshot& s, Message& out) {
+  for (const world::Kinematics& k : s.entities) {
+    for (const float v : {k.position.x, k.position.y, k.angle, k.velocity.x, k.velocity.y, k.spin, k.sleep_time})
+      out.add_entities(v);
+    out.mutable_awake()->push_back(k.awake ? kAwake : kAsleep);
+  }
+  for (const world::ContactState& c : s.contacts) {
+    Message::Contact& to = *out.add_contacts();
+    to.set_key(c.key);
+    to.set_type(c.type);
+    to.set_touching(c.touching);
+    for (const float v : {c.local_normal.x, c.local_normal.y, c.local_point.x, c.local_point.y}) to.add_numbers(v);
+    for (std::size_t i = 0; i < c.count; ++i) {
+      const world::ContactState::Point& p = c.points[i];
+      for (const float v : {p.local.x, p.local.y, p.normal_impulse, p.tangent_impulse}) to.add_numbers(v);
+      to.add_ids(p.id);
+    }
+  }
+}
+
+void put_avatars(const FoldState& s, Message& out) {
+  for (std::size_t p = 0; p < s.avatars.size(); ++p) {
+    const sync::AvatarModel& m = s.avatars[p];
+    Message::Avatar& to = *out.add_avatars();
+    to.set_present(m.present);
+    to.set_incarnation(s.members[p].incarnation);
+    to.set_member(s.members[p].present);
+    to.set_model(static_cast<unsigned>(m.kind));
+    for (const float v : {m.velocity.x, m.velocity.y, m.control.x, m.control.y}) to.add_numbers(v);
+    to.set_since(static_cast<std::uint32_t>(m.since));
+    to.set_at_rest(m.at_rest);
+  }
+}
+
+void put_authority(const FoldState& s, Message& out) {
+  for (const sync::Authority& a : s.authority) {
+    Message::Authority& to = *out.add_authority();
+    to.set_owner(a.owner == kNoPeer ? 0 : a.owner + 1U);
+    to.set_released(a.released);
+    to.set_epoch(a.epoch);
+    to.set_claimed(static_cast<std::uint32_t>(a.claimed));
+  }
+  for (const std::uint32_t h : s.holds) out.add_holds(h);
+}
+
+constexpr auto kMaxTick = static_cast<std::uint32_t>(std::numeric_limits<Tick>::max());
+// Numbers that grow by one at a time, as in sync::admit.
+constexpr std::uint32_t kMost = 1U << 30U;
+
+bool within(Vec2 v, float most) {
+  return is_finite(v) && std::abs(v.x) <= most && std::abs(v.y) <= most;
+}
+
+bool is_usable(const world::ContactState& c) {
+  for (std::size_t i = 0; i < c.count; ++i) {
+    const world::ContactState::Point& p = c.points[i];
+    const Vec2 impulse{p.normal_impulse, p.tangent_impulse};
+    if (!within(p.local, kMostLocal) || !within(impulse, kMostImpulse) || impulse.x < 0) return false;
+  }
+  return within(c.local_normal, kMostNormal) && within(c.local_point, kMostLocal);
+}
+
+bool all_finite(const google::protobuf::RepeatedField<float>& values) {
+  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+}
+
+/// Reads a message against the scene that it must be of. Whatever World or Fold would not have come to by itself is
+/// refused: what is taken in has to come out again to the bit, or the confirmed worlds differ.
+class Reader {
+ public:
+  Reader(const Message& in, const Scene& scene, int slots)
+      : in_(in), scene_(scene), slots_(slots), bodies_(static_cast<int>(scene.bodies.size())) {}
+
+  bool read(sync::Transfer& out) const {
+    if (in_.tick() >= kMaxTick) return false;
+    out.state.tick = static_cast<Tick>(in_.tick());
+    return read_entities(out.state.world) && read_contacts(out.state.world) && read_avatars(out.state) &&
+           read_authority(out.state) && read_slots(out) && read_tail(out) && read_gone(out);
+  }
+
+ private:
+  bool read_entities(world::Snapshot& out) const {
+    const int n = bodies_ + slots_;
+    if (in_.entities_size() != n * kEntityNumbers || in_.awake().size() != static_cast<std::size_t>(n)) return false;
+    for (int e = 0; e < n; ++e) {
+      const auto v = [&](int i) { return in_.entities(e * kEntityNumbers + i); };
+      const char awake = in_.awake()[static_cast<std::size_t>(e)];
+      const world::Kinematics k{{v(0), v(1)}, v(2), {v(3), v(4)}, v(5), v(6), awake == kAwake};
+      if (awake != kAwake && awake != kAsleep) return false;
+      if (!sync::believable({k.position, k.angle, k.velocity, k.spin, k.awake}, scene_)) return false;
+      if (!std::isfinite(k.sleep_time) || k.sleep_time < 0) return false;
+      const bool still = k.velocity == Vec2{} && k.spin == 0 && k.sleep_time == 0;
+      if (!k.awake && !still) return false;
+      out.entities.push_back(k);
+    }
+    return true;
+  }
+
+  bool read_contacts(world::Snapshot& out) const {
+    for (const Message::Contact& c : in_.contacts()) {
+      world::ContactState s;
+      if (!read_contact(c, s) || (!out.contacts.empty() && out.contacts.back().key >= s.key)) return false;
+      out.contacts.push_back(s);
+    }
+    return true;
+  }
+
+  bool read_contact(const Message::Contact& c, world::ContactState& out) const {
+    const auto moving = static_cast<std::uint32_t>(bodies_ + slots_);
+    const std::uint32_t first = c.key() >> 16U;
+    const std::uint32_t second = c.key() & 0xFFFFU;
+    if (first >= moving || second <= first || second >= moving + scene_.statics.size()) return false;
+    const auto points = static_cast<std::size_t>(c.ids_size());
+    if (points > out.points.size() || (points == 0 && !c.touching()) || c.type() > kLastManifoldType) return false;
+    if (c.numbers_size() != 4 + kPointNumbers * c.ids_size()) return false;
+    out.key = c.key();
+    out.type = static_cast<std::uint8_t>(c.type());
+    out.count = static_cast<std::uint8_t>(points);
+    out.touching = c.touching();
+    out.local_normal = {c.numbers(0), c.numbers(1)};
+    out.local_point = {c.numbers(2), c.numbers(3)};
+    for (std::size_t i = 0; i < points; ++i) {
+      const auto v = [&](int k) { return c.numbers(4 + static_cast<int>(i) * kPointNumbers + k); };
+      out.points[i] = {{v(0), v(1)}, v(2), v(3), c.ids(static_cast<int>(i))};
+    }
+    return is_usable(out);
+  }
+
+  bool read_avatars(FoldState& out) const {
+    if (in_.avatars_size() != slots_) return false;
+    const sync::AdmitLimits limits;
+    for (const Message::Avatar& a : in_.avatars()) {
+      if (a.numbers_size() != 4 || !all_finite(a.numbers())) return false;
+      const Vec2 velocity{a.numbers(0), a.numbers(1)};
+      const Vec2 control{a.numbers(2), a.numbers(3)};
+      if (length(velocity) > limits.max_speed || length(control) > limits.max_control) return false;
+      if (a.model() > static_cast<unsigned>(Model::kInput) || a.since() > in_.tick()) return false;
+      if (a.present() != a.member() || a.incarnation() >= kMost) return false;
+      out.members.push_back({a.member(), a.incarnation()});
+      out.avatars.push_back(
+          {a.present(), static_cast<Model>(a.model()), velocity, control, static_cast<Tick>(a.since()), a.at_rest()});
+    }
+    return true;
+  }
+
+  bool read_authority(FoldState& out) const {
+    if (in_.authority_size() != bodies_ || in_.holds_size() != bodies_) return false;
+    for (const Message::Authority& a : in_.authority()) {
+      if (a.owner() > static_cast<std::uint32_t>(slots_) || a.claimed() > in_.tick() || a.epoch() > kMost) return false;
+      // Never claimed: nobody's, with nothing on record.
+      const bool blank = a.released() && a.epoch() == 0 && a.claimed() == 0;
+      if (a.owner() == 0 ? !blank : a.epoch() == 0) return false;
+      const PeerId owner = a.owner() == 0 ? kNoPeer : static_cast<PeerId>(a.owner() - 1);
+      out.authority.push_back({owner, a.released(), a.epoch(), static_cast<Tick>(a.claimed())});
+    }
+    const std::uint64_t beyond = ~std::uint64_t{0} << static_cast<unsigned>(slots_);
+    if (std::any_of(in_.holds().begin(), in_.holds().end(), [&](std::uint32_t h) { return (h & beyond) != 0; }))
+      return false;
+    out.holds.assign(in_.holds().begin(), in_.holds().end());
+    return true;
+  }
+
+  bool read_slots(sync::Transfer& out) const {
+    if (in_.slots_size() != slots_) return false;
+    for (const Message::Slot& s : in_.slots()) {
+      sync::Transfer::Slot& to = out.slots.emplace_back();
+      to.first = s.first();
+      if (s.have() < s.first() || s.have() >= kMost) return false;
+      out.have.push_back(s.have());
+      if (s.address().empty() ? s.port() != 0 : !take_endpoint(s.address(), s.port(), to.at)) return false;
+    }
+    return true;
+  }
+
+  bool read_gone(sync::Transfer& out) const {
+    if (static_cast<std::size_t>(in_.gone_size()) > sync::Transfer::kMostGone) return false;
+    for (const Message::Place& g : in_.gone())
+      if (!take_endpoint(g.address(), g.port(), out.gone.emplace_back())) return false;
+    return true;
+  }
+
+  bool read_tail(sync::Transfer& out) const {
+    for (const PassedOn& p : in_.tail()) {
+      if (p.slot() >= static_cast<std::uint32_t>(slots_) || p.tick() >= kMaxTick || p.index() >= kMost) return false;
+      sync::Bundle b;
+      b.peer = static_cast<PeerId>(p.slot());
+      if (!take_update(p.update(), static_cast<Tick>(p.tick()), p.index() + 1, b)) return false;
+      if (b.tick < out.state.tick || sync::admit(b, scene_, slots_) != sync::DropReason::kNone) return false;
+      if (!out.tail.empty() && std::tie(out.tail.back().tick, out.tail.back().peer) >= std::tie(b.tick, b.peer))
+        return false;
+      out.tail.push_back(std::move(b));
+    }
+    return true;
+  }
+
+  const Message& in_;
+  const Scene& scene_;
+  int slots_;
+  int bodies_;
+};
+
+}  // namespace
+
+Bytes encode_transfer(const sync::Transfer& t) {
+  Message out;
+  out.set_tick(static_cast<std::uint32_t>(t.state.tick));
+  put_world(t.state.world, out);
+  put_avatars(t.state, out);
+  put_authority(t.state, out);
+  for (std::size_t p = 0; p < t.slots.size(); ++p) {
+    Message::Slot& to = *out.add_slots();
+    to.set_first(t.slots[p].first);
+    to.set_have(t.have[p]);
+    if (!t.slots[p].at.is_set()) continue;
+    to.set_address(address_bytes(t.slots[p].at));
+    to.set_port(t.slots[p].at.port);
+  }
+  for (const sync::Bundle& b : t.tail) {
+    PassedOn& to = *out.add_tail();
+    to.set_slot(b.peer);
+    to.set_index(b.index);
+    to.set_tick(static_cast<std::uint32_t>(b.tick));
+    put_update(b, b.tick, b.index + 1, *to.mutable_update());
+  }
+  for (const Endpoint& at : t.gone) {
+    Message::Place& to = *out.add_gone();
+    to.set_address(address_bytes(at));
+    to.set_port(at.port);
+  }
+  Bytes bytes(out.ByteSizeLong());
+  out.SerializeToArray(bytes.data(), static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+std::optional<sync::Transfer> decode_transfer(std::span<const std::byte> bytes, const Scene& scene, int slots) {
+  Message in;
+  sync::Transfer out;
+  if (!in.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return std::nullopt;
+  if (!Reader(in, scene, slots).read(out)) return std::nullopt;
+  return out;
+}
+
+}  // namespace padr::wire

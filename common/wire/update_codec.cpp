@@ -1,0 +1,221 @@
+#include "common/wire/update_codec.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <limits>
+
+#include "common/wire/endpoint_codec.h"
+#include "proto/wire.pb.h"
+
+namespace padr::wire {
+namespace {
+
+using sync::AvatarUpdate;
+using sync::BodyUpdate;
+using sync::Bundle;
+
+constexpr unsigned kAvatarAwake = 1U << 5U;
+constexpr unsigned kAvatarSet = 1U << 6U;
+constexpr unsigned kHeld = 1U << 3U;
+constexpr unsigned kState = 1U << 4U;
+constexpr unsigned kRelease = 1U << 5U;
+constexpr unsigned kBodyAwake = 1U << 6U;
+constexpr unsigned kFlagsEnd = 1U << 7U;
+
+bool has_control(Model m) {
+  return m == Model::kSecond || m == Model::kInput;
+}
+
+void put_avatar(const AvatarUpdate& u, Update& out) {
+  out.set_avatar(static_cast<unsigned>(u.cause) | static_cast<unsigned>(u.model) << 3U | (u.awake ? kAvatarAwake : 0) |
+                 kAvatarSet);
+  for (const float v : {u.position.x, u.position.y, u.velocity.x, u.velocity.y}) out.add_avatar_state(v);
+  if (!has_control(u.model)) return;
+  out.add_avatar_state(u.control.x);
+  out.add_avatar_state(u.control.y);
+}
+
+void put_body(const BodyUpdate& u, Tick tick, Update& out) {
+  out.add_body(u.body);
+  out.add_body_flags(static_cast<unsigned>(u.cause) | (u.held ? kHeld : 0) | (u.has_state ? kState : 0) |
+                     (u.release ? kRelease : 0) | (u.has_state && u.state.awake ? kBodyAwake : 0));
+  if (!u.has_state) return;
+  out.add_epoch(u.epoch);
+  out.add_claim_age(static_cast<std::uint32_t>(tick - u.claimed));
+  for (const float v : {u.state.position.x, u.state.position.y, u.state.angle}) out.add_body_state(v);
+  if (!u.state.awake) return;
+  for (const float v : {u.state.velocity.x, u.state.velocity.y, u.state.spin}) out.add_body_state(v);
+}
+
+bool take_avatar(const Update& in, Bundle& out) {
+  const unsigned flags = in.avatar();
+  if (flags == 0) return in.avatar_state().empty();
+  const unsigned cause = flags & 7U;
+  if (flags >= kFlagsEnd || (flags & kAvatarSet) == 0 || cause >= sync::kCauses) return false;
+  AvatarUpdate u;
+  u.cause = static_cast<sync::Cause>(cause);
+  u.model = static_cast<Model>((flags >> 3U) & 3U);
+  u.awake = (flags & kAvatarAwake) != 0;
+  if (in.avatar_state_size() != (has_control(u.model) ? 6 : 4)) return false;
+  u.position = {in.avatar_state(0), in.avatar_state(1)};
+  u.velocity = {in.avatar_state(2), in.avatar_state(3)};
+  if (has_control(u.model)) u.control = {in.avatar_state(4), in.avatar_state(5)};
+  out.avatar = u;
+  return true;
+}
+
+/// Reads the columns side by side; `next_*` are the places in the two that only bodies with state fill.
+class BodyColumns {
+ public:
+  BodyColumns(const Update& in, Tick tick) : in_(in), tick_(tick) {}
+
+  bool take(int i, BodyUpdate& u) {
+    const unsigned flags = in_.body_flags(i);
+    if (in_.body(i) >= kNoEntity || flags >= kFlagsEnd || (flags & 7U) >= sync::kCauses) return false;
+    u.body = static_cast<EntityId>(in_.body(i));
+    u.cause = static_cast<sync::Cause>(flags & 7U);
+    u.held = (flags & kHeld) != 0;
+    u.has_state = (flags & kState) != 0;
+    u.release = (flags & kRelease) != 0;
+    u.state.awake = (flags & kBodyAwake) != 0;
+    if (!u.has_state) {
+      const bool plain = !u.state.awake;
+      u.state.awake = true;
+      return plain;
+    }
+    return take_claim(u) && take_state(u.state);
+  }
+  bool used_up() const {
+    return next_claim_ == in_.epoch_size() && next_claim_ == in_.claim_age_size() &&
+           next_float_ == in_.body_state_size();
+  }
+
+ private:
+  bool take_claim(BodyUpdate& u) {
+    if (next_claim_ >= in_.epoch_size() || next_claim_ >= in_.claim_age_size()) return false;
+    u.epoch = in_.epoch(next_claim_);
+    const std::uint32_t age = in_.claim_age(next_claim_++);
+    if (age > static_cast<std::uint32_t>(tick_)) return false;
+    u.claimed = tick_ - static_cast<Tick>(age);
+    return true;
+  }
+  bool take_state(BodyState& s) {
+    const int n = s.awake ? 6 : 3;
+    if (in_.body_state_size() - next_float_ < n) return false;
+    const auto next = [this] { return in_.body_state(next_float_++); };
+    s.position.x = next();
+    s.position.y = next();
+    s.angle = next();
+    if (!s.awake) return true;
+    s.velocity.x = next();
+    s.velocity.y = next();
+    s.spin = next();
+    return true;
+  }
+
+  const Update& in_;
+  Tick tick_;
+  int next_claim_ = 0;
+  int next_float_ = 0;
+};
+
+bool take_bodies(const Update& in, Bundle& out) {
+  if (in.body_size() != in.body_flags_size()) return false;
+  if (static_cast<std::size_t>(in.body_size()) > sync::kMaxBodiesPerBundle) return false;
+  BodyColumns columns(in, out.tick);
+  for (int i = 0; i < in.body_size(); ++i) {
+    BodyUpdate u;
+    if (!columns.take(i, u)) return false;
+    if (i > 0 && u.body <= out.bodies.back().body) return false;
+    out.bodies.push_back(u);
+  }
+  return columns.used_up();
+}
+
+void put_orders(const Bundle& b, Update& out) {
+  if (b.admission) {
+    Admission& a = *out.mutable_admission();
+    a.set_slot(b.admission->slot);
+    a.set_incarnation(b.admission->incarnation);
+    a.set_first(b.admission->first);
+    a.set_address(address_bytes(b.admission->at));
+    a.set_port(b.admission->at.port);
+    for (const std::uint32_t have : b.admission->have) a.add_have(have);
+  }
+  for (const sync::Removal& r : b.removals) {
+    Removal& to = *out.add_removals();
+    to.set_slot(r.slot);
+    to.set_incarnation(r.incarnation);
+    to.set_count(r.count);
+  }
+  for (const Bundle& lost : b.passed_on) {
+    PassedOn& p = *out.mutable_passed_on();
+    p.set_slot(lost.peer);
+    p.set_index(lost.index);
+    p.set_tick(static_cast<std::uint32_t>(lost.tick));
+    put_update(lost, lost.tick, lost.index + 1, *p.mutable_update());
+  }
+}
+
+bool take_within(const Update& in, Tick mark_tick, std::uint32_t mark_count, int depth, Bundle& out);
+
+bool take_orders(const Update& in, int depth, Bundle& out) {
+  if (in.has_admission()) {
+    const Admission& a = in.admission();
+    sync::Admission& to = out.admission.emplace();
+    if (a.slot() >= kMaxPeers || a.have_size() > kMaxPeers || !take_endpoint(a.address(), a.port(), to.at))
+      return false;
+    to.slot = static_cast<PeerId>(a.slot());
+    to.incarnation = a.incarnation();
+    to.first = a.first();
+    to.have.assign(a.have().begin(), a.have().end());
+  }
+  for (const Removal& r : in.removals()) {
+    if (r.slot() >= kMaxPeers || (!out.removals.empty() && r.slot() <= out.removals.back().slot)) return false;
+    out.removals.push_back({static_cast<PeerId>(r.slot()), r.incarnation(), r.count()});
+  }
+  if (!in.has_passed_on()) return true;
+  const PassedOn& p = in.passed_on();
+  constexpr auto kMaxTick = static_cast<std::uint32_t>(std::numeric_limits<Tick>::max());
+  if (depth == sync::kMaxPassing || p.slot() >= kMaxPeers || p.tick() >= kMaxTick || p.index() == 0xFFFFFFFFU)
+    return false;
+  Bundle& lost = out.passed_on.emplace_back();
+  lost.peer = static_cast<PeerId>(p.slot());
+  return take_within(p.update(), static_cast<Tick>(p.tick()), p.index() + 1, depth + 1, lost);
+}
+
+/// A farewell, an order of the coordinator's and what is told of entities are updates of their own each.
+bool is_of_one_sort(const Update& in) {
+  const std::array<bool, 5> sorts{in.leave(), in.has_admission(), in.removals_size() > 0, in.has_passed_on(),
+                                  in.avatar() != 0 || in.body_size() > 0};
+  return std::count(sorts.begin(), sorts.end(), true) <= 1;
+}
+
+bool take_within(const Update& in, Tick mark_tick, std::uint32_t mark_count, int depth, Bundle& out) {
+  if (!is_of_one_sort(in)) return false;
+  if (in.index_back() >= mark_count) return false;
+  if (in.tick_back() > static_cast<std::uint32_t>(mark_tick)) return false;
+  out.index = mark_count - 1 - in.index_back();
+  out.tick = mark_tick - static_cast<Tick>(in.tick_back());
+  out.leave = in.leave();
+  return take_avatar(in, out) && take_bodies(in, out) && take_orders(in, depth, out);
+}
+
+}  // namespace
+
+void put_update(const Bundle& b, Tick mark_tick, std::uint32_t mark_count, Update& out) {
+  assert(b.index < mark_count && b.tick <= mark_tick);
+  out.set_index_back(mark_count - 1 - b.index);
+  out.set_tick_back(static_cast<std::uint32_t>(mark_tick - b.tick));
+  out.set_leave(b.leave);
+  if (b.avatar) put_avatar(*b.avatar, out);
+  for (const BodyUpdate& body : b.bodies) put_body(body, b.tick, out);
+  put_orders(b, out);
+}
+
+bool take_update(const Update& in, Tick mark_tick, std::uint32_t mark_count, Bundle& out) {
+  return take_within(in, mark_tick, mark_count, 0, out);
+}
+
+}  // namespace padr::wire

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <box2d/box2d.h>
+
+// The three things of Box2D 2.4 that a step depends on and that its interface does not reach: a body's sleep timer, a
+// body's list of contacts and a contact's touching flag with its places in the lists. Access is by explicit template
+// instantiation, where the language ignores access rules (C++20 [temp.spec.general]/6), so Box2D itself stays as
+// packaged.
+namespace padr::world::access {
+
+template <typename Tag, typename Tag::type Member>
+struct Expose {
+  friend constexpr typename Tag::type member(Tag) { return Member; }
+};
+
+struct SleepTime {
+  using type = float b2Body::*;
+  friend constexpr type member(SleepTime);
+};
+template struct Expose<SleepTime, &b2Body::m_sleepTime>;
+
+struct BodyContacts {
+  using type = b2ContactEdge* b2Body::*;
+  friend constexpr type member(BodyContacts);
+};
+template struct Expose<BodyContacts, &b2Body::m_contactList>;
+
+struct ContactFlags {
+  using type = uint32 b2Contact::*;
+  friend constexpr type member(ContactFlags);
+};
+template struct Expose<ContactFlags, &b2Contact::m_flags>;
+
+struct ContactPrev {
+  using type = b2Contact* b2Contact::*;
+  friend constexpr type member(ContactPrev);
+};
+template struct Expose<ContactPrev, &b2Contact::m_prev>;
+
+struct ContactNext {
+  using type = b2Contact* b2Contact::*;
+  friend constexpr type member(ContactNext);
+};
+template struct Expose<ContactNext, &b2Contact::m_next>;
+
+struct NodeA {
+  using type = b2ContactEdge b2Contact::*;
+  friend constexpr type member(NodeA);
+};
+template struct Expose<NodeA, &b2Contact::m_nodeA>;
+
+struct NodeB {
+  using type = b2ContactEdge b2Contact::*;
+  friend constexpr type member(NodeB);
+};
+template struct Expose<NodeB, &b2Contact::m_nodeB>;
+
+inline constexpr uint32 kTouchingFlag = 0x0002;  // b2Contact::e_touchingFlag
+
+inline void set_touching(b2Contact& c, bool touching) {
+  uint32& flags = c.*member(ContactFlags{});
+  flags = touching ? (flags | kTouchingFlag) : (flags & ~kTouchingFlag);
+}
+
+}  // namespace padr::world::access

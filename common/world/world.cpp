@@ -1,0 +1,398 @@
+#include "common/world/world.h"
+
+#include <box2d/box2d.h>
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+#include "common/world/box2d_access.h"
+#include "common/world/box2d_math.h"
+#include "common/world/box2d_timer.h"
+#include "common/world/contact_order.h"
+
+namespace padr::world {
+namespace {
+
+Vec2 from_b2(b2Vec2 v) {
+  return {v.x + 0.0F, v.y + 0.0F};
+}  // + 0 turns -0 into +0
+b2Vec2 to_b2(Vec2 v) {
+  return {v.x, v.y};
+}
+
+ContactState read_contact(b2Contact& c) {
+  const b2Manifold& m = *c.GetManifold();
+  ContactState s;
+  s.key = contact_key(c);
+  s.local_normal = from_b2(m.localNormal);
+  s.local_point = from_b2(m.localPoint);
+  s.type = static_cast<std::uint8_t>(m.type);
+  s.count = static_cast<std::uint8_t>(m.pointCount);
+  s.touching = c.IsTouching();
+  for (std::size_t i = 0; i < s.count; ++i) {
+    const b2ManifoldPoint& p = m.points[i];
+    s.points[i] = {from_b2(p.localPoint), p.normalImpulse, p.tangentImpulse, p.id.key};
+  }
+  return s;
+}
+
+void write_contact(b2Contact& c, const ContactState& s) {
+  b2Manifold& m = *c.GetManifold();
+  m.localNormal = to_b2(s.local_normal);
+  m.localPoint = to_b2(s.local_point);
+  m.type = static_cast<b2Manifold::Type>(s.type);
+  m.pointCount = s.count;
+  for (std::size_t i = 0; i < s.count; ++i) {
+    b2ManifoldPoint& p = m.points[i];
+    p.localPoint = to_b2(s.points[i].local);
+    p.normalImpulse = s.points[i].normal_impulse;
+    p.tangentImpulse = s.points[i].tangent_impulse;
+    p.id.key = s.points[i].id;
+  }
+  access::set_touching(c, s.touching);
+}
+
+void forget_contact(b2Contact& c) {
+  c.GetManifold()->pointCount = 0;
+  access::set_touching(c, false);
+}
+
+/// Whether the two shapes' bounds overlap where they are now: unlike Box2D's own enlarged bounds, a function of the
+/// state alone.
+bool bounds_overlap(const b2Fixture& a, const b2Fixture& b) {
+  b2AABB box_a;
+  b2AABB box_b;
+  a.GetShape()->ComputeAABB(&box_a, a.GetBody()->GetTransform(), 0);
+  b.GetShape()->ComputeAABB(&box_b, b.GetBody()->GetTransform(), 0);
+  return b2TestOverlap(box_a, box_b);
+}
+
+void wake_and_forget(b2Contact& c) {
+  c.GetFixtureA()->GetBody()->SetAwake(true);
+  c.GetFixtureB()->GetBody()->SetAwake(true);
+  forget_contact(c);
+}
+
+bool remembers(b2Contact& c) {
+  return c.IsTouching() || c.GetManifold()->pointCount > 0;
+}
+
+float inertia_of(const BodyDef& d) {
+  return d.shape == ShapeKind::kCircle ? 0.5F * d.mass * d.radius * d.radius
+                                       : d.mass * (d.half.x * d.half.x + d.half.y * d.half.y) / 3.0F;
+}
+
+}  // namespace
+
+/// Owns the Box2D world and answers its question which pairs may collide.
+struct World::Box2d final : b2ContactFilter {
+  explicit Box2d(const Scene& scene) : world(to_b2(scene.gravity)) {
+    world.SetWarmStarting(scene.warm_starting);
+    world.SetContinuousPhysics(scene.continuous);
+    world.SetContactFilter(this);
+    assert(box2d_timers_stand_still());
+    take_portable_math();
+    // A world's very first step never warm-starts; an empty one makes all worlds alike from tick 0 on.
+    world.Step(kTickSeconds, 1, 1);
+  }
+
+  b2Body* create(const BodyDef& d, b2BodyType type, std::size_t slot, bool fixed_rotation = false) {
+    b2BodyDef def;
+    def.type = type;
+    def.position = to_b2(d.position);
+    def.angle = d.angle;
+    def.fixedRotation = fixed_rotation;
+    def.linearDamping = d.linear_damping;
+    def.angularDamping = d.angular_damping;
+    def.userData.pointer = slot;
+    b2Body* body = world.CreateBody(&def);
+    b2CircleShape circle;
+    b2PolygonShape box;
+    b2FixtureDef fixture;
+    if (d.shape == ShapeKind::kCircle) {
+      circle.m_radius = d.radius;
+      fixture.shape = &circle;
+    } else {
+      box.SetAsBox(d.half.x, d.half.y);
+      fixture.shape = &box;
+    }
+    fixture.density = 1;
+    fixture.friction = d.friction;
+    fixture.restitution = d.restitution;
+    body->CreateFixture(&fixture);
+    if (type == b2_dynamicBody) {
+      // The centre of mass exactly at the origin, so that a transform carries it without rounding.
+      b2MassData mass;
+      mass.mass = d.mass;
+      mass.center.SetZero();
+      mass.I = inertia_of(d);
+      body->SetMassData(&mass);
+      body->SetLinearVelocity(to_b2(d.velocity));
+    }
+    return body;
+  }
+
+  bool may_collide(std::size_t a, std::size_t b) const {
+    if (a > b) std::swap(a, b);
+    if (!present[a] || !present[b]) return false;
+    const bool avatar_and_body = a < n_bodies && b >= n_bodies && b < bodies.size();
+    if (!avatar_and_body) return true;
+    const auto bit = 1U << (b - n_bodies);
+    return ((free_avatars | holds[a]) & bit) != 0;
+  }
+
+  bool ShouldCollide(b2Fixture* a, b2Fixture* b) override {
+    return may_collide(a->GetBody()->GetUserData().pointer, b->GetBody()->GetUserData().pointer);
+  }
+
+  void refilter(std::size_t e) const { bodies[e]->GetFixtureList()->Refilter(); }
+
+  void forget_if_apart(b2Contact& c);
+  void forget_forbidden(b2Body& body);
+  void restore_entity(std::size_t e, const Kinematics& k);
+  void restore_contacts(const Snapshot& s, const std::vector<bool>& keep);
+
+  b2World world;
+  std::size_t n_bodies = 0;
+  std::vector<b2Body*> bodies;       // by slot: bodies, avatars; fixed things have later slots and are not listed
+  std::vector<char> present;         // by slot, fixed things included
+  std::vector<std::uint32_t> holds;  // by body: bit p set if avatar p holds it
+  std::uint32_t free_avatars = 0;
+  mutable std::vector<Contact> contacts;
+  mutable bool contacts_known = false;
+  mutable std::vector<b2Contact*> scratch;
+};
+
+World::World(const Scene& scene, int slots)
+    : impl_(std::make_unique<Box2d>(scene)), scene_(std::make_unique<Scene>(scene)) {
+  assert(slots >= 0 && slots <= kMaxPeers && static_cast<std::size_t>(slots) <= scene.avatar.spawns.size());
+  bodies_ = static_cast<int>(scene.bodies.size());
+  slots_ = slots;
+  Box2d& w = *impl_;
+  w.n_bodies = scene.bodies.size();
+  const std::size_t total = w.n_bodies + static_cast<std::size_t>(slots) + scene.statics.size();
+  assert(total < kNoEntity);
+  w.present.assign(total, 1);
+  w.holds.assign(w.n_bodies, 0);
+  for (const BodyDef& d : scene.bodies) w.bodies.push_back(w.create(d, b2_dynamicBody, w.bodies.size()));
+  const AvatarDef& a = scene.avatar;
+  for (int p = 0; p < slots; ++p) {
+    BodyDef d;
+    d.shape = ShapeKind::kCircle;
+    d.radius = a.radius;
+    d.mass = a.mass;
+    d.friction = a.friction;
+    d.restitution = a.restitution;
+    d.position = a.spawns[static_cast<std::size_t>(p)];
+    w.present[w.bodies.size()] = 0;
+    b2Body* body = w.create(d, b2_dynamicBody, w.bodies.size(), true);
+    body->SetGravityScale(a.gravity ? 1.0F : 0.0F);
+    body->SetAwake(false);
+    w.bodies.push_back(body);
+  }
+  std::size_t slot = w.bodies.size();
+  for (const BodyDef& d : scene.statics) w.create(d, b2_staticBody, slot++);
+}
+
+World::~World() = default;
+
+void World::set_present(EntityId e, bool present) {
+  if ((impl_->present[e] != 0) == present) return;
+  impl_->present[e] = present ? 1 : 0;
+  impl_->refilter(e);
+  impl_->forget_forbidden(*impl_->bodies[e]);
+  if (!present) impl_->bodies[e]->SetAwake(false);
+}
+
+bool World::present(EntityId e) const {
+  return impl_->present[e] != 0;
+}
+
+void World::set_hold(PeerId p, EntityId body, bool held) {
+  std::uint32_t& mask = impl_->holds[body];
+  const std::uint32_t bit = 1U << p;
+  if (((mask & bit) != 0) == held) return;
+  mask ^= bit;
+  impl_->refilter(avatar(p));
+  impl_->forget_forbidden(*impl_->bodies[avatar(p)]);
+}
+
+bool World::hold(PeerId p, EntityId body) const {
+  return (impl_->holds[body] & (1U << p)) != 0;
+}
+
+void World::set_free(PeerId p, bool free) {
+  const std::uint32_t bit = 1U << p;
+  if (((impl_->free_avatars & bit) != 0) == free) return;
+  impl_->free_avatars ^= bit;
+  impl_->refilter(avatar(p));
+  impl_->forget_forbidden(*impl_->bodies[avatar(p)]);
+}
+
+BodyState World::state(EntityId e) const {
+  const b2Body& b = *impl_->bodies[e];
+  return {from_b2(b.GetPosition()), b.GetAngle() + 0.0F, from_b2(b.GetLinearVelocity()), b.GetAngularVelocity() + 0.0F,
+          b.IsAwake()};
+}
+
+Vec2 World::position(EntityId e) const {
+  return from_b2(impl_->bodies[e]->GetPosition());
+}
+Vec2 World::velocity(EntityId e) const {
+  return from_b2(impl_->bodies[e]->GetLinearVelocity());
+}
+bool World::awake(EntityId e) const {
+  return impl_->bodies[e]->IsAwake();
+}
+
+void World::set_state(EntityId e, const BodyState& s) {
+  const BodyState now = state(e);
+  if (now == s) return;
+  b2Body& b = *impl_->bodies[e];
+  if (now.position != s.position || now.angle != s.angle) {
+    b.SetTransform(to_b2(s.position), s.angle);
+    b.SetAwake(true);
+    for (b2ContactEdge* c = b.GetContactList(); c != nullptr; c = c->next) impl_->forget_if_apart(*c->contact);
+  }
+  if (s.awake) {
+    b.SetAwake(true);
+    b.SetLinearVelocity(to_b2(s.velocity));
+    b.SetAngularVelocity(s.spin);
+  } else {
+    b.SetAwake(false);
+  }
+  impl_->contacts_known = false;
+}
+
+void World::set_velocity(EntityId e, Vec2 v) {
+  impl_->bodies[e]->SetLinearVelocity(to_b2(v));
+}
+
+void World::apply_force(EntityId e, Vec2 force) {
+  impl_->bodies[e]->ApplyForceToCenter(to_b2(force), true);
+}
+
+void World::step() {
+  Box2d& w = *impl_;
+  order_contacts(w.world, w.scratch);
+  w.world.Step(kTickSeconds, scene_->velocity_iterations, scene_->position_iterations);
+  for (b2Contact* c = w.world.GetContactList(); c != nullptr; c = c->GetNext()) w.forget_if_apart(*c);
+  w.contacts_known = false;
+}
+
+// Box2D drops a contact, and wakes its two bodies, when their enlarged bounds part, which happens at a moment that
+// depends on history. Doing the same when the true bounds part comes earlier always, so Box2D's own never matters.
+void World::Box2d::forget_if_apart(b2Contact& c) {
+  if (!remembers(c)) return;
+  const b2Body& a = *c.GetFixtureA()->GetBody();
+  const b2Body& b = *c.GetFixtureB()->GetBody();
+  if (!a.IsAwake() && !b.IsAwake()) return;
+  if (!bounds_overlap(*c.GetFixtureA(), *c.GetFixtureB())) wake_and_forget(c);
+}
+
+// The same for a contact that has just become forbidden: now, not whenever Box2D next looks at it.
+void World::Box2d::forget_forbidden(b2Body& body) {
+  for (b2ContactEdge* e = body.GetContactList(); e != nullptr; e = e->next)
+    if (remembers(*e->contact) && !ShouldCollide(e->contact->GetFixtureA(), e->contact->GetFixtureB()))
+      wake_and_forget(*e->contact);
+}
+
+const std::vector<Contact>& World::contacts() const {
+  Box2d& w = *impl_;
+  if (w.contacts_known) return w.contacts;
+  w.contacts.clear();
+  for (b2Contact* c = w.world.GetContactList(); c != nullptr; c = c->GetNext()) {
+    if (!c->IsTouching()) continue;
+    const std::uint32_t key = contact_key(*c);
+    const std::uint32_t second = key & 0xFFFFU;
+    if (second >= w.bodies.size()) continue;
+    w.contacts.push_back({static_cast<EntityId>(key >> 16U), static_cast<EntityId>(second)});
+  }
+  std::sort(w.contacts.begin(), w.contacts.end());
+  w.contacts_known = true;
+  return w.contacts;
+}
+
+void World::save(Snapshot& out) const {
+  const Box2d& w = *impl_;
+  out.entities.resize(w.bodies.size());
+  for (std::size_t e = 0; e < w.bodies.size(); ++e) {
+    const b2Body& b = *w.bodies[e];
+    out.entities[e] = {from_b2(b.GetPosition()),       b.GetAngle() + 0.0F,
+                       from_b2(b.GetLinearVelocity()), b.GetAngularVelocity() + 0.0F,
+                       b.*member(access::SleepTime{}), b.IsAwake()};
+  }
+  out.contacts.clear();
+  for (b2Contact* c = impl_->world.GetContactList(); c != nullptr; c = c->GetNext())
+    if (remembers(*c)) out.contacts.push_back(read_contact(*c));
+  const auto by_key = [](const ContactState& a, const ContactState& b) { return a.key < b.key; };
+  if (!std::is_sorted(out.contacts.begin(), out.contacts.end(), by_key))
+    std::sort(out.contacts.begin(), out.contacts.end(), by_key);
+}
+
+void World::Box2d::restore_entity(std::size_t e, const Kinematics& k) {
+  b2Body& b = *bodies[e];
+  const Vec2 position = from_b2(b.GetPosition());
+  if (position != k.position || b.GetAngle() != k.angle) b.SetTransform(to_b2(k.position), k.angle);
+  if (k.awake) {
+    if (!b.IsAwake()) b.SetAwake(true);
+    b.SetLinearVelocity(to_b2(k.velocity));
+    b.SetAngularVelocity(k.spin);
+  } else if (b.IsAwake()) {
+    b.SetAwake(false);
+  }
+  b.*member(access::SleepTime{}) = k.sleep_time;
+}
+
+void World::Box2d::restore_contacts(const Snapshot& s, const std::vector<bool>& keep) {
+  const auto kept = [&keep](std::uint32_t slot) { return slot < keep.size() && keep[slot]; };
+  const auto mine = [&kept](std::uint32_t key) { return kept(key >> 16U) || kept(key & 0xFFFFU); };
+  order_contacts(world, scratch);
+  auto next = s.contacts.begin();
+  for (b2Contact* c = world.GetContactList(); c != nullptr; c = c->GetNext()) {
+    const std::uint32_t key = contact_key(*c);
+    while (next != s.contacts.end() && next->key < key) ++next;
+    const bool found = next != s.contacts.end() && next->key == key;
+    if (!mine(key)) {
+      if (found) {
+        write_contact(*c, *next);
+      } else {
+        forget_contact(*c);
+      }
+    }
+    if (found) ++next;
+  }
+}
+
+void World::restore(const Snapshot& s, const std::vector<bool>& keep) {
+  Box2d& w = *impl_;
+  assert(s.entities.size() == w.bodies.size());
+  for (std::size_t e = 0; e < w.bodies.size(); ++e)
+    if (e >= keep.size() || !keep[e]) w.restore_entity(e, s.entities[e]);
+  w.restore_contacts(s, keep);
+  w.contacts_known = false;
+}
+
+void add_to_hash(Hasher& h, const Snapshot& s) {
+  for (const Kinematics& k : s.entities) {
+    h.add(k.position.x, k.position.y);
+    h.add(k.velocity.x, k.velocity.y);
+    h.add(k.angle, k.spin);
+    h.add(k.awake ? 1.0F : 0.0F, k.sleep_time);
+  }
+  for (const ContactState& c : s.contacts) {
+    h.add((static_cast<std::uint64_t>(c.key) << 32U) | (static_cast<std::uint64_t>(c.type) << 16U) |
+          (static_cast<std::uint64_t>(c.count) << 8U) | static_cast<std::uint64_t>(c.touching));
+    h.add(c.local_normal.x, c.local_normal.y);
+    h.add(c.local_point.x, c.local_point.y);
+    for (std::size_t i = 0; i < c.count; ++i) {
+      const ContactState::Point& p = c.points[i];
+      h.add(p.local.x, p.local.y);
+      h.add(p.normal_impulse, p.tangent_impulse);
+      h.add(static_cast<std::uint64_t>(p.id));
+    }
+  }
+}
+
+}  // namespace padr::world

@@ -1,0 +1,86 @@
+#include "peer/egress.h"
+
+#include <algorithm>
+
+#include "common/link/link_seed.h"
+#include "common/model/rng.h"
+
+namespace padr::peer {
+namespace {
+
+/// Anybody can make us answer; more addresses than this at a time are answered without impairment.
+constexpr std::size_t kMostEarlyLinks = 256;
+
+/// A seed that depends on the address alone, in a stream that no pair of peers has.
+std::uint64_t early_seed(std::uint64_t seed, const Endpoint& to) {
+  constexpr std::uint64_t kEarly = 1000;
+  std::uint64_t s = derive_seed(seed, kEarly, to.port);
+  for (const std::uint8_t byte : to.address) s = derive_seed(s, byte);
+  return s;
+}
+
+}  // namespace
+
+const link::NetemSpec& Egress::spec_for(const Endpoint& to, std::optional<PeerId> peer) const {
+  if (const auto own = specs_.by_address.find(to); own != specs_.by_address.end()) return own->second;
+  if (peer)
+    if (const auto own = specs_.by_peer.find(*peer); own != specs_.by_peer.end()) return own->second;
+  return specs_.all;
+}
+
+void Egress::sit(PeerId self) {
+  if (self == self_) return;
+  self_ = self;
+  for (auto& [peer, link] : links_) retire(std::move(link));
+  links_.clear();
+}
+
+void Egress::retire(Link link) {
+  if (link.shim->in_flight() > 0) retired_.push_back(std::move(link));
+}
+
+void Egress::session(const Endpoint& to, std::span<const std::byte> datagram, Micros now) {
+  auto it = early_.find(to);
+  if (it == early_.end()) {
+    if (early_.size() >= kMostEarlyLinks) forget_idle();
+    if (early_.size() >= kMostEarlyLinks) return send_(to, datagram);
+    it = early_.try_emplace(to, spec_for(to, std::nullopt), early_seed(specs_.seed, to)).first;
+  }
+  it->second.accept(now, datagram);
+}
+
+void Egress::state(PeerId to, const Endpoint& at, std::span<const std::byte> datagram, Micros now) {
+  Link& l = links_[to];
+  if (l.shim && l.to != at) retire(std::move(l));
+  if (!l.shim || l.to != at)
+    l = {at, std::make_unique<link::Shim>(spec_for(at, to), link::link_seed(specs_.seed, self_, to))};
+  l.shim->accept(now, datagram);
+}
+
+void Egress::pump(Micros now) {
+  const auto empty = [&](link::Shim& shim, const Endpoint& to) {
+    while (const auto datagram = shim.release(now)) send_(to, *datagram);
+  };
+  for (auto& [to, shim] : early_) empty(shim, to);
+  for (auto& [peer, l] : links_) empty(*l.shim, l.to);
+  for (Link& l : retired_) empty(*l.shim, l.to);
+  std::erase_if(retired_, [](const Link& l) { return l.shim->in_flight() == 0; });
+}
+
+std::optional<Micros> Egress::next_due() const {
+  std::optional<Micros> due;
+  const auto take = [&due](const link::Shim& s) {
+    const auto next = s.next_due();
+    if (next && (!due || *next < *due)) due = next;
+  };
+  for (const auto& [to, shim] : early_) take(shim);
+  for (const auto& [peer, l] : links_) take(*l.shim);
+  for (const Link& l : retired_) take(*l.shim);
+  return due;
+}
+
+void Egress::forget_idle() {
+  std::erase_if(early_, [](const auto& link) { return link.second.in_flight() == 0; });
+}
+
+}  // namespace padr::peer

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <utility>  // Boost.Asio 1.74 uses std::exchange without including this
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "peer/egress.h"
+#include "peer/log.h"
+#include "peer/options.h"
+#include "peer/player.h"
+#include "peer/recordings.h"
+#include "peer/status.h"
+#include "peer/udp_socket.h"
+#include "tools/support/clock.h"
+#include "tools/support/files.h"
+
+namespace padr::peer {
+
+/// One thread, one socket, one timer: comes together with the others, plays, leaves. Every time something happens,
+/// everything is brought up to one `now`, and the timer is set to whatever is due first.
+class EventLoop {
+ public:
+  /// Resolves the addresses and opens the socket. Throws UserError or std::system_error.
+  /// `clock` has run since the process began.
+  EventLoop(const Options& options, Log& log, const support::Clock& clock);
+
+  /// Until the end; the exit code. Throws only what the operating system refuses (a full disk, say).
+  int run();
+
+ private:
+  /// What is to be said of it, once all is well.
+  std::vector<std::string> shape_links();
+  void open_files();
+  void wake();
+  void receive(const Endpoint& from, std::span<const std::byte> datagram);
+  void advance(Micros now);
+  void send_out(Micros now);
+  void end_if_over(Micros now);
+  void say_status(Micros now);
+  void set_timer(Micros now);
+  void on_signal(int signal);
+  void end(int code, const std::string& reason);
+  void write_summary();
+
+  const Options& options_;
+  Log& log_;
+  const support::Clock& clock_;
+  boost::asio::io_context io_;
+  boost::asio::signal_set signals_;
+  boost::asio::steady_timer timer_;
+  std::unique_ptr<Recordings> recordings_;
+  std::unique_ptr<support::OutputFile> json_;  ///< null for standard output, too
+  std::unique_ptr<UdpSocket> socket_;
+  std::unique_ptr<Egress> egress_;
+  std::unique_ptr<Player> player_;
+  Endpoint local_;
+  Status status_;
+  Micros next_status_ = -1;  ///< local time; -1: not yet playing
+  RateLimit net_limit_;
+  bool stopping_ = false;
+  std::optional<Micros> drain_until_;  ///< set at the end: what still is in the links may go until then
+  int exit_code_ = 0;
+  std::string reason_;
+};
+
+}  // namespace padr::peer

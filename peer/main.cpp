@@ -1,0 +1,17 @@
+#include "common/model/user_error.h"
+#include "peer/event_loop.h"
+#include "peer/log.h"
+#include "peer/options.h"
+#include "tools/support/clock.h"
+#include "tools/support/run_main.h"
+
+int main(int argc, char** argv) {
+  const padr::support::Clock clock;
+  return padr::support::run_main("padr-peer", [&] {
+    const auto options = padr::peer::parse_options(argc, argv);
+    if (!options) return padr::support::kExitFine;
+    padr::peer::Log log(options->log_level, options->log_levels);
+    for (const auto& line : options->warnings) log.session->warn("{}", line);
+    return padr::peer::EventLoop(*options, log, clock).run();
+  });
+}

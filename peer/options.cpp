@@ -1,0 +1,225 @@
+#include "peer/options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <string_view>
+
+#include "common/model/user_error.h"
+#include "peer/log.h"
+#include "tools/support/command_line.h"
+#include "tools/support/netem_flags.h"
+#include "tools/support/technique_flags.h"
+
+namespace padr::peer {
+namespace {
+
+using support::parse_host_port;
+
+constexpr const char* kDescription =
+    "One participant of a session of shared physics over UDP: its own deterministic world, one avatar, authority over\n"
+    "the bodies it touches, and updates when what the others believe goes too far wrong.";
+
+constexpr const char* kFooter =
+    "HOST is a name, an IPv4 address, or an IPv6 address in brackets. Peers of a session must have the same scenario,\n"
+    "seed and authority rule (avatar-only or not); every other knob is a peer's own affair.\n"
+    "\n"
+    "A session needs nobody in particular: peers come and go while it runs, its founder too. Who falls silent is\n"
+    "declared gone after some seconds; who was, or had been cut off, comes back by itself, and takes over the world "
+    "of\n"
+    "those who are there.\n"
+    "\n"
+    "Two peers on this machine, with a bad network between them, for 20 s:\n"
+    "  padr-peer --listen 127.0.0.1:7001 --wait-peers 2 --netem 'delay 100ms 50ms loss 10%' --duration 20\n"
+    "  padr-peer --join 127.0.0.1:7001 --netem 'delay 100ms 50ms loss 10%' --duration 20\n"
+    "An avatar driven by a recorded path, the paper's technique, a trace for padr-report, a summary for a program:\n"
+    "  padr-peer --join 127.0.0.1:7001 --technique adaptive --threshold 0.8:0.3 --input path:mouse.csv,loop \\\n"
+    "            --trace peer1.trace --json peer1.json\n"
+    "A lossy link to peer 2 alone, and one to an address:\n"
+    "  padr-peer --join '[::1]:7001' --netem-to '2=loss 20%' --netem-to '[::1]:7003=delay 300ms'\n"
+    "Between machines, over a network that you trust:\n"
+    "  padr-peer --listen 0.0.0.0:7001 --insecure --wait-peers 3\n"
+    "\n";
+
+constexpr const char* kFooterEnd =
+    "\n"
+    "\n"
+    "Messages and the status line go to standard error. SIGINT or SIGTERM leaves the session properly; a second one\n"
+    "quits at once. Exit code: 0 when all went well; 1 if the session could not be joined or did not come about, or "
+    "if\n"
+    "confirmed worlds differed, or if the system refused something; 2 if the command line or a file it names is wrong.";
+
+/// What CLI11 fills in, before anything is checked.
+struct Raw {
+  std::string listen, join, json, trace, log_level = "info", log;
+  std::vector<std::string> netem_to;
+  std::optional<int> wait_peers, slots;
+  support::ScenarioFlags scenario;
+  support::TechniqueFlags technique;
+  support::NetemFlags netem;
+};
+
+void declare_session(CLI::App& app, Raw& raw, Options& o) {
+  const std::string group = "Session";
+  app.add_option("--listen", raw.listen, "Own address; port 0 takes any; default: any port on the loopback address")
+      ->type_name("HOST:PORT")
+      ->group(group);
+  app.add_option("--join", raw.join, "Any member of the session to join, running or not; without it one is founded")
+      ->type_name("HOST:PORT")
+      ->group(group);
+  app.add_option("--wait-peers", raw.wait_peers, "Founder: start when so many peers are there, this one included [2]")
+      ->type_name("N")
+      ->group(group);
+  app.add_option("--slots", raw.slots,
+                 "Founder: avatar slots, the most peers there can be at once; default: as many as the scenario\n"
+                 "has places to start from, so that others may come while the session runs")
+      ->type_name("N")
+      ->group(group);
+  app.add_option("--join-timeout", o.join_timeout,
+                 "Seconds until the session must have started, or let us in; 0: no limit")
+      ->type_name("S")
+      ->check(support::between(0.0, 86400.0, "seconds"))
+      ->capture_default_str()
+      ->group(group);
+  app.add_flag("--insecure", o.insecure, "Allow addresses that other machines can reach: nothing proves who sends")
+      ->group(group);
+}
+
+void declare_play(CLI::App& app, Options& o) {
+  const std::string group = "Play";
+  app.add_option("--input", o.input, support::kInputHelp)->type_name("INPUT")->capture_default_str()->group(group);
+  app.add_option("--duration", o.duration, "Seconds to play from coming in; 0: until a signal")
+      ->type_name("S")
+      ->check(support::between(0.0, 1.0e7, "seconds"))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--linger", o.linger, "Seconds after play, at most, to get the last updates to the others")
+      ->type_name("S")
+      ->check(support::between(0.0, 600.0, "seconds"))
+      ->capture_default_str()
+      ->group(group);
+}
+
+void declare_output(CLI::App& app, Raw& raw, Options& o) {
+  const std::string group = "Output";
+  app.add_option("--trace", raw.trace,
+                 "Record everything, for padr-report and padr-lab; who comes back after having been\n"
+                 "declared gone goes on in NAME.2.trace, and so on")
+      ->type_name("FILE")
+      ->group(group);
+  app.add_option("--json", raw.json, "Summary at the end; - is standard output")->type_name("FILE")->group(group);
+  app.add_option("--status-interval", o.status_interval, "Seconds between status lines; 0: none")
+      ->type_name("S")
+      ->check(support::between(0.0, 3600.0, "seconds"))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--log-level", raw.log_level, "trace, debug, info, warning, error or off")
+      ->type_name("LEVEL")
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--log", raw.log, "Per subsystem, such as net=debug,session=info; subsystems: " + subsystem_names())
+      ->type_name("NAME=LEVEL,...")
+      ->group(group);
+}
+
+spdlog::level::level_enum level_of(std::string_view flag, std::string_view text) {
+  constexpr const char* kAllowed = "trace, debug, info, warning, error or off";
+  const auto level = text == "warning" ? spdlog::level::warn : spdlog::level::from_str(std::string(text));
+  // from_str takes what it does not know for off.
+  if ((level == spdlog::level::off && text != "off") || level == spdlog::level::critical)
+    throw UserError(std::string(flag) + ": '" + std::string(text) + "' is not a level; give " + kAllowed);
+  return level;
+}
+
+void take_log_levels(const Raw& raw, Options& o) {
+  o.log_level = level_of("--log-level", raw.log_level);
+  std::string_view rest = raw.log;
+  while (!rest.empty()) {
+    const std::string_view item = rest.substr(0, rest.find(','));
+    rest.remove_prefix(std::min(rest.size(), item.size() + 1));
+    const auto equals = item.find('=');
+    const std::string name(item.substr(0, equals));
+    if (equals == std::string_view::npos || !is_subsystem(name))
+      throw UserError("--log: '" + std::string(item) + "' is not NAME=LEVEL with NAME one of " + subsystem_names());
+    o.log_levels[name] = level_of("--log", item.substr(equals + 1));
+  }
+}
+
+void take_addresses(const Raw& raw, Options& o) {
+  if (!raw.listen.empty()) o.listen = parse_host_port("--listen", raw.listen, 0);
+  if (!raw.join.empty()) o.join = parse_host_port("--join", raw.join, 1);
+}
+
+void take_sizes(const Raw& raw, Options& o) {
+  if (o.join) {
+    for (const auto& [flag, value] : {std::pair{"--wait-peers", raw.wait_peers}, std::pair{"--slots", raw.slots}})
+      if (value) o.warnings.push_back(std::string(flag) + " is for the founder to say and is ignored with --join");
+    return;
+  }
+  const int most = std::min(kMaxPeers, static_cast<int>(o.scenario.scene.avatar.spawns.size()));
+  const auto check = [most, &o](const char* flag, int value, int least) {
+    if (value >= least && value <= most) return value;
+    throw UserError(std::string(flag) + ": " + std::to_string(value) + " is not allowed; give " +
+                    std::to_string(least) + " to " + std::to_string(most) + ", the avatar slots of scenario '" +
+                    o.scenario.scene.name + "'");
+  };
+  o.wait_peers = check("--wait-peers", raw.wait_peers.value_or(2), 1);
+  o.slots = check("--slots", raw.slots.value_or(most), o.wait_peers);
+}
+
+NetemOverride parse_override(const std::string& text, std::vector<std::string>* warnings) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos)
+    throw UserError("--netem-to: '" + text + "' has no '='; give PEER=SPEC or HOST:PORT=SPEC");
+  const std::string where = text.substr(0, equals);
+  NetemOverride o;
+  o.spec = support::parse_netem_flag("--netem-to " + where, text.substr(equals + 1), warnings);
+  int number = -1;
+  const auto [end, error] = std::from_chars(where.data(), where.data() + where.size(), number);
+  if (error == std::errc() && end == where.data() + where.size()) {
+    if (number < 0 || number >= kMaxPeers)
+      throw UserError("--netem-to: peer " + where + " is not allowed; give 0 to " + std::to_string(kMaxPeers - 1));
+    o.peer = static_cast<PeerId>(number);
+  } else {
+    o.address = parse_host_port("--netem-to", where, 1);
+  }
+  return o;
+}
+
+}  // namespace
+
+std::optional<Options> parse_options(int argc, const char* const* argv) {
+  Raw raw;
+  Options o;
+  CLI::App app(kDescription, "padr-peer");
+  app.footer(std::string(kFooter) + support::kNetemHelp + kFooterEnd);
+  support::add_version_flag(app, "padr-peer");
+  declare_session(app, raw, o);
+  raw.scenario.declare(app);
+  declare_play(app, o);
+  raw.technique.declare(app);
+  raw.netem.declare(app);
+  app.add_option("--netem-to", raw.netem_to, "Instead of --netem towards one peer number or address; may be repeated")
+      ->type_name("WHERE=SPEC")
+      ->allow_extra_args(false)
+      ->group("Network");
+  declare_output(app, raw, o);
+  if (!support::parse(app, argc, argv)) return std::nullopt;
+
+  take_log_levels(raw, o);
+  take_addresses(raw, o);
+  o.technique = raw.technique.technique();
+  o.netem = raw.netem.spec(&o.warnings);
+  o.netem_text = raw.netem.text();
+  o.netem_seed = raw.netem.seed(raw.scenario.seed());
+  for (const std::string& text : raw.netem_to) o.netem_to.push_back(parse_override(text, &o.warnings));
+  o.scenario = raw.scenario.load();
+  take_sizes(raw, o);
+  // Which avatar it will drive is not known yet, but what is wrong with it is the same for all.
+  support::load_input(o.input, o.scenario.scene, 0, o.scenario.seed);
+  o.trace = raw.trace;
+  o.json = raw.json;
+  o.command = support::command_of(argc, argv);
+  return o;
+}
+
+}  // namespace padr::peer

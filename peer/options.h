@@ -1,0 +1,59 @@
+#pragma once
+
+#include <spdlog/common.h>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/link/netem_spec.h"
+#include "common/model/ids.h"
+#include "common/model/technique.h"
+#include "tools/support/host_port.h"
+#include "tools/support/scenario_flags.h"
+
+namespace padr::peer {
+
+/// --netem-to: another impairment towards one destination, named by peer number or by address.
+struct NetemOverride {
+  std::optional<PeerId> peer;
+  std::optional<support::HostPort> address;  ///< exactly one of the two is given
+  link::NetemSpec spec;
+};
+
+struct Options {
+  std::optional<support::HostPort> listen;  ///< absent: any port on the loopback address of the family needed
+  std::optional<support::HostPort> join;    ///< absent: found a session
+  int wait_peers = 2;                       ///< founder: peers of the session, this one included
+  int slots = 2;                            ///< founder: avatar slots, >= wait_peers
+  bool insecure = false;
+  double join_timeout = 30;  ///< s, until the session must have started; 0: no limit
+
+  support::LoadedScenario scenario;
+  Technique technique;
+  std::string input = "wander";
+  double duration = 0;  ///< s of play; 0: until a signal
+  double linger = 3;    ///< s after the end of play, at most
+
+  link::NetemSpec netem;
+  std::string netem_text;
+  std::vector<NetemOverride> netem_to;
+  std::uint64_t netem_seed = 1;
+
+  std::string trace;  ///< file; empty: none
+  std::string json;   ///< file, or - for standard output; empty: none
+  spdlog::level::level_enum log_level = spdlog::level::info;
+  std::map<std::string, spdlog::level::level_enum> log_levels;  ///< by subsystem
+  double status_interval = 1;                                   ///< s; 0: no status line
+
+  std::vector<std::string> command;
+  std::vector<std::string> warnings;  ///< about legal but doubtful values
+};
+
+/// Reads the command line and the files it names, all but the trace. Nothing if it was a request for help or version,
+/// which has then been printed. Throws UserError with one line.
+std::optional<Options> parse_options(int argc, const char* const* argv);
+
+}  // namespace padr::peer

@@ -1,0 +1,183 @@
+#include "peer/player.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tools/support/netem_flags.h"
+
+namespace padr::peer {
+namespace {
+
+/// Steps in one go at most when late: datagrams must get their turn, or catching up makes everything worse.
+constexpr int kStepsPerTurn = 8;
+/// The clock is corrected so often; what it is corrected by is measured over seconds.
+constexpr Tick kSteerEvery = kTicksPerSecond / 2;
+constexpr Micros kTickLength = kMicrosPerSecond / kTicksPerSecond;
+
+Micros micros(double seconds) {
+  return std::llround(seconds * static_cast<double>(kMicrosPerSecond));
+}
+
+Totals operator+(const Totals& a, const Totals& b) {
+  Totals sum = a;
+  node::NodeStats& s = sum.node;
+  for (std::size_t c = 0; c < s.updates_by_cause.size(); ++c) s.updates_by_cause[c] += b.node.updates_by_cause[c];
+  for (std::size_t d = 0; d < s.dropped.size(); ++d) s.dropped[d] += b.node.dropped[d];
+  s.bundles += b.node.bundles;
+  s.datagrams_sent += b.node.datagrams_sent;
+  s.wire_bytes_sent += b.node.wire_bytes_sent;
+  s.repeats += b.node.repeats;
+  s.datagrams_received += b.node.datagrams_received;
+  s.hash_checks += b.node.hash_checks;
+  s.hash_mismatches += b.node.hash_mismatches;
+  if (s.first_mismatch < 0) s.first_mismatch = b.node.first_mismatch;
+  sum.replayed_steps += b.replayed_steps;
+  sum.ticks += b.ticks;
+  return sum;
+}
+
+}  // namespace
+
+Player::Player(const Options& options, const node::SessionConfig& session, Log& log, Recordings& recordings, Micros now)
+    : options_(options),
+      log_(log),
+      recordings_(recordings),
+      participant_(options.scenario.scene, config(session), now),
+      last_input_(std::numeric_limits<Tick>::max()) {}
+
+node::ParticipantConfig Player::config(const node::SessionConfig& session) {
+  node::ParticipantConfig c;
+  c.session = session;
+  c.node.technique = options_.technique;
+  c.recording = [this](int life) {
+    history_.begin(life);
+    return recordings_.of(life);
+  };
+  c.on_confirmed = [this](int life, const sync::FoldState& s, std::uint64_t hash) {
+    history_.confirm(life, s.tick, hash);
+  };
+  return c;
+}
+
+void Player::advance(Micros now) {
+  if (now >= participant_.next_due()) participant_.advance(now);
+  for (int i = 0; i < kStepsPerTurn && playing(); ++i) {
+    if (life() != known_life_) begin_life(now);
+    if (now < participant_.next_step() || done(now)) break;
+    step(now);
+  }
+  tell();
+}
+
+Micros Player::next_due() const {
+  const Micros due = participant_.next_due();
+  return playing() ? std::min(due, participant_.next_step()) : due;
+}
+
+void Player::begin_life(Micros now) {
+  const node::Session& s = session();
+  const Tick next = node().now() + 1;
+  past_ = past_ + present_;
+  present_ = {};
+  known_life_ = life();
+  history_.play(known_life_, self(), node().config().incarnation, known_life_ == 0 && next == 1 ? 0 : next);
+  const std::string ours = "session " + fmt::format("{:04x}", s.number());
+  if (known_life_ > 0) {
+    log_.session->warn("{}: life {} begins at tick {}, as peer {}", ours, known_life_ + 1, next, self());
+    return;
+  }
+  input_ = support::load_input(options_.input, options_.scenario.scene, self(), options_.scenario.seed);
+  if (options_.duration > 0)
+    last_input_ = first_tick() + static_cast<Tick>(std::llround(options_.duration * kTicksPerSecond));
+  if (node().config().incarnation > 0) {
+    log_.session->info("{}: in as peer {} of {} at tick {}, round trip {:.1f} ms", ours, self(), present(), next,
+                       static_cast<double>(s.round_trip()) / 1e3);
+  } else {
+    log_.session->info("{} of {} peers starts in {:.2f} s; this is peer {}, round trip to the founder {:.1f} ms", ours,
+                       node().config().peers, -static_cast<double>(s.session_now(now)) / kMicrosPerSecond, self(),
+                       static_cast<double>(s.round_trip()) / 1e3);
+  }
+  log_.play->info("scenario {}, technique {}", options_.scenario.label, describe(options_.technique));
+  for (std::size_t p = 0; p < s.roster().size(); ++p)
+    if (p != self() && s.roster()[p].is_set()) log_.session->info("peer {} is at {}", p, to_string(s.roster()[p]));
+}
+
+void Player::step(Micros now) {
+  watch_clock(now);
+  if (!leaving_ && node().now() >= last_input_) leave("the time to play is over", true, now);
+  // A path begins where its player does.
+  const Tick of_input = std::min(node().now() + 1, last_input_) - first_tick();
+  participant_.step(input_->target(of_input), now);
+  present_.node = node().stats();
+  present_.replayed_steps = node().agreed().replayed_steps();
+  ++present_.ticks;
+  watch_hashes();
+  steer(now);
+}
+
+void Player::watch_clock(Micros now) {
+  const Micros lateness = now - participant_.next_step();
+  ticks_.worst = std::max(ticks_.worst, lateness);
+  if (lateness > kTickLength) ++ticks_.late;
+  if (joined_at_ < 0) joined_at_ = now;
+  const Micros stall = stepped_at_ < 0 ? 0 : now - stepped_at_ - kTickLength;
+  ticks_.longest_stall = std::max(ticks_.longest_stall, stall);
+  if (stall > TickStats::kStall) ++ticks_.stalls;
+  stepped_at_ = now;
+}
+
+void Player::watch_hashes() {
+  if (mismatch_told_ || node().stats().hash_mismatches == 0) return;
+  mismatch_told_ = true;
+  log_.play->error("CONFIRMED WORLDS DIFFER from tick {} on (told once, counted further)",
+                   node().stats().first_mismatch);
+}
+
+// The clock that counts is that of the lowest peer that is there.
+void Player::steer(Micros now) {
+  if (std::abs(node().now() - steered_) < kSteerEvery) return;
+  steered_ = node().now();
+  bool lower = false;
+  for (PeerId p = 0; p < self(); ++p) lower = lower || node().other(p).there();
+  participant_.session().steer(now, lower ? node().clock_lead() : 0);
+}
+
+void Player::tell() {
+  for (const node::SessionNote& n : participant_.take_notes())
+    log_.session->log(n.problem ? spdlog::level::warn : spdlog::level::info, "{}", n.text);
+  for (const node::MemberChange& c : participant_.take_changes()) history_.change(c);
+}
+
+void Player::leave(const std::string& why, bool stay, Micros now) {
+  log_.session->info("leaving at tick {}: {}", node().now(), why);
+  leaving_ = true;
+  stay_ = stay;
+  left_at_ = now;
+  last_input_ = std::min(last_input_, node().now());
+  participant_.leave();
+}
+
+// Who vanished will acknowledge nothing, but is declared gone before long.
+bool Player::done(Micros now) const {
+  if (!leaving_) return false;
+  if (now - left_at_ >= micros(options_.linger)) return true;
+  if (nobody_to_tell()) return now > left_at_;
+  return node().delivered() && !(stay_ && present() > 1);
+}
+
+bool Player::nobody_to_tell() const {
+  for (PeerId p = 0; p < node().config().slots; ++p)
+    if (p != self() && node().other(p).reachable()) return false;
+  return true;
+}
+
+int Player::present() const {
+  return session().present();
+}
+
+Totals Player::totals() const {
+  return past_ + present_;
+}
+
+}  // namespace padr::peer

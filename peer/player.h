@@ -1,0 +1,111 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/node/participant.h"
+#include "common/scenarios/input.h"
+#include "peer/history.h"
+#include "peer/log.h"
+#include "peer/options.h"
+#include "peer/recordings.h"
+
+namespace padr::peer {
+
+/// How the ticks of a run came.
+struct TickStats {
+  std::uint64_t late = 0;    ///< begun more than a tick after their time
+  Micros worst = 0;          ///< us after their time, of any
+  Micros longest_stall = 0;  ///< us that the live world stood still at most, beyond the tick it always does
+  std::uint64_t stalls = 0;  ///< times that it did so for more than kStall
+  static constexpr Micros kStall = 2 * kMicrosPerSecond / kTicksPerSecond;
+};
+
+/// What nodes have counted, in all lives.
+struct Totals {
+  node::NodeStats node;
+  std::uint64_t replayed_steps = 0;
+  std::uint64_t ticks = 0;  ///< played
+};
+
+/// One peer's play from its coming to its end, whatever lives it takes: the participant, its input, its traces and
+/// what people want to know of it. Has no clock: times are local microseconds.
+class Player {
+ public:
+  /// All but `session` must outlive it.
+  Player(const Options& options, const node::SessionConfig& session, Log& log, Recordings& recordings, Micros now);
+
+  void receive(const Endpoint& from, std::span<const std::byte> datagram, Micros now) {
+    participant_.receive(from, datagram, now);
+  }
+  /// Does what is due, a bounded number of ticks at most.
+  void advance(Micros now);
+  /// When to call it next.
+  Micros next_due() const;
+  /// What to send, in order; empty afterwards. State datagrams are of the present life.
+  std::vector<node::Parcel> take_outgoing() { return participant_.take_outgoing(); }
+
+  /// Says goodbye with the next step. `stay`: also help the others to their end. Only when playing.
+  void leave(const std::string& why, bool stay, Micros now);
+  /// Gives up coming in. Only before playing.
+  void give_up() { participant_.leave(); }
+  bool leaving() const { return leaving_; }
+  /// Nothing is left to do, or the time for it is over.
+  bool done(Micros now) const;
+  /// Ends the trace. Nothing may be called afterwards but the getters.
+  void finish() { participant_.finish(); }
+
+  bool playing() const { return participant_.playing(); }
+  bool failed() const { return participant_.failed(); }
+  const node::Session& session() const { return participant_.session(); }
+  PeerId self() const { return node().self(); }
+  /// Of the present life; only when playing.
+  const node::Node& node() const { return participant_.node(); }
+  /// Counted from 0.
+  int life() const { return participant_.life(); }
+  bool returning() const { return participant_.returning(); }
+  /// Peers that are there, this one included.
+  int present() const;
+  /// First tick played, of the first life.
+  Tick first_tick() const { return history_.lives().front().came; }
+  /// When it was, us; -1: not yet.
+  Micros joined_at() const { return joined_at_; }
+  const TickStats& ticks() const { return ticks_; }
+  Totals totals() const;
+  const History& history() const { return history_; }
+  History::Checkpoint confirmed() const { return history_.confirmed(life()); }
+
+ private:
+  node::ParticipantConfig config(const node::SessionConfig& session);
+  void step(Micros now);
+  void begin_life(Micros now);
+  void watch_clock(Micros now);
+  void watch_hashes();
+  void steer(Micros now);
+  void tell();
+  bool nobody_to_tell() const;
+
+  const Options& options_;
+  Log& log_;
+  Recordings& recordings_;
+  History history_;
+  node::Participant participant_;
+  std::unique_ptr<scenarios::InputSource> input_;
+  TickStats ticks_;
+  Totals past_;     ///< of lives gone by
+  Totals present_;  ///< of the present one, as of its last step
+  RateLimit limit_;
+  Tick last_input_;   ///< the target stands still from here on
+  Tick steered_ = 0;  ///< tick of the last correction of the clock
+  Micros joined_at_ = -1;
+  Micros stepped_at_ = -1;
+  int known_life_ = -1;
+  bool mismatch_told_ = false;
+  bool leaving_ = false;
+  bool stay_ = false;
+  Micros left_at_ = 0;
+};
+
+}  // namespace padr::peer

@@ -1,0 +1,61 @@
+#include "peer/recordings.h"
+
+#include <chrono>
+#include <filesystem>
+
+#include "common/model/user_error.h"
+#include "tools/support/revision.h"
+
+namespace padr::peer {
+
+std::string trace_file(const std::string& first, int life) {
+  if (life == 0) return first;
+  const std::filesystem::path path(first);
+  const std::string name = path.stem().string() + "." + std::to_string(life + 1) + path.extension().string();
+  return (path.parent_path() / name).string();
+}
+
+Recordings::Recordings(const Options& options, Log& log) : options_(options), log_(log) {
+  if (!options.trace.empty()) files_.push_back(std::make_unique<support::OutputFile>("--trace", options.trace));
+}
+
+trace::Provenance Recordings::provenance() const {
+  const Options& o = options_;
+  trace::Provenance p;
+  p.program = "padr-peer";
+  p.revision = std::string(support::revision());
+  p.command = o.command;
+  p.scenario = o.scenario.label;
+  p.scenario_text = o.scenario.text;
+  p.scenario_seed = o.scenario.seed;
+  p.netem = o.netem_text;
+  p.netem_seed = o.netem_seed;
+  p.input = o.input;
+  p.start_unix_us =
+      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch())
+          .count();
+  return p;
+}
+
+std::optional<node::RecordedNode::Recording> Recordings::of(int life) {
+  if (files_.empty()) return std::nullopt;
+  const auto n = static_cast<std::size_t>(life);
+  if (life > 0) {
+    files_.resize(std::max(files_.size(), n + 1));
+    try {
+      files_[n] = std::make_unique<support::OutputFile>("--trace", trace_file(options_.trace, life));
+    } catch (const UserError& e) {
+      log_.play->error("{}: this life is not recorded", e.what());
+      return std::nullopt;
+    }
+  }
+  support::OutputFile* file = files_[n].get();
+  return node::RecordedNode::Recording{provenance(), [file](std::span<const std::byte> b) { file->write(b); }};
+}
+
+void Recordings::close() {
+  for (const auto& file : files_)
+    if (file) file->close();
+}
+
+}  // namespace padr::peer

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/node/recorded_node.h"
+#include "peer/log.h"
+#include "peer/options.h"
+#include "tools/support/files.h"
+
+namespace padr::peer {
+
+/// Where the n-th life is recorded to: NAME.trace, NAME.2.trace, NAME.3.trace, ...
+std::string trace_file(const std::string& first, int life);
+
+/// The traces of a peer, one file for each of its lives.
+class Recordings {
+ public:
+  /// Opens the first file, if --trace is given: throws UserError if that cannot be. Both must outlive it.
+  Recordings(const Options& options, Log& log);
+
+  /// Where to record life 0, 1, ...; nothing without --trace, and if a later life's file cannot be opened, which is
+  /// said in the log. A life that is begun anew because it got nowhere writes its file anew.
+  std::optional<node::RecordedNode::Recording> of(int life);
+  /// Throws std::system_error if something could not be written.
+  void close();
+
+ private:
+  trace::Provenance provenance() const;
+
+  const Options& options_;
+  Log& log_;
+  std::vector<std::unique_ptr<support::OutputFile>> files_;  ///< by life; null where there is none
+};
+
+}  // namespace padr::peer

@@ -1,0 +1,51 @@
+#include "peer/status.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace padr::peer {
+
+std::uint64_t updates_told(const node::NodeStats& stats) {
+  return std::accumulate(stats.updates_by_cause.begin(), stats.updates_by_cause.end(), std::uint64_t{0});
+}
+
+double confirmed_lag_ms(const Player& player) {
+  return (player.node().now() - player.confirmed().tick) * 1000.0 / kTicksPerSecond;
+}
+
+std::string hex(std::uint64_t hash) {
+  return fmt::format("{:016x}", hash);
+}
+
+std::string Status::line(const Player& player, Micros now) {
+  const node::Node& node = player.node();
+  const Totals totals = player.totals();
+  const History& history = player.history();
+  const std::uint64_t updates = updates_told(totals.node);
+  const std::uint64_t bytes = totals.node.wire_bytes_sent;
+  const double seconds = std::max(1e-3, static_cast<double>(now - last_) / kMicrosPerSecond);
+  const auto ticks = static_cast<double>(std::max<std::uint64_t>(1, totals.ticks - last_ticks_));
+  std::string line = fmt::format(
+      "{:6.1f} s  peers {}/{}  confirmed -{:.0f} ms {:08x}@{}  sent {:.1f} updates/s {:.1f} kbit/s  own error {:.3f} m "
+      " replay {:.1f}/tick  late {}",
+      static_cast<double>(node.now()) / kTicksPerSecond, player.present(), node.config().slots,
+      confirmed_lag_ms(player), player.confirmed().hash >> 32U, player.confirmed().tick,
+      static_cast<double>(updates - last_updates_) / seconds, static_cast<double>(bytes - last_bytes_) * 8e-3 / seconds,
+      node.own_error(), static_cast<double>(totals.replayed_steps - last_replayed_) / ticks, player.ticks().late);
+  if (history.came() > 0) line += fmt::format("  came {}", history.came());
+  if (history.left() > 0) line += fmt::format("  left {}", history.left());
+  if (history.removed() > 0) line += fmt::format("  lost {}", history.removed());
+  if (player.life() > 0) line += fmt::format("  life {}", player.life() + 1);
+  if (player.returning()) line += "  joining anew";
+  if (player.leaving()) line += "  leaving";
+  last_ = now;
+  last_ticks_ = totals.ticks;
+  last_updates_ = updates;
+  last_bytes_ = bytes;
+  last_replayed_ = totals.replayed_steps;
+  return line;
+}
+
+}  // namespace padr::peer

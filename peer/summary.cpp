@@ -1,0 +1,152 @@
+#include "peer/summary.h"
+
+#include "peer/status.h"
+#include "tools/support/command_line.h"
+#include "tools/support/json.h"
+#include "tools/support/revision.h"
+
+namespace padr::peer {
+namespace {
+
+using support::Json;
+
+void put_origin(Json& j, const Report& r) {
+  const Options& o = r.options;
+  j.field("program", "padr-peer").field("version", support::version()).field("revision", support::revision());
+  j.field("command", support::shell_line(o.command));
+  j.field("scenario", o.scenario.label).field("seed", o.scenario.seed);
+  j.field("technique", describe(o.technique)).field("input", o.input);
+  j.field("netem", to_string(o.netem)).field("netem_seed", o.netem_seed);
+  j.field("exit_code", r.exit_code).field("reason", r.reason);
+}
+
+void put_session(Json& j, const Report& r) {
+  const node::Session& session = r.player.session();
+  const node::SessionStats& s = session.stats();
+  j.key("session").begin_object();
+  j.field("listen", to_string(r.local)).field("number", session.number());
+  j.field("started", r.player.playing()).field("peers", session.present()).field("slots", session.slots());
+  // To the founder, or to whoever let us in.
+  j.field("round_trip_ms", static_cast<double>(session.round_trip()) / 1e3);
+  j.key("datagrams").begin_object();
+  j.field("received", s.datagrams).field("state", s.state).field("session", s.session).field("seal", s.seal);
+  j.field("version", s.version).field("foreign", s.foreign).field("malformed", s.malformed);
+  j.end_object().end_object();
+}
+
+void put_socket(Json& j, const SocketStats& s) {
+  j.key("socket").begin_object();
+  j.field("sent", s.sent).field("send_errors", s.send_errors).field("refused", s.refused);
+  j.field("buffer_full", s.buffer_full).field("receive_errors", s.receive_errors);
+  j.end_object();
+}
+
+void put_confirmed(Json& j, const Player& p) {
+  const node::NodeStats stats = p.totals().node;
+  j.key("confirmed").begin_object();
+  j.field("tick", p.confirmed().tick).field("hash", hex(p.confirmed().hash)).field("lag_ms", confirmed_lag_ms(p));
+  j.field("checks", stats.hash_checks).field("mismatches", stats.hash_mismatches);
+  j.field("first_mismatch", stats.first_mismatch);
+  // By tick, so that peers can be compared wherever both have been.
+  j.key("checkpoints").begin_object();
+  for (const auto& [tick, hash] : p.history().checkpoints()) j.field(std::to_string(tick), hex(hash));
+  j.end_object().end_object();
+}
+
+// From confirmed_from of its last life on, a peer's confirmed worlds are those of the others; what it had confirmed in
+// an earlier life while the others were agreeing that it is gone need not be.
+void put_lives(Json& j, const Player& p) {
+  j.key("lives").begin_array();
+  for (const History::Life& life : p.history().lives()) {
+    if (life.came < 0) continue;
+    j.begin_object().field("peer", life.peer).field("incarnation", life.incarnation).field("came_tick", life.came);
+    j.field("confirmed_from", life.confirmed_from).field("confirmed_to", life.confirmed.tick);
+    j.end_object();
+  }
+  j.end_array();
+}
+
+void put_others(Json& j, const Player& p) {
+  j.key("others").begin_object();
+  j.field("present", p.present() - 1).field("came", p.history().came()).field("left", p.history().left());
+  j.field("removed", p.history().removed()).end_object();
+}
+
+void put_traffic(Json& j, const node::NodeStats& s) {
+  j.key("sent").begin_object();
+  j.field("updates", updates_told(s)).field("bundles", s.bundles).field("repeats", s.repeats);
+  j.field("datagrams", s.datagrams_sent).field("wire_bytes", s.wire_bytes_sent);
+  j.end_object();
+  j.key("updates_by_cause").begin_object();
+  for (std::size_t c = 0; c < sync::kCauses; ++c) j.field(sync::kCauseNames[c], s.updates_by_cause[c]);
+  j.end_object();
+  j.key("received").begin_object().field("datagrams", s.datagrams_received).end_object();
+  j.key("dropped").begin_object();
+  for (std::size_t d = 1; d < sync::kDropReasons; ++d) j.field(sync::kDropNames[d], s.dropped[d]);
+  j.end_object();
+}
+
+void put_shim(Json& j, const link::Shim& shim) {
+  const link::ShimStats& s = shim.stats();
+  j.key("shim").begin_object();
+  j.field("netem", to_string(shim.spec())).field("accepted", s.accepted).field("released", s.released);
+  j.field("lost", s.lost).field("duplicated", s.duplicated).field("corrupted", s.corrupted);
+  j.field("reordered", s.reordered).field("overlimit", s.overlimit).field("in_flight", shim.in_flight());
+  j.end_object();
+}
+
+void put_links(Json& j, const Report& r) {
+  const Player& p = r.player;
+  j.key("links").begin_array();
+  for (PeerId to = 0; to < p.node().config().slots; ++to) {
+    const node::Neighbour& n = p.node().other(to);
+    if (to == p.self() || !n.at.is_set()) continue;
+    j.begin_object().field("peer", to).field("incarnation", n.incarnation).field("endpoint", to_string(n.at));
+    j.field("left", n.presence == node::Presence::kLeft).field("lost", n.presence == node::Presence::kAbsent);
+    j.field("rtt_ms", static_cast<double>(p.node().link(to).round_trip()) * 1000.0 / kTicksPerSecond);
+    j.field("silence_ms", p.node().silence(to) * 1000.0 / kTicksPerSecond);
+    if (const link::Shim* shim = r.egress.shim(to)) put_shim(j, *shim);
+    j.end_object();
+  }
+  j.end_array();
+}
+
+void put_ticks(Json& j, const Player& p) {
+  const TickStats& t = p.ticks();
+  j.field("ticks", p.node().now()).field("first_tick", p.first_tick());
+  j.field("seconds", static_cast<double>(p.node().now() - p.first_tick()) / kTicksPerSecond);
+  j.field("join_ms", static_cast<double>(p.joined_at()) / 1e3);
+  j.field("late_ticks", t.late).field("worst_late_ms", static_cast<double>(t.worst) / 1e3);
+  j.field("longest_stall_ms", static_cast<double>(t.longest_stall) / 1e3).field("stalls", t.stalls);
+}
+
+void put_play(Json& j, const Report& r) {
+  const Player& p = r.player;
+  const Totals totals = p.totals();
+  j.field("peer", p.self()).field("incarnation", p.node().config().incarnation);
+  put_ticks(j, p);
+  j.field("clock_lead_ms", static_cast<double>(p.node().clock_lead()) / 1e3);
+  j.field("clock_slew_ppm", p.session().clock().slew() * 1e6);
+  j.field("live_hash", hex(p.node().live_hash())).field("own_error_m", static_cast<double>(p.node().own_error()));
+  j.field("replayed_steps", totals.replayed_steps).field("delivered", p.node().delivered());
+  put_lives(j, p);
+  put_others(j, p);
+  put_confirmed(j, p);
+  put_traffic(j, totals.node);
+  put_links(j, r);
+}
+
+}  // namespace
+
+std::string summary(const Report& r) {
+  Json j;
+  j.begin_object();
+  put_origin(j, r);
+  put_session(j, r);
+  put_socket(j, r.socket.stats());
+  if (r.player.playing()) put_play(j, r);
+  j.end_object();
+  return j.text();
+}
+
+}  // namespace padr::peer

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <utility>  // Boost.Asio 1.74 uses std::exchange without including this
+
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+
+#include "common/model/endpoint.h"
+#include "tools/support/host_port.h"
+
+namespace padr::peer {
+
+using Udp = boost::asio::ip::udp;
+
+/// The first address of HOST of the wanted family, if a family is wanted; otherwise IPv4 before IPv6.
+/// Throws UserError, which names the flag, if there is none.
+Udp::endpoint resolve(boost::asio::io_context& io, const std::string& flag, const support::HostPort& where,
+                      const Udp* family = nullptr);
+
+Endpoint to_endpoint(const Udp::endpoint& e);
+
+/// What the socket could not do.
+struct SocketStats {
+  std::uint64_t sent = 0;
+  std::uint64_t send_errors = 0;     ///< not sent for another reason than these
+  std::uint64_t refused = 0;         ///< ICMP: nobody listens where something was sent earlier
+  std::uint64_t buffer_full = 0;     ///< not sent, the system's buffer was full
+  std::uint64_t receive_errors = 0;  ///< besides refusals
+};
+
+/// A bound UDP socket that never gives up: errors are counted, none ends the reading.
+class UdpSocket {
+ public:
+  using Receiver = std::function<void(const Endpoint& from, std::span<const std::byte> datagram)>;
+
+  /// Throws std::system_error if the address cannot be used.
+  UdpSocket(boost::asio::io_context& io, const Udp::endpoint& address);
+
+  /// From now on: `each` for every datagram, `afterwards` after each batch of them.
+  void start(Receiver each, std::function<void()> afterwards);
+  void close();
+
+  /// False if it was not sent: see stats() and last_error().
+  bool send(const Endpoint& to, std::span<const std::byte> datagram);
+
+  Udp::endpoint local() const { return socket_.local_endpoint(); }
+  const SocketStats& stats() const { return stats_; }
+  std::string last_error() const { return last_error_; }
+
+ private:
+  void wait();
+  void read();
+
+  Udp::socket socket_;
+  bool v4_;
+  Receiver each_;
+  std::function<void()> afterwards_;
+  SocketStats stats_;
+  std::string last_error_;
+  std::array<std::byte, 65536> buffer_{};  ///< larger than any UDP payload, so that nothing is cut short unnoticed
+};
+
+}  // namespace padr::peer

@@ -1,0 +1,51 @@
+"""Who is there: section 9."""
+from protobuf import Single, message, one_of
+from rules import ascends, require
+from updates import MOST_PEERS, MOST_TICK, UPDATE_FIELDS, decode_update
+
+MOST_PIECES, MOST_PIECE = 2048, 1150
+
+SEAT_FIELDS = {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("have", "uint32")}
+# Of a Fetched only so much of its State counts.
+FETCHED_STATE_FIELDS = {2: ("mark_tick", "uint32"), 3: ("mark_count", "uint32"), 9: ("update", UPDATE_FIELDS)}
+MEMBERSHIP_MESSAGES = {
+    1: ("pull", {1: ("nonce", "fixed64"), 2: ("from", "uint32"), 3: ("wanted", "fixed64")}),
+    2: ("piece", {1: ("nonce", "fixed64"), 2: ("index", "uint32"), 3: ("count", "uint32"), 4: ("bytes", "bytes")}),
+    3: ("enter", {1: ("nonce", "fixed64")}),
+    4: ("poll", {1: ("lost", SEAT_FIELDS)}),
+    5: ("answer", {1: ("lost", SEAT_FIELDS)}),
+    6: ("fetch", {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("from", "uint32")}),
+    7: ("fetched", {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("updates", Single(FETCHED_STATE_FIELDS))}),
+    8: ("probe", {1: ("incarnation", "uint32"), 2: ("member", SEAT_FIELDS), 3: ("knows_you", "bool"), 4: ("newest", "uint32")}),
+}
+
+
+def decode_membership(payload):
+    """(name, fields) of the message."""
+    name, out = one_of(payload, MEMBERSHIP_MESSAGES)
+    require(out.get("nonce") != 0, "no nonce")
+    require(out.get("slot", 0) < MOST_PEERS, "a slot that is none")
+    for seats in (out[column] for column in ("lost", "member") if column in out):
+        check_seats(seats)
+    if name == "pull":
+        require(out["from"] < MOST_PIECES, "from beyond the last piece")
+    elif name == "piece":
+        require(out["index"] < out["count"] <= MOST_PIECES, "a piece that is none")
+        require(1 <= len(out["bytes"]) <= MOST_PIECE, "a piece of another size")
+    elif name == "fetched":
+        out["update"] = decode_fetched(out.pop("updates") or message(b"", FETCHED_STATE_FIELDS))
+    return name, out
+
+
+def check_seats(seats):
+    require(1 <= len(seats) <= MOST_PEERS, "nobody, or too many")
+    require(all(seat["slot"] < MOST_PEERS for seat in seats), "a slot that is none")
+    require(ascends([seat["slot"] for seat in seats]), "seats do not ascend")
+
+
+def decode_fetched(state):
+    require(state["mark_tick"] <= MOST_TICK and state["update"], "nothing fetched")
+    updates = [decode_update(update, state["mark_tick"], state["mark_count"]) for update in state["update"]]
+    require(ascends([update["index"] for update in updates]), "numbers do not ascend")
+    require(ascends([update["tick"] for update in updates]), "ticks do not ascend")
+    return updates

@@ -1,0 +1,45 @@
+"""What both the decoding of updates and that of messages are made of."""
+import math
+
+from protobuf import Malformed
+
+
+class Drop(Exception):
+    """The datagram is dropped; reason is one word of the standard's, detail is for people."""
+
+    def __init__(self, reason, detail=""):
+        super().__init__(f"{reason}: {detail}" if detail else reason)
+        self.reason = reason
+
+
+def require(condition, detail):
+    if not condition:
+        raise Malformed(detail)
+
+
+def require_value(condition, detail):
+    if not condition:
+        raise Drop("value", detail)
+
+
+def ascends(values):
+    return all(a < b for a, b in zip(values, values[1:]))
+
+
+def is_address(raw):
+    return len(raw) == 16 and any(raw)
+
+
+def require_place(message):
+    """An address and a port that can be sent to."""
+    require(is_address(message["address"]), "an address that is none")
+    require(1 <= message["port"] <= 65535, "a port that is none")
+
+
+def check_floats(values, most):
+    require_value(all(math.isfinite(value) and abs(value) <= most for value in values), f"{values}")
+
+
+def check_length(vector, most):
+    check_floats(vector, math.inf)
+    require_value(math.hypot(*vector) <= most, f"{vector} is longer than {most}")

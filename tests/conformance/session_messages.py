@@ -1,0 +1,59 @@
+"""Founding, joining, starting: section 7."""
+from protobuf import one_of
+from rules import is_address, require
+
+MEMBER_FIELDS = {1: ("peer", "uint32"), 2: ("address", "bytes"), 3: ("port", "uint32")}
+SESSION_MESSAGES = {
+    1: ("join", {1: ("nonce", "fixed64"), 2: ("scene_hash", "fixed64"), 3: ("fingerprint", "fixed64"),
+                 4: ("authority", "bool"), 5: ("scenario", "text"), 6: ("padding", "bytes")}),
+    2: ("welcome", {1: ("nonce", "fixed64"), 2: ("peer", "uint32"), 3: ("slots", "uint32"), 4: ("wanted", "uint32"),
+                    5: ("running", "bool"), 6: ("incarnation", "uint32")}),
+    3: ("redirect", {1: ("nonce", "fixed64"), 2: ("address", "bytes"), 3: ("port", "uint32")}),
+    4: ("refuse", {1: ("nonce", "fixed64"), 2: ("reason", "text")}),
+    5: ("ping", {1: ("sent_us", "sfixed64"), 2: ("padding", "bytes")}),
+    6: ("pong", {1: ("sent_us", "sfixed64"), 2: ("founder_us", "sfixed64"), 3: ("present", "uint32")}),
+    7: ("start", {1: ("tick0_us", "sfixed64"), 2: ("member", MEMBER_FIELDS)}),
+    8: ("ready", {1: ("round_trip_us", "uint32"), 2: ("started", "bool")}),
+    9: ("bye", {1: ("reason", "text")}),
+}
+RANGES = {  # of fields of session messages, by name; others take anything
+    "slots": (1, 32), "wanted": (1, 32), "port": (1, 65535), "present": (0, 32),
+    "sent_us": (-(1 << 53), 1 << 53), "founder_us": (-(1 << 53), 1 << 53), "tick0_us": (-(1 << 53), 1 << 53),
+}
+MOST_REASON, MOST_LABEL, LEAST_PING_PADDING, MOST_MEMBERS = 400, 128, 18, 32
+
+
+def decode_session(payload):
+    """(name, fields) of the message."""
+    name, out = one_of(payload, SESSION_MESSAGES)
+    check_ranges(out)
+    check_session(name, out)
+    return name, out
+
+
+def check_ranges(content):
+    for field, (least, most) in RANGES.items():
+        require(least <= content.get(field, least) <= most, f"{field} is {content.get(field)}")
+    require(len(content.get("reason", "")) <= MOST_REASON, "a long reason")
+    require(len(content.get("scenario", "")) <= MOST_LABEL, "a long label")
+    require("address" not in content or is_address(content["address"]), "an address that is none")
+
+
+def check_session(name, content):
+    """What is particular to one message."""
+    if name == "join":
+        require(content["nonce"] != 0, "a join without a nonce")
+    elif name == "welcome":
+        require(content["wanted"] <= content["slots"], "waits for more than may come")
+        least, most = (0, content["slots"]) if content["running"] else (1, content["wanted"])
+        require(least <= content["peer"] < most, "a number that is none")
+        require(content["running"] == (content["incarnation"] > 0), "an incarnation of the wrong sort")
+    elif name == "ping":
+        require(len(content["padding"]) >= LEAST_PING_PADDING, "a ping smaller than its pong")
+    elif name == "start":
+        members = content["member"]
+        require(1 <= len(members) <= MOST_MEMBERS, "a number of members that cannot be")
+        require([member["peer"] for member in members] == list(range(len(members))), "members out of order")
+        require(not members[0]["address"] and not members[0]["port"], "an address of the founder")
+        for member in members[1:]:
+            check_ranges(member)

@@ -1,0 +1,152 @@
+"""An update: what one peer tells of one tick, sections 3 and 4."""
+import math
+
+from protobuf import Single, message
+from rules import ascends, check_floats, check_length, require, require_place, require_value
+
+CAUSES = ("threshold", "contact_begin", "contact_end", "proxy", "body_threshold", "at_rest", "leave")
+MODELS = ("static", "first", "second", "input")
+MODELS_WITH_CONTROL = ("second", "input")
+MOST_BODIES = 27
+FIRST_BAD_BODY = 65535
+MOST_PEERS = 32
+MOST_PASSING = 3
+MOST_TICK = (1 << 31) - 2
+MOST_SPEED, MOST_SPIN, MOST_ANGLE, MOST_CONTROL, MOST_EPOCH = 121, 95, 100000, 10000, 1 << 30
+MOST_NUMBER = (1 << 30) - 1
+
+ADMISSION_FIELDS = {
+    1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("first", "uint32"), 4: ("address", "bytes"),
+    5: ("port", "uint32"), 6: ("have", "uint32 column"),
+}
+REMOVAL_FIELDS = {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("count", "uint32")}
+PASSED_ON_FIELDS = {1: ("slot", "uint32"), 2: ("index", "uint32"), 3: ("tick", "uint32")}
+UPDATE_FIELDS = {
+    1: ("index_back", "uint32"), 2: ("tick_back", "uint32"), 3: ("avatar", "uint32"), 4: ("avatar_state", "float column"),
+    5: ("body", "uint32 column"), 6: ("body_flags", "uint32 column"), 7: ("epoch", "uint32 column"),
+    8: ("claim_age", "uint32 column"), 9: ("body_state", "float column"), 10: ("leave", "bool"),
+    11: ("admission", Single(ADMISSION_FIELDS)), 12: ("removals", REMOVAL_FIELDS),
+    13: ("passed_on", Single(PASSED_ON_FIELDS)),
+}
+PASSED_ON_FIELDS[4] = ("update", Single(UPDATE_FIELDS))
+
+
+def decode_update(raw, mark_tick, mark_count, depth=0):
+    sorts = (raw["leave"], raw["admission"] is not None, bool(raw["removals"]), raw["passed_on"] is not None,
+             raw["avatar"] != 0 or len(raw["body"]) > 0)  # fmt: skip
+    require(sum(sorts) <= 1, "an update of two sorts")
+    require(raw["index_back"] < mark_count, "a number below 0")
+    require(raw["tick_back"] <= mark_tick, "a tick before the start")
+    tick = mark_tick - raw["tick_back"]
+    return {"index": mark_count - 1 - raw["index_back"], "tick": tick, "leave": raw["leave"],
+            "avatar": decode_avatar(raw), "bodies": decode_bodies(raw, tick), "admission": decode_admission(raw["admission"]),
+            "removals": decode_removals(raw["removals"]), "passed_on": decode_passed_on(raw["passed_on"], depth)}  # fmt: skip
+
+
+def decode_admission(raw):
+    if raw is None:
+        return None
+    require(raw["slot"] < MOST_PEERS and len(raw["have"]) <= MOST_PEERS, "more slots than there may be")
+    require_place(raw)
+    return {**raw, "have": tuple(raw["have"])}
+
+
+def decode_removals(raw):
+    require(all(removal["slot"] < MOST_PEERS for removal in raw), "a slot that is none")
+    require(ascends([removal["slot"] for removal in raw]), "removals do not ascend")
+    return raw
+
+
+def decode_passed_on(raw, depth):
+    if raw is None:
+        return None
+    require(depth < MOST_PASSING, "updates that lie too deep")
+    require(raw["slot"] < MOST_PEERS, "a slot that is none")
+    require(raw["tick"] <= MOST_TICK and raw["index"] < (1 << 32) - 1, "a tick or number that is none")
+    inner = raw["update"] or message(b"", UPDATE_FIELDS)
+    return {"slot": raw["slot"], **decode_update(inner, raw["tick"], raw["index"] + 1, depth + 1)}
+
+
+def cause_of(flags):
+    require(flags & 7 < len(CAUSES), "a cause that is none")
+    return CAUSES[flags & 7]
+
+
+def decode_avatar(raw):
+    flags, state = raw["avatar"], raw["avatar_state"]
+    if flags == 0:
+        require(len(state) == 0, "the state of no avatar")
+        return None
+    require(flags & 0x40 and flags < 0x80, "flags of an avatar")
+    model = MODELS[flags >> 3 & 3]
+    control = model in MODELS_WITH_CONTROL
+    require(len(state) == (6 if control else 4), "an avatar's state has another length")
+    return {"cause": cause_of(flags), "model": model, "awake": bool(flags & 0x20), "position": tuple(state[:2]),
+            "velocity": tuple(state[2:4]), "control": tuple(state[4:]) if control else None}
+
+
+def decode_bodies(raw, tick):
+    ids = raw["body"]
+    require(len(ids) <= MOST_BODIES, "too many bodies")
+    require(len(ids) == len(raw["body_flags"]), "not one column of flags per body")
+    require(ascends(ids), "bodies do not ascend")
+    require(not ids or ids[-1] < FIRST_BAD_BODY, "a body id that is none")
+    columns = {name: iter(raw[name]) for name in ("epoch", "claim_age", "body_state")}
+    bodies = [decode_body(id, flags, columns, tick) for id, flags in zip(ids, raw["body_flags"])]
+    require(all(next(column, None) is None for column in columns.values()), "values that belong to no body")
+    return bodies
+
+
+def decode_body(id, flags, columns, tick):
+    require(flags < 0x80, "flags of a body")
+    body = {"id": id, "cause": cause_of(flags), "held": bool(flags & 8), "release": bool(flags & 0x20), "state": None}
+    awake = bool(flags & 0x40)
+    if not flags & 0x10:
+        require(not awake, "awake without a state")
+        return body
+    epoch, claim_age = next_of(columns["epoch"]), next_of(columns["claim_age"])
+    require(claim_age <= tick, "a claim of before the start")
+    values = [next_of(columns["body_state"]) for _ in range(6 if awake else 3)]
+    body["state"] = {"epoch": epoch, "claimed": tick - claim_age, "awake": awake,
+                     "position": tuple(values[:2]), "angle": values[2],
+                     "velocity": tuple(values[3:5]) or None, "spin": values[5] if awake else None}
+    return body
+
+
+def next_of(column):
+    value = next(column, None)
+    require(value is not None, "a column is too short")
+    return value
+
+
+def check_values(update, sender):
+    """The ranges of section 4, but for those of which the session or the scenario knows: slots, bodies, bounds of positions."""
+    check_orders(update, sender)
+    for state in (body["state"] for body in update["bodies"] if body["state"]):
+        require_value(1 <= state["epoch"] <= MOST_EPOCH, "epoch")
+        check_floats(state["position"], math.inf)
+        check_floats((state["angle"],), MOST_ANGLE)
+        if state["awake"]:
+            check_length(state["velocity"], MOST_SPEED)
+            check_floats((state["spin"],), MOST_SPIN)
+    avatar = update["avatar"]
+    if avatar:
+        check_floats(avatar["position"], math.inf)
+        check_length(avatar["velocity"], MOST_SPEED)
+        check_length(avatar["control"] or (), MOST_CONTROL)
+        require_value(avatar["awake"] or avatar["velocity"] == (0, 0), "an avatar asleep that moves")
+
+
+def check_orders(update, sender):
+    admission, passed_on = update["admission"], update["passed_on"]
+    if admission:
+        require_value(admission["slot"] != sender and admission["incarnation"] > 0, "an admission of oneself or nobody")
+        numbers = (admission["incarnation"], admission["first"], *admission["have"])
+        require_value(max(numbers) <= MOST_NUMBER, "numbers of an admission")
+    for removal in update["removals"]:
+        require_value(removal["slot"] != sender, "a removal of oneself")
+        require_value(max(removal["incarnation"], removal["count"]) <= MOST_NUMBER, "numbers of a removal")
+    if passed_on:
+        require_value(passed_on["slot"] != sender, "passes on its own")
+        require_value(passed_on["index"] <= MOST_NUMBER and passed_on["tick"] <= update["tick"], "passes on what is not yet")
+        check_values(passed_on, passed_on["slot"])

@@ -1,0 +1,129 @@
+#!/usr/bin/env python3
+"""End to end: coming together, and being told why not.
+
+Usage: peer_session.py PATH_TO_PADR_PEER [unittest arguments]
+"""
+
+import struct
+import zlib
+
+from peers import Case, main, run, socket, time
+
+
+class Joining(Case):
+    def test_through_a_member_by_name(self):
+        founder = self.peer("--wait-peers", 3, "--duration", 2)
+        second = self.peer("--join", f"localhost:{founder.port()}", "--duration", 2)
+        second.wait_for("joined")
+        third = self.peer("--join", f"localhost:{second.port()}", "--duration", 2)
+        third.wait_for("passes us on to the founder")
+        self.assertEqual([p.end() for p in (founder, second, third)], [0, 0, 0])
+        self.check_agreement([founder, second, third], least_common=2)
+
+    def test_joiners_may_come_first(self):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as s:
+            s.bind(("127.0.0.1", 0))
+            port = s.getsockname()[1]
+        joiner = self.peer("--join", f"127.0.0.1:{port}", "--duration", 1)
+        joiner.wait_for("joining")
+        time.sleep(0.7)  # ICMP refusals in between
+        founder = self.peer("--listen", f"127.0.0.1:{port}", "--duration", 1)
+        self.assertEqual([founder.end(), joiner.end()], [0, 0])
+
+    def test_handshake_through_heavy_loss(self):
+        peers = self.session(2, "--duration", 1, "--netem", "delay 50ms 40ms loss 30% duplicate 5%", "--linger", 5)
+        self.assertEqual([p.end() for p in peers], [0, 0])
+        self.check_agreement(peers, least_common=1)
+
+    def test_nobody_comes(self):
+        founder = self.peer("--wait-peers", 2, "--join-timeout", 1)
+        self.assertEqual(founder.end(), 1)
+        self.assertIn("only 1 of 2 peers came within 1 s", founder.text())
+        self.assertFalse(founder.summary()["session"]["started"])
+
+    def test_nobody_answers(self):
+        joiner = self.peer("--join", "127.0.0.1:1", "--join-timeout", 1)
+        self.assertEqual(joiner.end(), 1)
+        self.assertIn("no answer from 127.0.0.1:1 within 1 s", joiner.text())
+
+
+class Refusal(Case):
+    def check_refused(self, founder_flags, joiner_flags, *words):
+        founder = self.peer("--wait-peers", 2, "--duration", 1, *founder_flags)
+        port = founder.port()
+        odd = self.peer("--join", f"127.0.0.1:{port}", *joiner_flags)
+        self.assertEqual(odd.end(), 1)
+        founder.wait_for("refused")
+        for word in words:
+            self.assertIn(word, odd.text())
+            self.assertIn(word, founder.text())
+        self.assertIn("refused", odd.summary()["reason"])
+        # The session is none the worse for it.
+        fitting = self.peer("--join", f"127.0.0.1:{port}", "--duration", 1, *founder_flags)
+        self.assertEqual([founder.end(), fitting.end()], [0, 0])
+
+    def test_another_scenario(self):
+        self.check_refused([], ["--scenario", "ball"], "scenario differs", "arena seed 1", "ball seed 1")
+
+    def test_another_seed(self):
+        self.check_refused(["--seed", 4], ["--seed", 5], "scenario differs", "arena seed 4", "arena seed 5")
+
+    def test_another_authority_rule(self):
+        self.check_refused([], ["--technique", "avatar-only"], "authority rule differs", "dynamic", "avatar-only")
+
+    def test_full_session_that_runs(self):
+        peers = self.session(2, "--duration", 4, own=[["--slots", 2], []])
+        for p in peers:
+            p.wait_for("status:")
+        late = self.peer("--join", f"127.0.0.1:{peers[1].port()}")
+        self.assertEqual(late.end(), 1)
+        self.assertIn("refused", late.text())
+        self.assertIn("full", late.text())
+        self.assertEqual([p.end() for p in peers], [0, 0])
+
+    def test_another_scenario_while_the_session_runs(self):
+        peers = self.session(2, "--duration", 4)
+        for p in peers:
+            p.wait_for("status:")
+        late = self.peer("--join", f"127.0.0.1:{peers[1].port()}", "--scenario", "clutter")
+        self.assertEqual(late.end(), 1)
+        self.assertIn("scenario differs", late.text())
+        self.assertEqual([p.end() for p in peers], [0, 0])
+
+    def test_another_protocol_version(self):
+        """A newcomer from the future, as far as the rules that all versions keep go: see proto/WIRE.md."""
+
+        def future(body):
+            data = b"Pd" + bytes([0x31, 0xFF, 0, 0]) + body
+            return data + struct.pack("<I", zlib.crc32(data))
+
+        founder = self.peer("--wait-peers", 2, "--join-timeout", 20)
+        port = founder.port()
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as s:
+            s.bind(("127.0.0.1", 0))
+            s.settimeout(5)
+            s.sendto(future(bytes(1190)), ("127.0.0.1", port))
+            answer, _ = s.recvfrom(65536)
+            self.assertEqual(answer[:2], b"Pd")
+            self.assertEqual(answer[2], 0x21, "an answer of its own version, for the newcomer to see")
+            self.assertLess(len(answer), 1200)
+            founder.wait_for("protocol version differs: 2 in the session, 3 in the newcomer")
+            # The other way round: a joiner is told by a member of the future.
+            joiner = self.peer("--join", f"127.0.0.1:{s.getsockname()[1]}")
+            _, sender = s.recvfrom(65536)
+            s.sendto(future(b"anything"), sender)
+            self.assertEqual(joiner.end(), 1)
+            self.assertIn("protocol version differs: 3 at 127.0.0.1", joiner.text())
+
+
+class Binding(Case):
+    def test_port_in_use(self):
+        founder = self.peer("--wait-peers", 2)
+        port = founder.port()
+        code, _, err = run("--listen", f"127.0.0.1:{port}")
+        self.assertEqual(code, 1)
+        self.assertRegex(err, rf"cannot listen on 127.0.0.1:{port}: Address already in use")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,150 @@
+#!/usr/bin/env python3
+"""End to end: wrong input as a new user would give it. Each gets one clear line and exit code 2; none a crash.
+
+Usage: peer_usage.py PATH_TO_PADR_PEER [unittest arguments]
+"""
+
+import os
+
+from peers import Case, main, run
+
+JOIN = ["--join", "127.0.0.1:9"]
+
+
+class Usage(Case):
+    def check_wrong(self, arguments, *words):
+        with self.subTest(arguments=arguments):
+            code, out, err = run(*arguments)
+            lines = err.strip().splitlines()
+            self.assertEqual(code, 2, err)
+            self.assertEqual(out, "")
+            self.assertEqual(len(lines), 1, err)
+            self.assertTrue(lines[0].startswith("padr-peer: "), err)
+            for word in words:
+                self.assertIn(word, lines[0])
+
+    def test_flags(self):
+        table = [
+            (["--no-such-flag"], "--no-such-flag"),
+            (["extra"], "extra"),
+            (["--listen"], "--listen"),
+            (["--listen", "127.0.0.1"], "--listen", "no port", "HOST:PORT"),
+            (["--listen", "127.0.0.1:x"], "--listen", "not a port"),
+            (["--listen", "127.0.0.1:65536"], "--listen", "65535"),
+            (["--listen", "::1:7000"], "--listen", "brackets"),
+            (["--listen", "no-such-host.invalid:7000"], "--listen", "cannot resolve", "no-such-host.invalid"),
+            (["--join", "no-such-host.invalid:7000"], "--join", "cannot resolve", "no-such-host.invalid"),
+            (["--join", "127.0.0.1:0"], "--join", "from 1 to 65535"),
+            (["--listen", "0.0.0.0:0"], "--listen", "--insecure"),
+            (["--listen", "[::]:0"], "--listen", "--insecure"),
+            (["--join", "192.0.2.1:7000"], "--join", "--listen", "--insecure"),
+            (["--join", "192.0.2.1:7000", "--listen", "127.0.0.1:0"], "loopback", "192.0.2.1:7000"),
+            (["--wait-peers", "0"], "--wait-peers", "0", "1 to"),
+            (["--wait-peers", "33"], "--wait-peers", "33"),
+            (["--wait-peers", "many"], "--wait-peers"),
+            (["--slots", "1"], "--slots", "2 to"),
+            (["--duration", "-1"], "--duration"),
+            (["--duration", "nan"], "--duration"),
+            (["--linger", "1e9"], "--linger"),
+            (["--status-interval", "-1"], "--status-interval"),
+            (["--seed", "-1"], "--seed"),
+            (["--log-level", "loud"], "--log-level", "loud", "debug"),
+            (["--log", "net"], "--log", "net"),
+            (["--log", "nut=debug"], "--log", "nut", "session"),
+            (["--log", "net=loud"], "--log", "loud"),
+        ]
+        for arguments, *words in table:
+            self.check_wrong(arguments, *words)
+
+    def test_technique(self):
+        table = [
+            (["--technique", "best"], "--technique", "best", "adaptive"),
+            (["--threshold", "0"], "--threshold", "metres"),
+            (["--threshold", "0.1:0.3"], "--threshold", "HIGH"),
+            (["--threshold", "nan"], "--threshold"),
+            (["--body-threshold", "-1"], "--body-threshold", "off"),
+            (["--model", "third"], "--model", "second"),
+            (["--predictor", "oracle"], "--predictor", "lookahead"),
+            (["--threshold-law", "three-level"], "--threshold-law"),
+            (["--convergence", "jump"], "--convergence"),
+            (["--replay", "maybe"], "--replay", "on"),
+            (["--radius", "0"], "--radius"),
+            (["--steps", "1.5"], "--steps"),
+            (["--count", "0"], "--count"),
+            (["--pcc-bound", "-0.1"], "--pcc-bound"),
+        ]
+        for arguments, *words in table:
+            self.check_wrong(arguments, *words)
+
+    def test_netem(self):
+        table = [
+            (["--netem", "delay"], "--netem"),
+            (["--netem", "delay 100 parsecs"], "--netem", "parsecs"),
+            (["--netem", "loss 101%"], "--netem", "101%"),
+            (["--netem-seed", "x"], "--netem-seed"),
+            (["--netem-to", "loss 10%"], "--netem-to", "="),
+            (["--netem-to", "32=loss 10%"], "--netem-to", "0 to 31"),
+            (["--netem-to", "1=loss much"], "--netem-to 1", "much"),
+            (["--netem-to", "nowhere=loss 1%"], "--netem-to", "HOST:PORT"),
+            (["--netem-to", "no-such-host.invalid:1=loss 1%"], "--netem-to", "cannot resolve"),
+        ]
+        for arguments, *words in table:
+            self.check_wrong(arguments, *words)
+
+    def test_scenario(self):
+        broken = self.file("broken.textproto", 'name: "x"\nbodies {\n')
+        odd = self.file("odd.textproto", 'name: "x"\nwidgets: 3\n')
+        binary = self.file("binary.textproto", bytes(range(256)))
+        self.check_wrong(["--scenario", "atlantis"], "--scenario", "atlantis", "arena")
+        self.check_wrong(["--scenario", self.folder.name], "--scenario", "directory")
+        self.check_wrong(["--scenario", broken], broken + ":")
+        self.check_wrong(["--scenario", odd], odd + ":2", "widgets")
+        self.check_wrong(["--scenario", binary], binary)
+
+    def test_paths(self):
+        table = [
+            ("nan.csv", "t,x,y\n0,1,1\n1,nan,2\n", ":3"),
+            ("inf.csv", "t,x,y\n0,1,1\n1,2,inf\n", ":3"),
+            ("unsorted.csv", "t,x,y\n0,1,1\n2,2,2\n1,3,3\n", ":4"),
+            ("one_column.csv", "t\n0\n1\n", ":1"),
+            ("words.csv", "t,x,y\n0,one,two\n", ":2"),
+            ("empty.csv", "", ""),
+            ("header_only.csv", "t,x,y\n", ""),
+            ("binary.csv", bytes(range(256)), ""),
+        ]
+        for name, content, where in table:
+            path = self.file(name, content)
+            self.check_wrong(["--input", f"path:{path}"], "--input", path + where)
+        missing = os.path.join(self.folder.name, "missing.csv")
+        self.check_wrong(["--input", f"path:{missing}"], "--input", missing, "No such file")
+        self.check_wrong(["--input", f"path:{self.folder.name}"], "--input", "directory")
+        self.check_wrong(["--input", "path:"], "--input", "names no file")
+        self.check_wrong(["--input", "mouse"], "--input", "mouse", "wander")
+        self.check_wrong(["--input", "wander:-1"], "--input", "wander")
+
+    def test_files_that_cannot_be_written(self):
+        nowhere = os.path.join(self.folder.name, "no", "such", "folder.trace")
+        for flag in ("--trace", "--json"):
+            self.check_wrong([flag, nowhere, "--wait-peers", 1, "--duration", 0.1], flag, nowhere)
+
+    def test_help_and_version(self):
+        code, out, err = run("--help")
+        self.assertEqual((code, err), (0, ""))
+        for word in ["--listen", "--join", "--netem-to", "--body-threshold", "Exit code", "padr-peer --join", "[::1]:7001"]:
+            self.assertIn(word, out)
+        self.assertLess(max(len(line) for line in out.splitlines()), 200)
+        code, out, err = run("--version")
+        self.assertEqual((code, err), (0, ""))
+        self.assertRegex(out, r"^padr-peer \d+\.\d+\.\d+ \(revision .+\)$")
+
+    def test_what_is_legal_but_doubtful_is_warned_of(self):
+        code, _, err = run("--wait-peers", 1, "--duration", 0.1, "--netem", "delay 100")
+        self.assertEqual(code, 0)
+        self.assertRegex(err, r"warning .*--netem: .*microseconds")
+        code, _, err = run(*JOIN, "--wait-peers", 3, "--join-timeout", 0.3)
+        self.assertEqual(code, 1)
+        self.assertRegex(err, "--wait-peers is for the founder")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,129 @@
+// Grids: every combination once, in one order, and what makes two of them the same.
+#include "tools/lab/sweep/grid.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/lab_sweep/error_of.h"
+#include "tools/lab/sweep/sweep.h"
+#include "tools/support/technique_flags.h"
+
+namespace padr::lab::sweep {
+namespace {
+
+using test::error_of;
+
+GridText text() {
+  GridText t;
+  t.knobs.resize(support::knobs().size());
+  return t;
+}
+
+std::string& knob(GridText& t, std::string_view flag) {
+  for (std::size_t k = 0; k < support::knobs().size(); ++k)
+    if (support::knobs()[k].flag == flag) return t.knobs[k];
+  ADD_FAILURE() << flag;
+  return t.knobs[0];
+}
+
+TEST(Grid, HasEveryCombinationOnce) {
+  GridText t = text();
+  t.delay = "0,50ms";
+  t.loss = "0,10%";
+  t.peers = "2,3";
+  t.bodies = "5,9";
+  t.techniques = "fixed,full";
+  t.seeds = "1-3";
+  knob(t, "--threshold") = "0.8,0.3:0.1";
+  const Grid grid(t);
+  ASSERT_EQ(grid.size(), 2U * 2 * 2 * 2 * 2 * 3 * 2);
+  std::set<std::string> seen;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    const Point p = grid.point(i);
+    seen.insert(std::to_string(p.delay_ms) + " " + std::to_string(p.loss_percent) + " " + std::to_string(p.peers) +
+                " " + std::to_string(p.bodies.value_or(0)) + " " + describe(p.technique) + " " +
+                std::to_string(p.seed));
+  }
+  EXPECT_EQ(seen.size(), grid.size());
+  EXPECT_EQ(grid.point(0).seed, 1U);
+  EXPECT_EQ(grid.point(2).seed, 3U);
+  EXPECT_EQ(grid.point(3).technique.threshold_low, 0.1F) << "after the seeds, the last knob";
+}
+
+TEST(Grid, ReachesTheLinks) {
+  GridText t = text();
+  t.delay = "50ms";
+  t.jitter = "20ms";
+  t.loss = "10%";
+  t.netem = "duplicate 1%";
+  EXPECT_EQ(to_string(Grid(t).point(0).netem), "delay 50ms 20ms loss 10% duplicate 1%");
+  EXPECT_EQ(to_string(Grid(text()).point(0).netem), "");
+}
+
+TEST(Grid, ItsIdIsThatOfItsRuns) {
+  const std::string id = Grid(text()).id();
+  EXPECT_EQ(id.size(), 8U);
+  EXPECT_EQ(Grid(text()).id(), id);
+  GridText same = text();
+  same.delay = "0";
+  EXPECT_EQ(Grid(same).id(), id) << "what is given is the default";
+  GridText other = text();
+  other.seconds = 61;
+  EXPECT_NE(Grid(other).id(), id);
+  other = text();
+  other.seeds = "2";
+  EXPECT_NE(Grid(other).id(), id);
+  other = text();
+  knob(other, "--replay") = "off";
+  EXPECT_NE(Grid(other).id(), id);
+}
+
+struct Bad {
+  const char* what;
+  void (*make)(GridText&);
+  const char* message;  ///< how it begins
+};
+
+TEST(Grid, BadOnesAreRefusedBeforeAnythingRuns) {
+  const std::vector<Bad> all{
+      {"peers", [](GridText& t) { t.peers = "2,17"; }, "--peers: '17' is not allowed for scenario arena; give 1 to 16"},
+      {"bodies", [](GridText& t) { t.bodies = "5001"; }, "--bodies: '5001' is not allowed; give whole numbers from 1"},
+      {"no room", [](GridText& t) { t.bodies = "3000"; }, "--bodies 3000: arena:"},
+      {"no scatter", [](GridText& t) { t.scenarios = "van", t.bodies = "9"; }, "--bodies 9: van:1:1: has neither"},
+      {"scenario", [](GridText& t) { t.scenarios = "arena,nix"; }, "--scenario: 'nix' is neither a file nor one of"},
+      {"technique", [](GridText& t) { t.techniques = "full,fast"; }, "--technique: 'fast' is not allowed; give one of"},
+      {"knob", [](GridText& t) { knob(t, "--threshold") = "0.3:0.8"; }, "--threshold: '0.3:0.8' is not allowed"},
+      {"knob", [](GridText& t) { knob(t, "--steps") = "30,601"; }, "--steps: '601' is not allowed; give 1 to 600"},
+      {"input", [](GridText& t) { t.inputs = {"walk"}; }, "--input: \"walk\" is no input"},
+      {"netem", [](GridText& t) { t.netem = "lose 3%"; }, "--netem: netem: word 1 \"lose\""},
+      {"size", [](GridText& t) { t.seeds = "1-1000000", t.peers = "1-16"; }, "the grid has more than 10 million runs"},
+  };
+  for (const Bad& bad : all) {
+    GridText t = text();
+    bad.make(t);
+    const std::string message = error_of([&] { Grid{t}; });
+    EXPECT_TRUE(message.starts_with(bad.message)) << bad.what << ": " << message;
+  }
+}
+
+TEST(Shards, AreDisjointAndComplete) {
+  for (std::size_t count : {1U, 3U, 7U})
+    for (std::size_t run = 0; run < 20; ++run) {
+      int owners = 0;
+      for (std::size_t i = 1; i <= count; ++i) owners += Shard{i, count}.has(run) ? 1 : 0;
+      EXPECT_EQ(owners, 1);
+    }
+}
+
+TEST(Shards, AreWrittenAsPartOfAll) {
+  EXPECT_EQ(shard_of("").count, 1U);
+  EXPECT_EQ(shard_of("8/8").index, 8U);
+  for (const char* bad : {"0/3", "4/3", "1", "1/", "/3", "a/b", "1/2/3", "-1/3", "1/1000001"})
+    EXPECT_EQ(error_of([&] { shard_of(bad); }), "--shard: '" + std::string(bad) +
+                                                    "' is not allowed; give I/N with I from 1 to N, and N up to "
+                                                    "1000000");
+}
+
+}  // namespace
+}  // namespace padr::lab::sweep

@@ -1,0 +1,61 @@
+// padr-lab sweep and merge as a user meets them.
+#include "tests/shell.h"
+
+namespace padr {
+namespace {
+
+class SweepProgram : public test::Shell {
+ protected:
+  test::Outcome lab(const std::string& words) const { return shell(std::string("'") + PADR_LAB + "' " + words); }
+};
+
+TEST_F(SweepProgram, ShardsAndMergeGiveWhatOneSweepGives) {
+  const std::string grid =
+      "sweep --delay 0,50ms --loss 0,10% --technique fixed,full --bodies 8 --seeds 1-2 --seconds 0.5 ";
+  ASSERT_EQ(lab(grid + "--csv whole.csv").status, 0);
+  for (const char* i : {"1", "2", "3"}) {
+    const auto r = lab(grid + "--shard " + i + "/3 --csv part" + i + ".csv");
+    ASSERT_EQ(r.status, 0) << r.err;
+  }
+  const auto r = lab("merge part*.csv --out merged.csv");
+  ASSERT_EQ(r.status, 0) << r.err;
+  EXPECT_TRUE(r.out.starts_with("16 runs of 3 files in merged.csv\n")) << r.out;
+  EXPECT_EQ(read("merged.csv"), read("whole.csv"));
+}
+
+TEST_F(SweepProgram, GoesOnAfterItWasKilled) {
+  const std::string grid = "sweep --delay 0,50ms --seeds 1-20 --seconds 5 ";
+  ASSERT_EQ(lab(grid + "--csv whole.csv").status, 0);
+  shell(std::string("timeout -s KILL 0.2 '") + PADR_LAB + "' " + grid + "--jobs 1 --csv killed.csv");
+  const auto r = lab(grid + "--csv killed.csv");
+  ASSERT_EQ(r.status, 0) << r.err;
+  EXPECT_EQ(read("killed.csv"), read("whole.csv"));
+}
+
+TEST_F(SweepProgram, ADryRunCountsAndRunsNothing) {
+  const auto r = lab("sweep --seeds 1-20 --loss 0,5,10% --threshold 0.8,0.3:0.1 --seconds 3600 --dry-run");
+  EXPECT_EQ(r.status, 0);
+  EXPECT_NE(r.out.find(": 120 runs\n"), std::string::npos) << r.out;
+}
+
+TEST_F(SweepProgram, MistakesAreOneLineAndExit2) {
+  const auto refused = [this](const std::string& words, const std::string& begin) {
+    const auto r = lab(words);
+    EXPECT_EQ(r.status, 2) << words;
+    EXPECT_TRUE(r.err.starts_with("padr-lab: " + begin)) << r.err;
+    EXPECT_EQ(r.err.find('\n'), r.err.size() - 1) << r.err;
+    EXPECT_FALSE(std::filesystem::exists(path("x.csv"))) << words;
+  };
+  refused("sweep --delay 50 --csv x.csv", "--delay: '50' is not allowed; give times from 0 to 60 s");
+  refused("sweep --loss 0,101 --csv x.csv", "--loss: '101' is not allowed; give percentages from 0 to 100");
+  refused("sweep --peers 33 --csv x.csv", "--peers: '33' is not allowed; give whole numbers from 1 to 32");
+  refused("sweep --seeds x --csv x.csv", "--seeds: 'x' is not allowed; give whole numbers from 0 to");
+  refused("sweep --predictor full --csv x.csv", "--predictor: 'full' is not allowed; give one of none");
+  refused("sweep --shard 0/3 --csv x.csv", "--shard: '0/3' is not allowed; give I/N");
+  refused("sweep --seconds nan --csv x.csv", "--seconds: 'nan' is not allowed; give 0.1 to 86400 seconds");
+  refused("sweep", "--csv is required");
+  refused("merge nothing.csv --out x.csv", "SHARD:");
+}
+
+}  // namespace
+}  // namespace padr

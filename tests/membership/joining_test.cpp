@@ -1,0 +1,106 @@
+// Coming into a running session, and leaving it.
+#include "tests/membership/party.h"
+
+namespace padr::test {
+namespace {
+
+TEST(Joining, ANewcomerPlaysWithinASecondAndConfirmsTheSameWorld) {
+  Party party(3, "delay 50ms", 11);
+  party.run(10);
+  const int newcomer = party.net().start(2);  // not the coordinator: it is passed on
+  party.run(3);
+  ASSERT_TRUE(party.net().peer(newcomer).playing()) << party.story();
+  const double took = static_cast<double>(party.net().took(newcomer)) / 1e6;
+  RecordProperty("join_s", std::to_string(took));
+  EXPECT_LE(took, 1.0) << party.story();
+  const std::uint64_t before = party.judge().compared();
+  party.run(5);
+  EXPECT_TRUE(party.united()) << party.story();
+  EXPECT_EQ(party.judge().violation(), "");
+  EXPECT_GT(party.judge().compared(), before + 3 * 200);
+  EXPECT_LT(party.lag(newcomer), 120);
+}
+
+TEST(Joining, NobodyElseStallsMeanwhile) {
+  Party party(3, "delay 50ms 10ms loss 2%", 12);
+  party.run(10);
+  std::vector<Tick> last(3, 0);
+  Micros last_at = party.net().now();
+  party.net().start(0);
+  for (int i = 0; i < 500; ++i) {
+    party.net().run_to(party.net().now() + lab::Gathering::kStep);
+    for (int p = 0; p < 3; ++p) {
+      const Tick now = party.node(p).now();
+      if (last[static_cast<std::size_t>(p)] != 0) {
+        EXPECT_LE(now - last[static_cast<std::size_t>(p)], 2) << "at " << last_at;
+      }
+      last[static_cast<std::size_t>(p)] = now;
+    }
+    last_at = party.net().now();
+  }
+  EXPECT_TRUE(party.united()) << party.story();
+}
+
+TEST(Joining, LossOnlyTakesTime) {
+  Party party(2, "delay 60ms 30ms loss 30%", 13);
+  party.run(8);
+  const int newcomer = party.net().start(1);
+  const auto took = party.run_until(20, [&] { return party.united(); });
+  ASSERT_TRUE(took.has_value()) << party.story();
+  party.run(10);
+  EXPECT_EQ(party.judge().violation(), "");
+  EXPECT_TRUE(party.net().runs(newcomer));
+}
+
+TEST(Joining, ManyAtOnceGetSlotsOfTheirOwn) {
+  Party party(2, "delay 40ms 10ms loss 3%", 14);
+  party.run(5);
+  for (int i = 0; i < 6; ++i) party.net().start(i % 2);
+  const auto took = party.run_until(10, [&] { return party.united(); });
+  ASSERT_TRUE(took.has_value()) << party.story();
+  party.run(5);
+  EXPECT_EQ(party.judge().violation(), "");
+}
+
+TEST(Joining, AFullSessionRefuses) {
+  lab::GatheringConfig config = party_config(2, "delay 10ms", 15);
+  config.slots = 2;
+  Party party(std::move(config));
+  party.run(5);
+  const int newcomer = party.net().start(0);
+  party.run(3);
+  EXPECT_FALSE(party.net().runs(newcomer));
+  EXPECT_NE(party.net().peer(newcomer).session().failure().find("the session is full: 2 of 2 slots"), std::string::npos)
+      << party.net().peer(newcomer).session().failure();
+}
+
+TEST(Joining, ASlotThatWasLeftIsTakenAgain) {
+  lab::GatheringConfig config = party_config(3, "delay 30ms", 16);
+  config.slots = 3;
+  Party party(std::move(config));
+  party.run(5);
+  party.net().leave(1);
+  party.run(5);
+  EXPECT_FALSE(party.net().runs(1));
+  party.net().start(0);
+  const auto took = party.run_until(5, [&] { return party.united() && party.net().persons() == 4; });
+  ASSERT_TRUE(took.has_value()) << party.story();
+  party.run(5);
+  EXPECT_EQ(party.judge().violation(), "");
+  EXPECT_GT(party.node(3).config().incarnation, 0U);
+}
+
+TEST(Joining, TheFounderMayLeave) {
+  Party party(3, "delay 30ms 5ms loss 1%", 17);
+  party.run(5);
+  party.net().leave(0);
+  party.run(5);
+  party.net().start(2);
+  const auto took = party.run_until(5, [&] { return party.united(); });
+  ASSERT_TRUE(took.has_value()) << party.story();
+  party.run(3);
+  EXPECT_EQ(party.judge().violation(), "");
+}
+
+}  // namespace
+}  // namespace padr::test

@@ -1,0 +1,127 @@
+// Crashes and pauses.
+#include "tests/membership/party.h"
+
+namespace padr::test {
+namespace {
+
+/// The avatar of a slot is there in a person's confirmed world.
+bool avatar_there(const Party& party, int person, PeerId slot) {
+  return party.node(person).agreed().confirmed().avatars[slot].present;
+}
+
+TEST(Losing, WhoVanishesIsDeclaredGoneAndItsAvatarGoes) {
+  Party party(4, "delay 50ms 10ms loss 5%", 21);
+  party.run(8);
+  const PeerId slot = party.node(3).self();
+  ASSERT_TRUE(avatar_there(party, 0, slot));
+  party.net().kill(3);
+  const auto took = party.run_until(8, [&] { return party.united() && party.lag(0) < 60; });
+  ASSERT_TRUE(took.has_value()) << party.story();
+  EXPECT_GE(*took, 2.5) << "a slow link must not be taken for a crash";
+  party.run(2);
+  for (int p = 0; p < 3; ++p) {
+    EXPECT_FALSE(avatar_there(party, p, slot));
+    for (const sync::Authority& a : party.node(p).agreed().confirmed().authority) EXPECT_NE(a.holder(), slot);
+  }
+  EXPECT_EQ(party.judge().violation(), "");
+}
+
+TEST(Losing, LiveAndPredictedGoOnWhileConfirmedWaits) {
+  Party party(3, "delay 50ms", 22);
+  party.run(6);
+  party.net().kill(2);
+  party.run(2.5);
+  EXPECT_GT(party.lag(0), 90) << "confirmed waits";
+  const Tick before = party.node(0).now();
+  party.run(0.5);
+  EXPECT_GE(party.node(0).now() - before, 29) << "live does not";
+  EXPECT_EQ(party.node(0).agreed().predicted_state().tick, party.node(0).now());
+}
+
+TEST(Losing, TheFounderMayCrash) {
+  Party party(4, "delay 60ms 20ms loss 2%", 23);
+  party.run(6);
+  party.net().kill(0);
+  ASSERT_TRUE(party.run_until(8, [&] { return party.united(); }).has_value()) << party.story();
+  party.net().start(1);
+  ASSERT_TRUE(party.run_until(5, [&] { return party.united(); }).has_value()) << party.story();
+  party.run(5);
+  EXPECT_EQ(party.judge().violation(), "");
+}
+
+TEST(Losing, AnyNumberAtOnce) {
+  Party party(6, "delay 60ms 20ms loss 5%", 24);
+  party.run(6);
+  for (const int p : {0, 1, 3, 5}) party.net().kill(p);
+  ASSERT_TRUE(party.run_until(8, [&] { return party.united(); }).has_value()) << party.story();
+  party.run(5);
+  EXPECT_EQ(party.judge().violation(), "");
+  EXPECT_LT(party.lag(2), 60);
+}
+
+// The coordinator is lost at every stage of declaring another gone.
+TEST(Losing, TheCoordinatorMayCrashWhileItDeclaresAnotherGone) {
+  for (int i = 0; i < 30; ++i) {
+    Party party(5, "delay 60ms 20ms loss 10%", 250 + static_cast<std::uint64_t>(i));
+    party.run(5);
+    party.net().kill(3);
+    party.run(2.9 + 0.03 * i);
+    party.net().kill(0);
+    ASSERT_TRUE(party.run_until(12, [&] { return party.united() && party.lag(1) < 90; }).has_value())
+        << "try " << i << "\n"
+        << party.story();
+    EXPECT_EQ(party.judge().violation(), "") << "try " << i;
+  }
+}
+
+// A lost peer's last words reached only some: those who have them pass them on, and nobody's world is taken back.
+TEST(Losing, LastWordsThatOnlySomeHaveReachAll) {
+  int passed_on = 0;
+  for (int i = 0; i < 8; ++i) {
+    Party party(4, "delay 80ms 60ms loss 25%", 270 + static_cast<std::uint64_t>(i));
+    party.run(6);
+    party.net().attract(Vec2{10, 7});
+    party.run(1);
+    party.net().kill(3);
+    ASSERT_TRUE(party.run_until(12, [&] { return party.united() && party.lag(0) < 120; }).has_value()) << party.story();
+    EXPECT_EQ(party.judge().violation(), "") << "try " << i;
+    for (const sync::Bundle& b : party.node(1).agreed().log().since(0))
+      passed_on += static_cast<int>(b.passed_on.size());
+  }
+  EXPECT_GT(passed_on, 0) << "otherwise this shows nothing";
+}
+
+TEST(Losing, AShortPauseIsOnlyAPause) {
+  Party party(3, "delay 50ms", 28);
+  party.run(6);
+  party.net().pause(1, true);
+  party.run(1.5);
+  party.net().pause(1, false);
+  party.run(3);
+  EXPECT_TRUE(party.united()) << party.story();
+  EXPECT_EQ(party.net().peer(1).life(), 0) << party.story();
+  EXPECT_EQ(party.judge().violation(), "");
+}
+
+TEST(Losing, AfterALongPauseAPeerIsBackWithinTwoSeconds) {
+  for (const int who : {0, 2}) {
+    Party party(4, "delay 50ms 10ms loss 1%", 29 + static_cast<std::uint64_t>(who));
+    party.run(6);
+    party.net().pause(who, true);
+    party.run(5);
+    const Tick before = party.node(1).now();
+    party.run(0.5);
+    EXPECT_GE(party.node(1).now() - before, 29) << "the others go on";
+    party.net().pause(who, false);
+    const auto took = party.run_until(10, [&] { return party.united(); });
+    ASSERT_TRUE(took.has_value()) << party.story();
+    EXPECT_LE(*took, 2.0) << party.story();
+    RecordProperty("back_after_s_" + std::to_string(who), std::to_string(*took));
+    party.run(4);
+    EXPECT_EQ(party.judge().violation(), "");
+    EXPECT_LT(party.lag(who), 120);
+  }
+}
+
+}  // namespace
+}  // namespace padr::test

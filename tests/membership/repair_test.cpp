@@ -1,0 +1,43 @@
+// A confirmed world that differs: must never happen, is found, told and mended; and the judge sees it, too.
+#include "tests/membership/party.h"
+
+namespace padr::test {
+namespace {
+
+lab::GatheringConfig with_fault(int person, std::uint64_t seed) {
+  lab::GatheringConfig c = party_config(3, "delay 40ms 5ms", seed);
+  c.fault = [person](int p) { return p == person ? sync::Fault{400, 5, {0.25F, 0}} : sync::Fault{}; };
+  return c;
+}
+
+TEST(Repair, ADifferenceIsToldByTickEntityAndFieldAndMended) {
+  Party party(with_fault(2, 41));
+  const auto found = party.run_until(20, [&] { return party.net().peer(2).life() > 0; });
+  ASSERT_TRUE(found.has_value()) << party.story();
+  const std::vector<std::string> notes = party.net().notes(2);
+  const auto told = [&](const std::string& what) {
+    return std::any_of(notes.begin(), notes.end(),
+                       [&](const std::string& n) { return n.find(what) != std::string::npos; });
+  };
+  EXPECT_TRUE(told("CONFIRMED WORLDS DIFFER from peer 0's at tick")) << party.story();
+  EXPECT_TRUE(told("in body 5's x (m): ")) << party.story();
+  party.run(6);
+  EXPECT_TRUE(party.united()) << party.story();
+  EXPECT_EQ(party.node(2).stats().hash_mismatches, 0U);
+  EXPECT_GT(party.node(2).stats().hash_checks, 0U);
+  EXPECT_NE(party.judge().violation(), "") << "the judge has seen it, too: it can fail";
+  for (int p = 1; p < 3; ++p)
+    EXPECT_EQ(node::first_difference(party.node(0).agreed().confirmed(), party.node(0).agreed().confirmed()), "");
+}
+
+TEST(Repair, ThePeerWithTheLowestNumberIsRight) {
+  Party party(with_fault(0, 42));
+  ASSERT_TRUE(
+      party.run_until(20, [&] { return party.net().peer(1).life() > 0 && party.net().peer(2).life() > 0; }).has_value())
+      << party.story();
+  EXPECT_EQ(party.net().peer(0).life(), 0);
+  ASSERT_TRUE(party.run_until(8, [&] { return party.united(); }).has_value()) << party.story();
+}
+
+}  // namespace
+}  // namespace padr::test

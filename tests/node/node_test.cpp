@@ -1,0 +1,134 @@
+#include "common/node/node.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <memory>
+
+#include "common/link/shim.h"
+#include "common/scenarios/scenarios.h"
+#include "tests/seed.h"
+
+namespace padr::node {
+namespace {
+
+/// Nodes on a network that the test can pull at.
+class Mesh {
+ public:
+  Mesh(int peers, const char* netem, std::uint64_t seed) : scene_(scenarios::load_embedded("arena", 1)) {
+    for (PeerId p = 0; p < peers; ++p) {
+      NodeConfig c;
+      c.self = p;
+      c.peers = c.slots = peers;
+      nodes_.push_back(std::make_unique<Node>(scene_, c));
+      shims_.emplace_back();
+      for (PeerId q = 0; q < peers; ++q)
+        shims_.back().push_back(std::make_unique<link::Shim>(link::parse_netem(netem), derive_seed(seed, p, q)));
+    }
+  }
+
+  void step(const std::vector<bool>& running) {
+    ++now_;
+    const Micros t = tick_start(now_);
+    for (PeerId p = 0; p < nodes_.size(); ++p)
+      for (PeerId q = 0; q < nodes_.size(); ++q)
+        while (auto datagram = shims_[p][q]->release(t))
+          if (running[q]) nodes_[q]->receive(*datagram, t);
+    for (PeerId p = 0; p < nodes_.size(); ++p) {
+      if (!running[p]) continue;
+      nodes_[p]->step({10.0F + 4.0F * static_cast<float>((now_ / 40 + p) % 3), 7.0F + static_cast<float>(p)});
+      for (const Outgoing& o : nodes_[p]->outgoing()) shims_[p][o.to]->accept(t, o.bytes);
+    }
+  }
+  Node& operator[](PeerId p) { return *nodes_[p]; }
+  Tick now() const { return now_; }
+
+ private:
+  Scene scene_;
+  std::vector<std::unique_ptr<Node>> nodes_;
+  std::vector<std::vector<std::unique_ptr<link::Shim>>> shims_;
+  Tick now_ = 0;
+};
+
+// Once, updates that a leaving peer had not yet heard were forgotten as soon as it was known to leave.
+TEST(Node, AllWhoLeaveAtOnceStillHearEverythingOfOneAnother) {
+  const std::uint64_t base = test::seed(1);
+  for (std::uint64_t seed = base; seed < base + 20; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    constexpr int kPeers = 4;
+    Mesh mesh(kPeers, "delay 100ms 50ms loss 10%", seed);
+    std::vector<bool> running(kPeers, true);
+    std::vector<Tick> ended(kPeers, -1);
+    for (Tick t = 0; t < 240; ++t) mesh.step(running);
+    for (PeerId p = 0; p < kPeers; ++p) mesh[p].leave();
+    const Tick left = mesh.now() + 1;
+    for (Tick t = 0; t < 1200 && running != std::vector<bool>(kPeers, false); ++t) {
+      mesh.step(running);
+      for (PeerId p = 0; p < kPeers; ++p) {
+        if (!running[p] || !mesh[p].delivered()) continue;
+        running[p] = false;
+        ended[p] = mesh.now();
+      }
+    }
+    for (PeerId p = 0; p < kPeers; ++p) {
+      EXPECT_GE(ended[p], left) << "peer " << int{p} << " never got through";
+      EXPECT_GT(mesh[p].agreed().confirmed().tick, left) << "peer " << int{p};
+      for (PeerId q = 0; q < kPeers; ++q) EXPECT_EQ(mesh[p].has_left(q), q != p) << int{p} << " of " << int{q};
+    }
+  }
+}
+
+TEST(Node, ALeaversAvatarGoesAndItsBodiesAreFree) {
+  Mesh mesh(2, "", 1);
+  std::vector<bool> running(2, true);
+  for (Tick t = 0; t < 300; ++t) mesh.step(running);
+  mesh[1].leave();
+  for (Tick t = 0; t < 30; ++t) mesh.step(running);
+  const sync::FoldState& s = mesh[0].agreed().confirmed();
+  EXPECT_FALSE(s.avatars[1].present);
+  for (const sync::Authority& a : s.authority) EXPECT_NE(a.holder(), 1);
+  EXPECT_TRUE(mesh[0].has_left(1));
+}
+
+TEST(Node, SurvivesGarbageAndItsOwnAndForeignDatagrams) {
+  Mesh mesh(2, "", 1);
+  std::vector<bool> running(2, true);
+  Rng rng(test::seed());
+  std::vector<wire::Bytes> heard;
+  for (Tick t = 0; t < 120; ++t) {
+    mesh.step(running);
+    for (const Outgoing& o : mesh[1].outgoing()) heard.push_back(o.bytes);
+  }
+  const std::uint64_t hash = mesh[0].live_hash();
+  for (int i = 0; i < 20000; ++i) {
+    wire::Bytes bytes = heard[rng.below(static_cast<std::uint32_t>(heard.size()))];
+    if (i % 3 == 0) bytes.resize(rng.below(static_cast<std::uint32_t>(bytes.size())));
+    if (i % 3 == 1) bytes[rng.below(static_cast<std::uint32_t>(bytes.size()))] ^= std::byte{1};
+    mesh[0].receive(bytes, tick_start(mesh.now()));  // every third whole: heard before
+  }
+  EXPECT_EQ(mesh[0].live_hash(), hash);
+  const NodeStats& stats = mesh[0].stats();
+  EXPECT_GT(stats.dropped[static_cast<std::size_t>(sync::DropReason::kDuplicate)], 5000U);
+  EXPECT_GT(stats.dropped[static_cast<std::size_t>(sync::DropReason::kSeal)], 10000U);
+  for (Tick t = 0; t < 120; ++t) mesh.step(running);
+  EXPECT_GT(mesh[0].agreed().confirmed().tick, 200);
+  EXPECT_EQ(stats.hash_mismatches, 0U);
+}
+
+TEST(Node, OneDatagramPerReceiverAndTickAtMostAndNoneTooLarge) {
+  Mesh mesh(3, "delay 80ms 30ms loss 20%", 4);
+  std::vector<bool> running(3, true);
+  for (Tick t = 0; t < 900; ++t) {
+    mesh.step(running);
+    for (PeerId p = 0; p < 3; ++p) {
+      std::vector<int> to(3, 0);
+      for (const Outgoing& o : mesh[p].outgoing()) {
+        EXPECT_LE(o.bytes.size(), wire::kMaxDatagram);
+        EXPECT_EQ(++to[o.to], 1);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace padr::node

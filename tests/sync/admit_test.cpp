@@ -1,0 +1,91 @@
+#include "common/sync/admit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "tests/world/test_scene.h"
+
+namespace padr::sync {
+namespace {
+
+StatePacket good() {
+  StatePacket p;
+  p.seq = 1;
+  p.mark_tick = 100;
+  p.mark_count = 2;
+  Bundle b;
+  b.index = 0;
+  b.tick = 90;
+  b.avatar = AvatarUpdate{};
+  b.avatar->position = {5, 4};
+  BodyUpdate u;
+  u.body = 3;
+  u.has_state = true;
+  u.epoch = 1;
+  u.claimed = 80;
+  u.state.position = {2, 2};
+  b.bodies.push_back(u);
+  p.updates.push_back(b);
+  b.index = 1;
+  b.tick = 95;
+  p.updates.push_back(b);
+  return p;
+}
+
+struct Row {
+  const char* what;
+  DropReason why;
+  std::function<void(StatePacket&)> spoil;
+};
+
+TEST(Admit, Table) {
+  const Scene scene = test::busy_scene(1, 10);
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  const auto state = [](StatePacket& p) -> BodyState& { return p.updates[0].bodies[0].state; };
+  const std::vector<Row> rows{
+      {"nothing wrong", DropReason::kNone, [](StatePacket&) {}},
+      {"two seconds ahead", DropReason::kNone, [](StatePacket& p) { p.mark_tick = 220; }},
+      {"more than that", DropReason::kTick, [](StatePacket& p) { p.mark_tick = 221; }},
+      {"ticks against numbers", DropReason::kOrder, [](StatePacket& p) { p.updates[1].tick = 90; }},
+      {"numbers twice", DropReason::kOrder, [](StatePacket& p) { p.updates[1].index = 0; }},
+      {"number beyond the mark", DropReason::kOrder, [](StatePacket& p) { p.mark_count = 1; }},
+      {"last body", DropReason::kNone, [](StatePacket& p) { p.updates[0].bodies[0].body = 9; }},
+      {"no such body", DropReason::kEntity, [](StatePacket& p) { p.updates[0].bodies[0].body = 10; }},
+      {"NaN position", DropReason::kValue, [&](StatePacket& p) { state(p).position.x = kNan; }},
+      {"infinite velocity", DropReason::kValue, [&](StatePacket& p) { state(p).velocity.y = kInf; }},
+      {"NaN angle", DropReason::kValue, [&](StatePacket& p) { state(p).angle = kNan; }},
+      {"far outside", DropReason::kValue, [&](StatePacket& p) { state(p).position.x = 31; }},
+      {"within the margin", DropReason::kNone, [&](StatePacket& p) { state(p).position.x = 29; }},
+      {"as fast as physics lets anything be, and its rounding", DropReason::kNone,
+       [&](StatePacket& p) {
+         state(p).velocity = {120.0001F, 0};
+       }},
+      {"too fast", DropReason::kValue,
+       [&](StatePacket& p) {
+         state(p).velocity = {121.1F, 0};
+       }},
+      {"spinning too fast", DropReason::kValue, [&](StatePacket& p) { state(p).spin = -96; }},
+      {"epoch 0", DropReason::kValue, [](StatePacket& p) { p.updates[0].bodies[0].epoch = 0; }},
+      {"epoch at the maximum", DropReason::kValue, [](StatePacket& p) { p.updates[0].bodies[0].epoch = 0xFFFFFFFFU; }},
+      {"claimed in the future", DropReason::kValue, [](StatePacket& p) { p.updates[0].bodies[0].claimed = 91; }},
+      {"avatar NaN", DropReason::kValue, [](StatePacket& p) { p.updates[1].avatar->velocity.x = kNan; }},
+      {"target infinite", DropReason::kValue, [](StatePacket& p) { p.updates[1].avatar->control.x = kInf; }},
+      {"at rest but moving", DropReason::kValue,
+       [](StatePacket& p) {
+         p.updates[1].avatar->awake = false;
+         p.updates[1].avatar->velocity.x = 1;
+       }},
+  };
+  for (const Row& r : rows) {
+    StatePacket p = good();
+    r.spoil(p);
+    EXPECT_EQ(admit(p, scene, 4, 100), r.why) << r.what;
+  }
+}
+
+}  // namespace
+}  // namespace padr::sync

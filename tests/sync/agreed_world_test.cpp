@@ -1,0 +1,162 @@
+#include "common/sync/agreed_world.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "tests/seed.h"
+#include "tests/world/test_scene.h"
+
+namespace padr::sync {
+namespace {
+
+constexpr int kPeers = 3;
+constexpr Tick kTicks = 400;
+
+/// A made-up log: avatars that jump about, claims that contend, holds that come and go.
+std::vector<Bundle> random_log(std::uint64_t seed, int bodies) {
+  Rng rng(seed);
+  const auto coordinate = [&rng](double hi) { return static_cast<float>(rng.uniform(0.5, hi)); };
+  std::vector<Bundle> log;
+  for (PeerId p = 0; p < kPeers; ++p) {
+    std::uint32_t index = 0;
+    for (Tick t = 1 + p; t < kTicks; t += 3 + static_cast<Tick>(rng.below(25))) {
+      Bundle b;
+      b.peer = p;
+      b.index = index++;
+      b.tick = t;
+      if (rng.chance(0.8)) {
+        AvatarUpdate a;
+        a.model = static_cast<Model>(rng.below(4));
+        a.position = {coordinate(9.5), coordinate(7.5)};
+        a.velocity = {coordinate(3), -coordinate(3)};
+        a.control = {coordinate(9.5), coordinate(7.5)};
+        b.avatar = a;
+      }
+      for (EntityId body = 0; body < bodies; ++body) {
+        if (!rng.chance(0.12)) continue;
+        BodyUpdate u;
+        u.body = body;
+        u.held = rng.chance(0.5);
+        u.has_state = rng.chance(0.8);
+        u.epoch = 1 + rng.below(4);
+        u.claimed = t - static_cast<Tick>(rng.below(static_cast<std::uint32_t>(std::min(t, 3)) + 1));
+        u.release = rng.chance(0.1);
+        u.state.position = {coordinate(9.5), coordinate(7.5)};
+        u.state.velocity = {coordinate(4), -coordinate(4)};
+        b.bodies.push_back(u);
+      }
+      log.push_back(b);
+    }
+  }
+  return log;
+}
+
+struct Heard {
+  std::vector<std::uint64_t> hashes;
+  std::vector<Tick> ticks;
+};
+
+/// Plays the log into one AgreedWorld, every bundle `delay` ticks late as drawn from `seed`, and returns what it
+/// confirmed.
+Heard play(const Scene& scene, const std::vector<Bundle>& log, bool replay, std::uint64_t seed, Tick longest_delay) {
+  Heard heard;
+  AgreedWorld world(scene, {kPeers, kPeers, 0, true, replay, {}}, [&heard](const FoldState& s, std::uint64_t hash) {
+    heard.hashes.push_back(hash);
+    heard.ticks.push_back(s.tick);
+  });
+  Rng rng(seed);
+  std::vector<std::pair<Tick, const Bundle*>> arrivals;
+  for (const Bundle& b : log) {
+    const Tick delay = b.peer == 0 ? 0 : static_cast<Tick>(rng.below(static_cast<std::uint32_t>(longest_delay) + 1));
+    arrivals.emplace_back(b.tick + delay, &b);
+  }
+  std::vector<std::uint32_t> counts(kPeers, 0);
+  for (Tick t = 1; t < kTicks + longest_delay + 2; ++t) {
+    world.step();
+    for (const auto& [at, b] : arrivals)
+      if (at == t) world.insert(*b);
+    for (PeerId p = 1; p < kPeers; ++p) {  // a mark of 8 ticks ago, as if it came over the link
+      const Tick marked = t - 8;
+      const auto count =
+          std::count_if(log.begin(), log.end(), [&](const Bundle& b) { return b.peer == p && b.tick <= marked; });
+      if (marked >= 0) world.mark(p, marked, static_cast<std::uint32_t>(count));
+    }
+    world.catch_up();
+    world.confirm();
+  }
+  return heard;
+}
+
+TEST(AgreedWorld, ConfirmedIsTheSameWhateverTheOrderOfArrival) {
+  const std::uint64_t seed = test::seed();
+  for (std::uint64_t round = 0; round < 6; ++round) {
+    const Scene scene = test::busy_scene(seed + round, 30);
+    const auto log = random_log(derive_seed(seed, round), 30);
+    const Heard punctual = play(scene, log, true, 1, 0);
+    const Heard late = play(scene, log, true, 2, 40);
+    const Heard very_late = play(scene, log, true, 3, 150);
+    const Heard follower = play(scene, log, false, 4, 90);  // only ever stepped forward
+    const std::size_t n =
+        std::min({punctual.hashes.size(), late.hashes.size(), follower.hashes.size(), very_late.hashes.size()});
+    ASSERT_GT(n, 350U);
+    for (std::size_t i = 0; i < n; ++i) {
+      ASSERT_EQ(punctual.ticks[i], static_cast<Tick>(i));
+      ASSERT_EQ(late.hashes[i], punctual.hashes[i]) << "tick " << i;
+      ASSERT_EQ(very_late.hashes[i], punctual.hashes[i]) << "tick " << i;
+      ASSERT_EQ(follower.hashes[i], punctual.hashes[i]) << "tick " << i;
+    }
+  }
+}
+
+// Longer than states are kept for: confirmed is then folded anew, with the same result.
+TEST(AgreedWorld, AStallBeyondWhatIsKeptChangesNothing) {
+  const Scene scene = test::busy_scene(5, 20);
+  std::vector<std::vector<std::uint64_t>> hashes(2);
+  for (std::size_t variant = 0; variant < 2; ++variant) {
+    AgreedWorld world(scene, {2, 2, 0, true, true, {}},
+                      [&](const FoldState&, std::uint64_t hash) { hashes[variant].push_back(hash); });
+    Bundle late;
+    late.peer = 1;
+    late.tick = 20;
+    late.avatar = AvatarUpdate{};
+    late.avatar->position = {5, 4};
+    late.avatar->velocity = {1, 0};
+    for (Tick t = 1; t <= 1500; ++t) {
+      world.step();
+      const bool stalled = variant == 1 && t < 1400;
+      if (!stalled) {
+        if (t >= 20) world.insert(late);
+        world.mark(1, t, t >= 20 ? 1 : 0);
+      }
+      world.catch_up();
+      world.confirm();
+    }
+  }
+  ASSERT_EQ(hashes[0].size(), hashes[1].size());
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST(AgreedWorld, ALateUpdateMakesPredictedWhatItWouldHaveBeen) {
+  const Scene scene = test::busy_scene(8, 25);
+  AgreedWorld punctual(scene, {2, 2, 0, true, true, {}}, {});
+  AgreedWorld late(scene, {2, 2, 0, true, true, {}}, {});
+  Bundle b;
+  b.peer = 1;
+  b.tick = 30;
+  b.avatar = AvatarUpdate{Cause::kThreshold, {3, 3}, {2, 1}, true, Model::kInput, {8, 6}};
+  for (Tick t = 1; t <= 60; ++t) {
+    for (AgreedWorld* w : {&punctual, &late}) {
+      w->step();
+      if (t == (w == &punctual ? 30 : 55)) w->insert(b);
+      w->catch_up();
+    }
+    const bool same = hash_of(punctual.predicted_state()) == hash_of(late.predicted_state());
+    EXPECT_EQ(same, t < 30 || t >= 55) << "tick " << t;
+  }
+  EXPECT_EQ(late.replayed_steps(), 25U);
+}
+
+}  // namespace
+}  // namespace padr::sync

@@ -1,0 +1,185 @@
+#include "common/sync/delivery.h"
+
+#include <gtest/gtest.h>
+
+namespace padr::sync {
+namespace {
+
+std::size_t forty(const Bundle&) {
+  return 40;
+}
+
+/// One link to script: what we have said so far and when.
+struct Script {
+  OutLink link;
+  std::deque<Bundle> own;
+  void update(Tick t) {
+    Bundle b;
+    b.index = static_cast<std::uint32_t>(own.size());
+    b.tick = t;
+    own.push_back(b);
+  }
+  std::optional<StatePacket> at(Tick t, bool gap = false, std::size_t room = 1000) {
+    return link.compose({t, 0, 0, gap}, own, 0, forty, room);
+  }
+  void loses(std::uint32_t per_cent) {
+    StatePacket p;
+    p.seq = 1;
+    p.loss = per_cent;
+    link.on_packet(p, 0);
+  }
+  void hear(Tick t, std::uint32_t seq, std::uint32_t have, std::uint32_t seen, std::uint32_t age = 0,
+            std::uint32_t beyond = 0) {
+    StatePacket p;
+    p.seq = seq + 1;
+    p.updates.resize(1);  // marks alone tell of loss
+    p.have = have;
+    p.seen_seq = seen;
+    p.seen_age = age;
+    p.have_beyond = beyond;
+    link.on_packet(p, t);
+  }
+};
+
+TEST(Delivery, NothingToSayIsAMarkFourTimesASecond) {
+  Script s;
+  ASSERT_TRUE(s.at(0));
+  for (Tick t = 1; t < 15; ++t) EXPECT_FALSE(s.at(t)) << t;
+  const auto mark = s.at(15);
+  ASSERT_TRUE(mark);
+  EXPECT_TRUE(mark->updates.empty());
+  EXPECT_EQ(mark->mark_tick, 15);
+  EXPECT_EQ(mark->seq, 2U);
+}
+
+TEST(Delivery, OnACalmLinkThreeMarksInFourCanBeSaved) {
+  Script s;
+  const auto calm = [&s](Tick t) { return s.link.compose({t, 0, 0, false, true}, s.own, 0, forty, 1000).has_value(); };
+  ASSERT_TRUE(calm(0));
+  for (Tick t = 1; t < 45; ++t) EXPECT_FALSE(calm(t)) << t;
+  EXPECT_TRUE(calm(45));
+  s.loses(2);
+  EXPECT_FALSE(calm(59));
+  EXPECT_TRUE(calm(60)) << "what the other end has heard to be lost ends the calm";
+}
+
+TEST(Delivery, OnAVeryLossyLinkTheSecondCopyGoesAlone) {
+  Script s;
+  s.loses(15);
+  s.at(0);
+  s.update(2);
+  ASSERT_TRUE(s.at(2));
+  EXPECT_FALSE(s.at(3));
+  EXPECT_FALSE(s.at(4));
+  const auto copy = s.at(5);
+  ASSERT_TRUE(copy);
+  EXPECT_EQ(copy->updates.size(), 1U);
+  for (Tick t = 6; t < 15; ++t) EXPECT_FALSE(s.at(t)) << t;
+  EXPECT_EQ(s.link.repeats(), 1U);
+}
+
+TEST(Delivery, OnALossyLinkAnUpdateGoesAgainWithWhateverGoesNext) {
+  Script s;
+  s.loses(10);
+  s.at(0);
+  s.update(3);
+  const auto first = s.at(3);
+  ASSERT_TRUE(first);
+  ASSERT_EQ(first->updates.size(), 1U);
+  EXPECT_EQ(first->mark_count, 1U);
+  for (Tick t = 4; t < 10; ++t) EXPECT_FALSE(s.at(t)) << t;
+  s.update(10);
+  const auto second = s.at(10);
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->updates.size(), 2U) << "the unacknowledged one goes along once";
+  s.update(13);
+  ASSERT_EQ(s.at(13)->updates.size(), 2U) << "but not twice";
+}
+
+TEST(Delivery, WhatIsAcknowledgedIsNotRepeated) {
+  Script s;
+  s.update(1);
+  ASSERT_TRUE(s.at(1));
+  s.hear(5, 1, 1, 1);
+  EXPECT_EQ(s.link.acked(), 1U);
+  s.update(6);
+  EXPECT_EQ(s.at(6)->updates.size(), 1U);
+  EXPECT_EQ(s.link.repeats(), 0U);
+}
+
+TEST(Delivery, WhereNothingGetsLostNothingGoesTwice) {
+  Script s;
+  s.loses(1);
+  s.at(0);
+  for (Tick t = 1; t < 12; t += 3) {
+    s.update(t);
+    EXPECT_EQ(s.at(t)->updates.size(), 1U) << t;
+  }
+}
+
+TEST(Delivery, ALossThatShowsIsRepairedAtOnce) {
+  Script s;
+  s.loses(10);
+  s.hear(0, 1, 0, 0);
+  for (Tick t = 0; t < 60; t += 15) s.at(t);  // marks
+  for (Tick t = 1; t <= 4; ++t)
+    s.hear(t * 15 - 14, 1 + static_cast<std::uint32_t>(t), 0, static_cast<std::uint32_t>(t));
+  s.update(60);
+  ASSERT_TRUE(s.at(60));  // seq 5, lost
+  s.update(62);
+  ASSERT_EQ(s.at(62)->updates.size(), 2U);  // seq 6, lost too
+  s.update(64);
+  ASSERT_EQ(s.at(64)->updates.size(), 2U);  // seq 7 arrives, with the newest and the echo of the one before
+  EXPECT_FALSE(s.at(65));
+  s.hear(66, 9, 0, 7, 0, 3);
+  const auto repair = s.at(66);
+  ASSERT_TRUE(repair);
+  ASSERT_EQ(repair->updates.size(), 1U);
+  EXPECT_EQ(repair->updates[0].index, 0U);
+}
+
+TEST(Delivery, AMissingUpdateIsAskedForAfterShortPatience) {
+  Script s;
+  s.at(0);
+  EXPECT_FALSE(s.at(1, true));
+  EXPECT_FALSE(s.at(2, true));
+  EXPECT_FALSE(s.at(3, true));
+  EXPECT_TRUE(s.at(4, true));
+  EXPECT_FALSE(s.at(5, true));
+}
+
+TEST(Delivery, WhatDoesNotFitGoesNextNewestFirst) {
+  Script s;
+  for (Tick t = 0; t < 5; ++t) s.update(t);
+  const auto first = s.at(5, false, 100);
+  ASSERT_EQ(first->updates.size(), 2U);
+  EXPECT_EQ(first->updates[0].index, 3U);
+  EXPECT_EQ(first->updates[1].index, 4U);
+  const auto second = s.at(6, false, 100);
+  ASSERT_EQ(second->updates.size(), 2U);
+  EXPECT_EQ(second->updates[0].index, 1U);
+}
+
+TEST(Delivery, RoundTripLeavesTheOtherSidesWaitOut) {
+  Script s;
+  for (Tick t = 0; t < 60 * 20; ++t) {
+    if (!s.at(t)) continue;
+    const std::uint32_t seq = s.link.sent();
+    s.hear(t + 12, seq, 0, seq, 5);
+  }
+  EXPECT_NEAR(s.link.round_trip(), 7, 0.5);
+}
+
+TEST(Delivery, NonsenseAcknowledgementsAreHarmless) {
+  Script s;
+  s.update(1);
+  s.at(1);
+  s.hear(2, 4000000000U, 4000000000U, 4000000000U, 4000000000U);
+  s.update(3);
+  s.at(3);
+  s.hear(4, 1, 0, 0);
+  SUCCEED();
+}
+
+}  // namespace
+}  // namespace padr::sync

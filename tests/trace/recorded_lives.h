@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/scenarios/scenarios.h"
+#include "tools/lab/chaos/gathering.h"
+
+namespace padr::test {
+
+/// A session that people join late, vanish from, are cut off from and come back to, on virtual time, with the trace of
+/// each person's every life.
+struct RecordedLives {
+  using Key = std::pair<int, int>;  ///< person, life
+  std::map<Key, std::vector<std::byte>> traces;
+
+  /// Persons 0, 1 and 2 begin together; 3 comes late, 1 is killed; 2 and 4 are cut off and come back; the founder
+  /// leaves.
+  explicit RecordedLives(std::uint64_t seed) {
+    lab::Gathering g(config(seed));
+    const auto run = [&g](double s) { g.run_to(g.now() + static_cast<Micros>(s * 1e6)); };
+    g.start({});
+    g.start(0);
+    g.start(0);
+    run(5);
+    g.start(2);
+    run(3);
+    g.kill(1);
+    g.start(0);
+    run(7);
+    g.divide({{2, 1}});
+    run(7);
+    g.divide({});
+    run(5);
+    g.leave(0);
+    run(5);
+    g.finish();
+  }
+
+  std::string label(Key k) const {
+    return "person" + std::to_string(k.first) + (k.second == 0 ? "" : "." + std::to_string(k.second + 1)) + ".trace";
+  }
+
+ private:
+  lab::GatheringConfig config(std::uint64_t seed) {
+    lab::GatheringConfig c;
+    c.scene = scenarios::load_embedded("arena", seed);
+    c.technique = technique_by_name("full");
+    c.netem = link::parse_netem("delay 40ms 15ms loss 3%");
+    c.seed = seed;
+    c.slots = 6;
+    c.wanted = 3;
+    c.recording = [this, seed](int person, int life) -> std::optional<node::RecordedNode::Recording> {
+      trace::Provenance from;
+      from.scenario = "arena";
+      from.scenario_text = std::string(scenarios::embedded_text("arena"));
+      from.scenario_seed = seed;
+      from.start_unix_us = 1 + person;
+      std::vector<std::byte>& into = traces[{person, life}];
+      into.clear();
+      return node::RecordedNode::Recording{
+          from, [&into](std::span<const std::byte> b) { into.insert(into.end(), b.begin(), b.end()); }};
+    };
+    return c;
+  }
+};
+
+}  // namespace padr::test

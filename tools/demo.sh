@@ -1,0 +1,219 @@
+#!/usr/bin/env bash
+# Several real peer processes on this machine, playing in one world over UDP through a bad network, and a report of how
+# consistent they were and what it cost.
+set -euo pipefail
+
+usage() {
+  cat <<'TEXT'
+usage: tools/demo.sh [options]
+
+Installs missing packages, builds the programs, runs N peers against one another, prints the report.
+
+  --peers N         number of peers, 2 to 32                 (default 4)
+  --duration S      seconds to play, 1 to 3600               (default 30)
+  --scenario NAME   arena, clutter, ball, dominoes, van, proxy, pitch, or a scenario file   (default arena)
+  --netem SPEC      impairment of every directed link, in the grammar of tc-netem; "" for none
+                    (default "delay 100ms 50ms loss 10%")
+  --technique NAME  avatar-only, fixed, adaptive or full     (default full)
+  --seed N          seed of the scenario, the inputs and the network   (default 1)
+  --out DIR         where traces, logs, plots and tables go  (default out/demo)
+  --help            this text
+
+PADR_JOBS=N in the environment bounds the parallel build jobs.
+
+Exit status: 0 when every peer ended well and all confirmed worlds were identical; 1 otherwise; 2 for wrong arguments.
+TEXT
+}
+
+fail_usage() { echo "demo.sh: $1 (see --help)" >&2; exit 2; }
+
+peers=4
+duration=30
+scenario=arena
+netem='delay 100ms 50ms loss 10%'
+technique=full
+seed=1
+out=out/demo
+while (($# > 0)); do
+  case $1 in
+    --help | -h) usage; exit 0 ;;
+    --peers=* | --duration=* | --scenario=* | --netem=* | --technique=* | --seed=* | --out=*)
+      set -- "${1%%=*}" "${1#*=}" "${@:2}"
+      continue ;;
+    --peers | --duration | --scenario | --netem | --technique | --seed | --out)
+      if (($# < 2)); then fail_usage "$1 needs a value"; fi
+      case $1 in
+        --peers) peers=$2 ;;
+        --duration) duration=$2 ;;
+        --scenario) scenario=$2 ;;
+        --netem) netem=$2 ;;
+        --technique) technique=$2 ;;
+        --seed) seed=$2 ;;
+        --out) out=$2 ;;
+      esac
+      shift 2 ;;
+    *) fail_usage "unknown argument '$1'" ;;
+  esac
+done
+
+# At most nine digits: the shell's arithmetic shall never overflow, and 10# keeps a leading zero from meaning octal.
+check_number() { # FLAG VALUE LOWEST HIGHEST
+  if ! [[ $2 =~ ^[0-9]{1,9}$ ]] || ((10#$2 < $3 || 10#$2 > $4)); then
+    fail_usage "$1 '$2': must be a whole number from $3 to $4"
+  fi
+}
+check_number --peers "$peers" 2 32
+check_number --duration "$duration" 1 3600
+check_number --seed "$seed" 0 999999999
+peers=$((10#$peers)) duration=$((10#$duration)) seed=$((10#$seed))
+case $technique in
+  avatar-only | fixed | adaptive | full) ;;
+  *) fail_usage "--technique '$technique': must be avatar-only, fixed, adaptive or full" ;;
+esac
+if [[ -z $scenario ]]; then fail_usage "--scenario must not be empty"; fi
+if [[ -z $out ]]; then fail_usage "--out must not be empty"; fi
+if [[ -e $scenario ]]; then scenario=$(realpath -- "$scenario"); fi
+out=$(realpath -m -- "$out")
+if [[ -e $out && ! -d $out ]]; then fail_usage "--out '$out' is no directory"; fi
+
+cd "$(dirname "$0")/.."
+jobs=${PADR_JOBS:-$(nproc)}
+if ! [[ $jobs =~ ^[1-9][0-9]*$ ]]; then fail_usage "PADR_JOBS is '$jobs', must be a number from 1"; fi
+if [[ $out == "$PWD"/* ]]; then shown=${out#"$PWD"/}; else shown=$out; fi
+
+# --- set up and build: the same build folder and objects as tools/test.sh; tests only if they were asked for before.
+tools/deps.sh build run
+mkdir -p "$out"
+without_tests=()
+if [[ ! -e build/release/CMakeCache.txt ]]; then without_tests=(-DPADR_TESTS=OFF); fi
+echo "== configuring build/release"
+if ! cmake --preset release "${without_tests[@]}" >"$out/build.log" 2>&1; then
+  cat "$out/build.log" >&2
+  exit 1
+fi
+echo "== building"
+cmake --build build/release --parallel "$jobs" --target padr-peer padr-report
+bin=$PWD/build/release/bin
+
+# --- run
+rm -f "$out"/peer*.trace "$out"/peer*.json "$out"/peer*.log "$out"/report.json
+rm -f "$out"/plots/*.svg "$out"/plots/*.png "$out"/csv/*.csv
+
+# A UDP port that no socket of this machine has, from the range below the one that the system hands out by itself.
+free_port() {
+  local port hex tries
+  for ((tries = 0; tries < 100; ++tries)); do
+    port=$((20000 + RANDOM % 12000))
+    printf -v hex ':%04X ' "$port"
+    if ! cat /proc/net/udp /proc/net/udp6 2>/dev/null | awk '{ print $2 " " }' | grep -F -- "$hex" >/dev/null; then
+      echo "$port"
+      return
+    fi
+  done
+  echo "demo.sh: found no free UDP port" >&2
+  return 1
+}
+
+pids=()
+alive() { kill -0 "$1" 2>/dev/null; }
+stop_peers() {
+  local pid tries
+  for pid in "${pids[@]}"; do kill -TERM "$pid" 2>/dev/null || true; done
+  for ((tries = 0; tries < 30; ++tries)); do
+    for pid in "${pids[@]}"; do
+      if alive "$pid"; then sleep 0.1; continue 2; fi
+    done
+    break
+  done
+  for pid in "${pids[@]}"; do kill -KILL "$pid" 2>/dev/null || true; done
+  wait 2>/dev/null || true
+  pids=()
+}
+trap stop_peers EXIT
+trap 'printf "\ndemo.sh: stopped; logs: %s\n" "$shown/peer*.log" >&2; exit 130' INT
+trap 'exit 143' TERM
+
+port=$(free_port)
+start_peer() { # INDEX
+  local role=(--join "127.0.0.1:$port") shaped=()
+  if (($1 == 0)); then role=(--listen "127.0.0.1:$port" --wait-peers "$peers"); fi
+  if [[ -n $netem ]]; then shaped=(--netem "$netem" --netem-seed "$((seed * 100 + $1))"); fi
+  "$bin/padr-peer" "${role[@]}" --scenario "$scenario" --seed "$seed" --technique "$technique" "${shaped[@]}" \
+    --input "wander:$((seed * 100 + $1))" --duration "$duration" \
+    --trace "$out/peer$1.trace" --json "$out/peer$1.json" >"$out/peer$1.log" 2>&1 </dev/null &
+  pids+=($!)
+}
+
+echo "== $peers peers play '$scenario' by '$technique' for $duration s, network: ${netem:-unimpaired}"
+for ((i = 0; i < peers; ++i)); do start_peer "$i"; done
+
+# Joining through a bad network and draining the last updates take their time; past that a peer hangs.
+limit=$((duration + 30))
+started=$SECONDS
+shown_at=-5
+while :; do
+  running=0
+  for pid in "${pids[@]}"; do if alive "$pid"; then running=$((running + 1)); fi; done
+  elapsed=$((SECONDS - started))
+  if ((running == 0 || elapsed >= limit)); then break; fi
+  # A peer that gave up early will not come back: no need to sit out the rest.
+  if ((running < peers && elapsed < duration / 2)); then break; fi
+  line="  $elapsed/$duration s, $running of $peers peers running"
+  if [[ -t 1 ]]; then
+    status=$(tail -n 1 "$out/peer0.log" | tr -d '\r')
+    line="$line | $status"
+    width=$(tput cols 2>/dev/null || echo 80)
+    printf '\r\033[K%s' "${line:0:width-1}"
+  elif ((elapsed >= shown_at + 5)); then
+    echo "$line"
+    shown_at=$elapsed
+  fi
+  sleep 0.5
+done
+if [[ -t 1 ]]; then printf '\r\033[K'; fi
+
+# --- judge
+failed=()
+worst=0
+for ((i = 0; i < peers; ++i)); do
+  if alive "${pids[i]}"; then
+    if ((elapsed >= limit)); then
+      failed+=("peer $i was still running after $limit s: $shown/peer$i.log")
+      worst=1
+    fi
+    continue
+  fi
+  status=0
+  wait "${pids[i]}" || status=$?
+  if ((status == 0 && elapsed < duration / 2)); then
+    failed+=("peer $i ended after $elapsed of $duration s: $shown/peer$i.log")
+    worst=1
+  elif ((status != 0)); then
+    failed+=("peer $i exited with status $status: $shown/peer$i.log")
+    # The first ones tell the story.
+    if ((${#failed[@]} <= 3)); then tail -n 5 "$out/peer$i.log" | sed "s/^/  peer $i: /" >&2; fi
+    if ((status > worst)); then worst=$status; fi
+  fi
+done
+stop_peers
+if ((${#failed[@]} > 0)); then
+  printf 'demo.sh: %s\n' "${failed[@]}" >&2
+  # What only the programs can judge (scenario, netem) is a wrong argument of ours as well.
+  if ((worst == 2)); then exit 2; fi
+  exit 1
+fi
+
+traces=()
+for ((i = 0; i < peers; ++i)); do traces+=("$out/peer$i.trace"); done
+echo "== report"
+verdict=0
+"$bin/padr-report" "${traces[@]}" --plots "$out/plots" --csv "$out/csv" --json "$out/report.json" || verdict=$?
+echo
+echo "plots:  $shown/plots"
+echo "tables: $shown/csv, $shown/report.json"
+echo "traces: $shown/peer*.trace"
+case $verdict in
+  0) echo "All confirmed worlds were identical." ;;
+  1) echo "CONFIRMED WORLDS DIFFERED; logs: $shown/peer*.log"; exit 1 ;;
+  *) echo "demo.sh: padr-report failed with status $verdict; traces and logs: $shown" >&2; exit 1 ;;
+esac

@@ -1,0 +1,168 @@
+#!/usr/bin/env bash
+# Installs the Debian packages this project needs, and only those that are missing. A second run does nothing.
+set -euo pipefail
+
+usage() {
+  cat <<'TEXT'
+usage: tools/deps.sh [--list] [GROUP...]
+
+Installs what is missing of the Debian packages of the named groups (default: build run test).
+
+  build   compiler, CMake, Ninja and the libraries the programs are built on
+  run     what the programs call at run time: gnuplot for plots, rsvg-convert for film strips
+  test    GoogleTest, Google Benchmark, RapidCheck, Python
+  check   formatting, linting, clang builds, fuzzing, the clean-clone check
+  all     every group
+
+  --list  print the packages of the groups and whether each is installed; install nothing
+  --help  this text
+
+Uses apt-get, through sudo when you are not root. On other systems it names the packages and goes on.
+TEXT
+}
+
+# A word is a package, or alternatives in order of preference. '@' stands for the newest version number that the
+# system offers: clang-14 is Debian 12's, later releases carry others.
+packages_of() {
+  case $1 in
+    build) echo g++ cmake ninja-build ccache pkg-config libbox2d-dev libboost-dev protobuf-compiler \
+      libprotobuf-dev libspdlog-dev libcli11-dev ;;
+    run) echo 'gnuplot-nox|gnuplot-qt|gnuplot-x11' librsvg2-bin ;;
+    test) echo libgtest-dev libbenchmark-dev librapidcheck-dev python3 ;;
+    check) echo 'clang-14|clang-@' 'clang-format-14|clang-format-@' 'clang-tidy-14|clang-tidy-@' \
+      'libclang-rt-14-dev|libclang-rt-@-dev' git shellcheck ;;
+  esac
+}
+
+installed() { # PACKAGE
+  [[ $(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null) == installed ]]
+}
+
+# Prints the newest package name, installed (known to dpkg) or available (known to apt), that matches a '@' pattern.
+newest() { # PATTERN dpkg|apt
+  local regex="^${1/@/[0-9]+}\$"
+  { if [[ $2 == dpkg ]]; then
+      dpkg-query -W -f '${db:Status-Status} ${Package}\n' | sed -n 's/^installed //p'
+    else
+      apt-cache pkgnames "${1%%@*}"
+    fi
+  } | grep -E "${regex//+/\\+}" | sort -V | tail -n 1 || true
+}
+
+# Prints the alternative of a word that is installed; nothing when none is.
+installed_alternative() { # WORD
+  local one
+  for one in ${1//|/ }; do
+    if [[ $one == *@* ]]; then one=$(newest "$one" dpkg); fi
+    if [[ -n $one ]] && installed "$one"; then echo "$one"; return; fi
+  done
+}
+
+# Prints the first alternative of a word that apt could install; nothing when there is none.
+available_alternative() { # WORD
+  local one
+  for one in ${1//|/ }; do
+    if [[ $one == *@* ]]; then one=$(newest "$one" apt); fi
+    if [[ -n $one && $(apt-cache policy "$one" 2>/dev/null) =~ Candidate:\ [^\(] ]]; then echo "$one"; return; fi
+  done
+}
+
+list=no
+groups=()
+for arg in "$@"; do
+  case $arg in
+    --help | -h) usage; exit 0 ;;
+    --list) list=yes ;;
+    build | run | test | check) groups+=("$arg") ;;
+    all) groups+=(build run test check) ;;
+    *) echo "deps.sh: unknown argument '$arg' (groups: build run test check all; see --help)" >&2; exit 2 ;;
+  esac
+done
+if ((${#groups[@]} == 0)); then groups=(build run test); fi
+
+if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+  echo "deps.sh: this is no Debian-like system; make sure that what these packages hold is installed:" >&2
+  for group in "${groups[@]}"; do echo "  $group: $(packages_of "$group")" >&2; done
+  exit 0
+fi
+
+words=()
+for group in "${groups[@]}"; do
+  for word in $(packages_of "$group"); do words+=("$group:$word"); done
+done
+
+if [[ $list == yes ]]; then
+  for entry in "${words[@]}"; do
+    have=$(installed_alternative "${entry#*:}")
+    printf '%-6s %-36s %s\n' "${entry%%:*}" "${entry#*:}" "${have:+installed: $have}"
+  done
+  exit 0
+fi
+
+missing=()
+for entry in "${words[@]}"; do
+  if [[ -z $(installed_alternative "${entry#*:}") ]]; then missing+=("$entry"); fi
+done
+if ((${#missing[@]} == 0)); then exit 0; fi
+
+as_root=()
+if ((EUID != 0)); then
+  if ! command -v sudo >/dev/null; then
+    echo "deps.sh: missing: ${missing[*]#*:}" >&2
+    echo "deps.sh: not root and no sudo here; as root, run: tools/deps.sh ${groups[*]}" >&2
+    exit 1
+  fi
+  as_root=(sudo)
+fi
+export DEBIAN_FRONTEND=noninteractive
+apt_get() {
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300 "$@" </dev/null
+}
+
+updated=no
+update_lists() {
+  echo "deps.sh: updating the package lists"
+  apt_get update
+  updated=yes
+}
+
+# Sets `wanted` to what apt shall install for the missing words and `unknown` to the words it has nothing for.
+resolve() {
+  local entry name
+  wanted=()
+  unknown=()
+  for entry in "${missing[@]}"; do
+    name=$(available_alternative "${entry#*:}")
+    if [[ -n $name ]]; then wanted+=("$name"); else unknown+=("$entry"); fi
+  done
+}
+
+resolve
+if ((${#unknown[@]} > 0)); then
+  update_lists
+  resolve
+fi
+
+needed=no
+for entry in "${unknown[@]}"; do
+  if [[ ${entry%%:*} == check ]]; then
+    echo "deps.sh: no package ${entry#*:} on this system: skipped, the checks that use it are skipped too" >&2
+  else
+    echo "deps.sh: no package ${entry#*:} on this system (group ${entry%%:*})" >&2
+    needed=yes
+  fi
+done
+if [[ $needed == yes ]]; then exit 1; fi
+if ((${#wanted[@]} == 0)); then exit 0; fi
+
+echo "deps.sh: installing ${wanted[*]}"
+if ! apt_get install -y --no-install-recommends "${wanted[@]}"; then
+  # Lists that are older than the archive name files that are gone.
+  if [[ $updated == yes ]]; then
+    echo "deps.sh: apt-get could not install: ${wanted[*]}" >&2
+    exit 1
+  fi
+  update_lists
+  resolve
+  apt_get install -y --no-install-recommends "${wanted[@]}"
+fi

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/model/scene.h"
+#include "common/node/node.h"
+#include "tools/lab/alternatives/claims.h"
+#include "tools/lab/alternatives/spec.h"
+
+namespace padr::lab::alternatives {
+
+struct AlternativeConfig {
+  PeerId self = 0;
+  int peers = 1;
+  std::uint16_t session = 1;
+  Spec spec;
+};
+
+/// Counters since the start.
+struct AlternativeStats {
+  std::uint64_t datagrams_sent = 0;
+  std::uint64_t wire_bytes_sent = 0;    ///< IP and UDP headers included
+  std::uint64_t states_sent = 0;        ///< of entities, to each receiver
+  std::uint64_t largest = 0;            ///< bytes of the largest datagram, IP and UDP not included
+  std::uint64_t datagrams_dropped = 0;  ///< that came and were damaged, foreign, or of no use any more
+};
+
+/// One peer of a session that is kept together by somebody else's technique; driven as node::Node is.
+class Alternative {
+ public:
+  virtual ~Alternative() = default;
+  /// A datagram has arrived; before the step of the tick in which it has.
+  virtual void receive(std::span<const std::byte> datagram) = 0;
+  /// Advances to the next tick with the avatar driven towards `target` (m); `outgoing` then holds what to send.
+  virtual void step(Vec2 target) = 0;
+  virtual const std::vector<node::Outgoing>& outgoing() const = 0;
+  /// Where things are in this peer's view.
+  virtual const world::World& world() const = 0;
+  virtual const Claim& claim(EntityId body) const = 0;
+  /// By how many ticks the view of what `of` owns is meant to lie behind; 0: it is meant to be now.
+  virtual Tick delay(PeerId of) const = 0;
+  virtual const AlternativeStats& stats() const = 0;
+};
+
+std::unique_ptr<Alternative> make_alternative(const Scene& scene, const AlternativeConfig& config);
+
+}  // namespace padr::lab::alternatives

@@ -1,0 +1,96 @@
+#include "tools/lab/alternatives/session.h"
+
+#include <algorithm>
+
+#include "common/link/link_seed.h"
+
+namespace padr::lab::alternatives {
+namespace {
+
+constexpr std::size_t kPast = 10 * kTicksPerSecond;
+
+}  // namespace
+
+Session::Session(SessionConfig config)
+    : config_(std::move(config)), meter_(config_.peers, static_cast<int>(config_.scene.bodies.size())) {
+  const auto n = static_cast<std::size_t>(config_.peers);
+  shims_.resize(n);
+  for (PeerId p = 0; p < n; ++p) {
+    peers_.push_back(
+        make_alternative(config_.scene, {.self = p, .peers = config_.peers, .session = 1, .spec = config_.spec}));
+    for (PeerId q = 0; q < n; ++q)
+      shims_[p].push_back(std::make_unique<link::Shim>(config_.netem, link::link_seed(config_.netem_seed, p, q)));
+  }
+  sample();
+}
+
+void Session::step() {
+  ++now_;
+  for (PeerId from = 0; from < peers_.size(); ++from)
+    for (PeerId to = 0; to < peers_.size(); ++to)
+      while (auto datagram = shims_[from][to]->release(tick_start(now_))) peers_[to]->receive(*datagram);
+  for (PeerId p = 0; p < peers_.size(); ++p) {
+    peers_[p]->step(config_.inputs[p]->target(now_));
+    for (const node::Outgoing& o : peers_[p]->outgoing()) shims_[p][o.to]->accept(tick_start(now_), o.bytes);
+  }
+  sample();
+}
+
+PeerId Session::owner(EntityId body) const {
+  const Claim* best = &peers_[0]->claim(body);
+  for (const auto& p : peers_)
+    if (beats(p->claim(body), *best, body)) best = &p->claim(body);
+  return best->owner;
+}
+
+void Session::sample() {
+  Past past;
+  const world::World& any = peers_[0]->world();
+  for (EntityId e = 0; e < any.entities(); ++e)
+    past.owner.push_back(any.is_avatar(e) ? static_cast<PeerId>(e - any.bodies()) : owner(e));
+  for (PeerId p = 0; p < peers_.size(); ++p) {
+    std::vector<Vec2> places;
+    for (EntityId e = 0; e < any.entities(); ++e) places.push_back(peers_[p]->world().position(e));
+    meter_.view(p, now_, {places, places});
+    past.places.push_back(std::move(places));
+  }
+  trace::Truth truth;
+  truth.owner = past.owner;
+  truth.present.assign(past.owner.size(), true);
+  truth.agreed.assign(past.owner.size(), {});
+  meter_.truth(now_, std::move(truth));
+  past_.push_back(std::move(past));
+  if (past_.size() > kPast) past_.pop_front();
+  measure_delayed();
+}
+
+void Session::measure_delayed() {
+  const Past& here = past_.back();
+  for (PeerId viewer = 0; viewer < peers_.size(); ++viewer) {
+    double sum = 0;
+    for (EntityId e = 0; e < here.owner.size(); ++e) {
+      const PeerId now_of = here.owner[e];
+      if (now_of == viewer) continue;
+      const auto back = static_cast<std::size_t>(std::max(0, peers_[viewer]->delay(now_of)));
+      const Past& then = past_[past_.size() - 1 - std::min(back, past_.size() - 1)];
+      sum += static_cast<double>(distance(here.places[viewer][e], then.places[then.owner[e]][e]));
+    }
+    delayed_sum_ += sum;
+    ++delayed_views_;
+    for (PeerId of = 0; of < peers_.size(); ++of) {
+      if (of == viewer) continue;
+      delay_sum_ += static_cast<double>(peers_[viewer]->delay(of)) / kTicksPerSecond;
+      ++delays_;
+    }
+  }
+}
+
+double Session::delayed_mean_m() const {
+  return delayed_sum_ / static_cast<double>(delayed_views_);
+}
+
+double Session::delay_s() const {
+  return delays_ == 0 ? 0 : delay_sum_ / static_cast<double>(delays_);
+}
+
+}  // namespace padr::lab::alternatives

@@ -1,0 +1,144 @@
+#include "tools/lab/chaos/command.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iostream>
+
+#include "common/model/user_error.h"
+#include "common/scenarios/bodies.h"
+#include "common/scenarios/scenarios.h"
+#include "tools/lab/chaos/shrink.h"
+#include "tools/lab/parallel.h"
+#include "tools/support/command_line.h"
+#include "tools/support/files.h"
+#include "tools/support/json.h"
+#include "tools/support/revision.h"
+#include "tools/support/run_main.h"
+#include "tools/support/scenario_flags.h"
+
+namespace padr::lab {
+namespace {
+
+constexpr int kShrinkTries = 200;
+/// Violations that are looked into.
+constexpr int kMostShrunk = 3;
+/// Of as many scripts or fewer each gets its line.
+constexpr int kMostLines = 40;
+
+std::string seconds(double s) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.2f", s);
+  return text.data();
+}
+
+}  // namespace
+
+void ChaosCommand::declare(CLI::App& app) {
+  app.add_option("--seed", seed_, "Of the first run; the next ones have the seeds after it")->capture_default_str();
+  app.add_option("--runs", runs_, "Scripts to play, one a seed")->check(CLI::Range(1, 1000000))->capture_default_str();
+  app.add_option("--minutes", minutes_, "Virtual length of a script; 20 s of quiet follow")
+      ->check(CLI::Range(0.1, 600.0))
+      ->capture_default_str();
+  app.add_option("--peers", peers_, "At once at most")->check(CLI::Range(2, kMaxPeers))->capture_default_str();
+  app.add_option("--scenario", scenario_, "Built-in name or file")->type_name("NAME|FILE")->capture_default_str();
+  app.add_option("--bodies", bodies_, "Of the scenario")->check(CLI::Range(1, 5000))->capture_default_str();
+  technique_.declare(app);
+  app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
+  app.add_flag("--story", story_, "Also print every script, and what the peers noted");
+  app.add_option("--json", json_, "Results to a file, or - for standard output in place of the table")
+      ->type_name("FILE|-");
+  app.footer(
+      "Peers found a session, and then, by a random script, others join, leave, vanish, stand still, are cut off from\n"
+      "one another, meet other links, and all rush to one place. Held at every tick: who takes one another for "
+      "members\n"
+      "have confirmed the same worlds, bit by bit; a body has one owner, who is there; all numbers are finite; what "
+      "is\n"
+      "kept is bounded. After the script and 20 s of quiet all who run are in one session and know one another. If\n"
+      "something does not hold, the shortest script is printed that still shows it.\n"
+      "Example:\n"
+      "  padr-lab chaos --seed 1 --runs 20 --minutes 2\n"
+      "Exit: 0 all held, 1 something did not, 2 usage.");
+}
+
+ChaosPlay ChaosCommand::prepare() const {
+  ChaosPlay how;
+  const support::LoadedScenario scenario = support::load_scenario(scenario_, seed_);
+  how.scene = scenarios::load(scenarios::with_bodies(scenario.text, scenario_, bodies_), scenario_, seed_);
+  const auto spawns = static_cast<int>(how.scene.avatar.spawns.size());
+  if (peers_ > spawns)
+    throw UserError("--peers: " + std::to_string(peers_) + " is too many for scenario " + scenario_ +
+                    ", which has room for " + std::to_string(spawns));
+  how.slots = std::min(spawns, peers_ + peers_ / 2);  // who comes back does so before its old place is free
+  how.technique = technique_.technique();
+  how.story = story_;
+  return how;
+}
+
+std::string ChaosCommand::json(const std::vector<std::string>& command,
+                               const std::vector<ChaosOutcome>& outcomes) const {
+  support::Json j;
+  j.begin_object().field("command", support::shell_line(command)).field("revision", support::revision());
+  j.key("runs").begin_array();
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    const ChaosOutcome& o = outcomes[i];
+    j.begin_object().field("seed", seed_ + i).field("peers", o.peers).field("lives", o.lives);
+    j.field("hashes_compared", o.compared).field("slowest_join_s", o.slowest_join);
+    j.field("violation", o.violation).end_object();
+  }
+  j.end_array().end_object();
+  return j.text();
+}
+
+void ChaosCommand::print(const ChaosPlay& how, std::size_t i, const ChaosOutcome& o) const {
+  const ChaosScript script = script_of(i);
+  const bool held = o.violation.empty();
+  if (story_ || runs_ <= kMostLines || !held)
+    std::cout << "seed " << script.seed << ": " << o.peers << " peers, " << o.lives << " lives, " << o.compared
+              << " hashes compared, slowest join " << seconds(o.slowest_join)
+              << " s: " << (held ? "held" : "VIOLATED " + o.violation) << '\n';
+  if (story_) {
+    std::cout << describe(script);
+    for (const std::string& line : o.story) std::cout << "  " << line << '\n';
+  }
+  if (held) return;
+  const ChaosScript shortest = shrink(how, script, kShrinkTries);
+  std::cout << "shortest script found: " << describe(shortest) << "  then: " << play(how, shortest).violation << '\n';
+}
+
+ChaosScript ChaosCommand::script_of(std::size_t i) const {
+  return make_script(seed_ + i, static_cast<Micros>(std::llround(minutes_ * 60e6)), peers_);
+}
+
+int ChaosCommand::run(const std::vector<std::string>& command) {
+  const ChaosPlay how = prepare();
+  ParallelOptions options;
+  options.threads = jobs_;
+  options.what = "scripts";
+  const auto outcomes = parallel_results<ChaosOutcome>(
+      static_cast<std::size_t>(runs_), [&](std::size_t i) { return play(how, script_of(i)); }, options);
+  std::uint64_t compared = 0;
+  int bad = 0;
+  double slowest = 0;
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    const ChaosOutcome& o = outcomes[i];
+    compared += o.compared;
+    slowest = std::max(slowest, o.slowest_join);
+    if (!o.violation.empty()) ++bad;
+    if (json_ != "-" && (o.violation.empty() || bad <= kMostShrunk)) print(how, i, o);
+  }
+  if (json_ == "-") {
+    std::cout << json(command, outcomes);
+  } else {
+    std::cout << outcomes.size() << " scripts, seeds " << seed_ << " to " << seed_ + outcomes.size() - 1 << ", "
+              << compared << " hashes compared, slowest join " << seconds(slowest) << " s: " << bad << " violations\n";
+    if (!json_.empty()) {
+      support::OutputFile file("--json", json_);
+      file.write(json(command, outcomes));
+      file.close();
+    }
+  }
+  return bad == 0 ? support::kExitFine : support::kExitFailure;
+}
+
+}  // namespace padr::lab

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "tools/lab/chaos/play.h"
+#include "tools/support/technique_flags.h"
+
+namespace padr::lab {
+
+/// `padr-lab chaos`: whole sessions, with everything that can happen to them, on virtual time.
+class ChaosCommand {
+ public:
+  void declare(CLI::App& app);
+  /// Returns the exit code: 0, or 1 if something that must hold did not. Throws UserError.
+  int run(const std::vector<std::string>& command);
+
+ private:
+  ChaosPlay prepare() const;
+  ChaosScript script_of(std::size_t i) const;
+  void print(const ChaosPlay& how, std::size_t i, const ChaosOutcome& outcome) const;
+  std::string json(const std::vector<std::string>& command, const std::vector<ChaosOutcome>& outcomes) const;
+
+  support::TechniqueFlags technique_;
+  std::string scenario_ = "arena";
+  std::uint32_t bodies_ = 12;
+  std::uint64_t seed_ = 1;
+  int runs_ = 1;
+  double minutes_ = 2;
+  int peers_ = 12;
+  int jobs_ = 0;
+  bool story_ = false;
+  std::string json_;
+};
+
+}  // namespace padr::lab

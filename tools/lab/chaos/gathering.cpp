@@ -1,0 +1,157 @@
+#include "tools/lab/chaos/gathering.h"
+
+#include <cmath>
+
+#include "common/model/rng.h"
+#include "common/world/world.h"
+
+namespace padr::lab {
+namespace {
+
+constexpr Micros kLinger = 3 * kMicrosPerSecond;
+constexpr std::size_t kSocketBuffer = 300;  // datagrams
+constexpr int kStepsPerTurn = 8;
+
+Endpoint place(int n) {
+  Endpoint e;
+  e.address[10] = e.address[11] = 0xFF;
+  e.address[12] = 10;
+  e.address[14] = static_cast<std::uint8_t>(n >> 8);
+  e.address[15] = static_cast<std::uint8_t>(n);
+  e.port = 7000;
+  return e;
+}
+
+}  // namespace
+
+Gathering::Gathering(GatheringConfig config) : config_(std::move(config)) {}
+Gathering::~Gathering() = default;
+
+Micros Gathering::local(const Person& p) const {
+  return p.offset + std::llround(static_cast<double>(now_) * p.rate);
+}
+
+int Gathering::start(std::optional<int> by) {
+  const int n = persons();
+  Rng rng(derive_seed(config_.seed, 0xFACE, static_cast<std::uint64_t>(n)));
+  Person& p = persons_.emplace_back();
+  p.place = place(n + 1);
+  p.offset = static_cast<Micros>(rng.below(1'000'000)) * 10'000;
+  p.rate = 1 + rng.uniform(-config_.most_ppm, config_.most_ppm) * 1e-6;
+  p.born = now_;
+  const auto spawns = static_cast<int>(config_.scene.avatar.spawns.size());
+  p.input =
+      scenarios::make_input("wander", {config_.scene, n % spawns, derive_seed(config_.seed, 7, rng.next_u64()), {}});
+  node::ParticipantConfig c;
+  if (by) c.session.join = persons_[at(*by)].place;
+  c.session.wanted = config_.wanted;
+  c.session.slots = config_.slots;
+  c.session.scene_hash = scene_hash(config_.scene);
+  c.session.fingerprint = 1;
+  c.session.authority = config_.technique.authority;
+  c.session.scenario = config_.scene.name;
+  c.session.seed = rng.next_u64();
+  c.node.technique = config_.technique;
+  if (config_.fault) c.node.fault = config_.fault(n);
+  if (config_.recording) c.recording = [this, n](int life) { return config_.recording(n, life); };
+  c.on_confirmed = [this, n](int life, const sync::FoldState& s, std::uint64_t hash) {
+    if (on_confirmed) on_confirmed(n, life, s, hash);
+  };
+  by_place_[p.place] = n;
+  p.peer = std::make_unique<node::Participant>(config_.scene, std::move(c), local(p));
+  return n;
+}
+
+void Gathering::leave(int person) {
+  Person& p = persons_[at(person)];
+  p.leaving = true;
+  p.leaves_at = now_;
+  p.peer->leave();
+}
+
+void Gathering::kill(int person) {
+  persons_[at(person)].runs = false;
+}
+
+void Gathering::pause(int person, bool paused) {
+  persons_[at(person)].paused = paused;
+}
+
+void Gathering::shape(const link::NetemSpec& netem) {
+  config_.netem = netem;
+  for (auto& [ends, s] : shims_) s->set_spec(now_, netem);
+}
+
+bool Gathering::connected(int a, int b) const {
+  const auto side = [this](int p) {
+    const auto it = sides_.find(p);
+    return it == sides_.end() ? 0 : it->second;
+  };
+  return side(a) == side(b);
+}
+
+link::Shim& Gathering::shim(int from, int to) {
+  auto& s = shims_[{from, to}];
+  if (!s)
+    s = std::make_unique<link::Shim>(
+        config_.netem,
+        derive_seed(config_.seed, 0x11A7, static_cast<std::uint64_t>(from) << 32U | static_cast<std::uint64_t>(to)));
+  return *s;
+}
+
+void Gathering::deliver() {
+  for (auto& [ends, s] : shims_) {
+    while (auto datagram = s->release(now_)) {
+      Person& to = persons_[at(ends.second)];
+      if (!to.runs || !connected(ends.first, ends.second)) continue;
+      if (to.buffer.size() < kSocketBuffer)
+        to.buffer.emplace_back(persons_[at(ends.first)].place, std::move(*datagram));
+    }
+  }
+}
+
+void Gathering::turn(int person) {
+  Person& p = persons_[at(person)];
+  if (!p.runs || p.paused) return;
+  const Micros now = local(p);
+  while (!p.buffer.empty()) {
+    p.peer->receive(p.buffer.front().first, p.buffer.front().second, now);
+    p.buffer.pop_front();
+  }
+  if (now >= p.peer->next_due()) p.peer->advance(now);
+  for (int i = 0; i < kStepsPerTurn && p.peer->playing() && now >= p.peer->next_step(); ++i) {
+    if (p.took < 0) p.took = now_ - p.born;
+    const Vec2 target = attraction_.value_or(p.input->target(p.peer->node().now() + 1));
+    p.peer->step(target, now);
+  }
+  for (node::Parcel& d : p.peer->take_outgoing()) {
+    const auto to = by_place_.find(d.to);
+    if (to != by_place_.end()) shim(person, to->second).accept(now_, d.bytes);
+  }
+  for (const node::SessionNote& n : p.peer->take_notes())
+    p.notes.push_back(std::to_string(static_cast<double>(now_) / 1e6) + " " + n.text);
+  p.peer->take_changes();
+  if (on_turn) on_turn(person);
+  end_if_done(p);
+}
+
+void Gathering::end_if_done(Person& p) {
+  const bool stayed = p.leaving && now_ - p.leaves_at > kLinger;
+  if (!stayed && !(p.leaving && p.peer->playing() && p.peer->node().delivered()) && !p.peer->failed()) return;
+  p.runs = false;
+  p.peer->finish();
+}
+
+void Gathering::run_to(Micros until) {
+  for (; now_ < until; now_ += kStep) {
+    deliver();
+    for (int p = 0; p < persons(); ++p) turn(p);
+  }
+}
+
+void Gathering::finish() {
+  for (Person& p : persons_)
+    if (p.runs) p.peer->finish();
+}
+
+}  // namespace padr::lab

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/link/shim.h"
+#include "common/node/participant.h"
+#include "common/scenarios/input.h"
+
+namespace padr::lab {
+
+struct GatheringConfig {
+  Scene scene;
+  Technique technique;
+  link::NetemSpec netem;  ///< of every directed link, until told otherwise
+  std::uint64_t seed = 1;
+  int slots = 12;
+  int wanted = 2;                                ///< peers the founder waits for
+  double most_ppm = 100;                         ///< how far a peer's clock may be off its rate
+  std::function<sync::Fault(int person)> fault;  ///< for tests only
+  /// Where a person's life 0, 1, ... is recorded to.
+  std::function<std::optional<node::RecordedNode::Recording>(int person, int life)> recording;
+};
+
+/// Whole peers that come and go, on one virtual clock and network. Persons are numbered in the order they start, and
+/// each keeps its address, its clock's offset and rate, and its input.
+class Gathering {
+ public:
+  explicit Gathering(GatheringConfig config);
+  ~Gathering();
+
+  /// A process starts; it founds a session, or joins the one of `by`. Its number.
+  int start(std::optional<int> by);
+  void leave(int person);
+  void kill(int person);
+  void pause(int person, bool paused);
+  /// Datagrams between persons of different sides vanish; by person, who are not named are on side 0.
+  void divide(std::map<int, int> sides) { sides_ = std::move(sides); }
+  void shape(const link::NetemSpec& netem);
+  /// All avatars are drawn to this point until told otherwise.
+  void attract(std::optional<Vec2> where) { attraction_ = where; }
+
+  void run_to(Micros until);
+  /// Ends the traces of all who run; nothing may be run any more.
+  void finish();
+  Micros now() const { return now_; }
+
+  int persons() const { return static_cast<int>(persons_.size()); }
+  /// Runs: has started, and has neither been killed nor come to its end.
+  bool runs(int person) const { return persons_[at(person)].runs; }
+  bool leaving(int person) const { return persons_[at(person)].leaving; }
+  bool paused(int person) const { return persons_[at(person)].paused; }
+  const node::Participant& peer(int person) const { return *persons_[at(person)].peer; }
+  /// When it was first a part of the session, after its start; -1: not yet.
+  Micros took(int person) const { return persons_[at(person)].took; }
+  std::vector<std::string> notes(int person) const { return persons_[at(person)].notes; }
+
+  /// A tick has become final in a life of a person's.
+  std::function<void(int person, int life, const sync::FoldState&, std::uint64_t hash)> on_confirmed;
+  /// A person has been worked on.
+  std::function<void(int person)> on_turn;
+
+  static constexpr Micros kStep = 4'000;
+
+ private:
+  struct Person {
+    std::unique_ptr<node::Participant> peer;
+    std::unique_ptr<scenarios::InputSource> input;
+    Endpoint place;
+    Micros offset = 0;
+    double rate = 1;
+    Micros born = 0;
+    Micros took = -1;
+    Micros leaves_at = 0;
+    bool runs = true;
+    bool paused = false;
+    bool leaving = false;
+    std::deque<std::pair<Endpoint, std::vector<std::byte>>> buffer;  ///< the socket's
+    std::vector<std::string> notes;
+  };
+  static std::size_t at(int person) { return static_cast<std::size_t>(person); }
+  Micros local(const Person& p) const;
+  void deliver();
+  void turn(int person);
+  void end_if_done(Person& p);
+  bool connected(int a, int b) const;
+  link::Shim& shim(int from, int to);
+
+  GatheringConfig config_;
+  Micros now_ = 0;
+  std::vector<Person> persons_;
+  std::map<Endpoint, int> by_place_;
+  std::map<std::pair<int, int>, std::unique_ptr<link::Shim>> shims_;
+  std::map<int, int> sides_;
+  std::optional<Vec2> attraction_;
+};
+
+}  // namespace padr::lab

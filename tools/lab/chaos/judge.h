@@ -1,0 +1,54 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/lab/chaos/gathering.h"
+
+namespace padr::lab {
+
+/// What must hold whatever happens, watched all along.
+///
+/// Confirmed worlds: of two peers that both took the other for a member when they confirmed a tick, the hashes of that
+/// tick are the same. (Two sides of a partition go different ways, and whoever has been killed may have confirmed
+/// updates of its own that nobody ever got: neither takes the other for a member any more.)
+class Judge {
+ public:
+  explicit Judge(Gathering& gathering);
+
+  /// The first violation, in one line; empty if there is none.
+  const std::string& violation() const { return violation_; }
+  std::uint64_t compared() const { return compared_; }
+  /// At the end, when all has been quiet for a while: everybody who runs is in one session, has everybody's updates,
+  /// and the same confirmed world.
+  void final_check();
+
+ private:
+  using Seat = std::pair<PeerId, std::uint32_t>;  ///< slot, incarnation
+  struct Record {
+    int person;
+    std::uint64_t hash;
+    Seat self;
+    std::vector<Seat> others;
+  };
+  struct Heard {
+    int person;
+    int life;
+    Tick tick;
+    std::uint64_t hash;
+  };
+  void confirmed(int person, int life, const sync::FoldState& s, std::uint64_t hash);
+  void turn(int person);
+  void compare(Tick t, Record r);
+  void blame(const std::string& what);
+
+  Gathering& gathering_;
+  std::vector<Heard> heard_;
+  std::map<Tick, std::vector<Record>> records_;
+  std::uint64_t compared_ = 0;
+  std::string violation_;
+};
+
+}  // namespace padr::lab

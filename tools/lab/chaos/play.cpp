@@ -1,0 +1,145 @@
+#include "tools/lab/chaos/play.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "tools/lab/chaos/judge.h"
+
+namespace padr::lab {
+namespace {
+
+using Kind = ChaosEvent::Kind;
+
+/// Does what a script says, and undoes what lasts only for a while.
+class Stage {
+ public:
+  Stage(Gathering& g, const Scene& scene) : gathering_(g), scene_(scene) {}
+
+  void act(const ChaosEvent& e) {
+    const std::vector<int> there = those_there();
+    if (there.empty()) return;
+    const int who = there[e.pick % there.size()];
+    switch (e.kind) {
+      case Kind::kStart:
+        gathering_.start(who);
+        return;
+      case Kind::kLeave:
+        if (there.size() > 1) gathering_.leave(who);
+        return;
+      case Kind::kKill:
+        if (there.size() > 1) gathering_.kill(who);
+        return;
+      case Kind::kPause:
+        gathering_.pause(who, true);
+        undo_.push_back({e.at + e.span, Kind::kPause, who});
+        return;
+      case Kind::kDivide: {
+        std::map<int, int> sides;
+        for (int p = 0; p < gathering_.persons(); ++p) sides[p] = static_cast<int>(e.pick >> (p % 60) & 1U);
+        gathering_.divide(std::move(sides));
+        undo_.push_back({e.at + e.span, Kind::kDivide, 0});
+        return;
+      }
+      case Kind::kShape:
+        gathering_.shape(link::parse_netem(chaos_links()[e.pick % chaos_links().size()]));
+        return;
+      case Kind::kFight: {
+        const double x = static_cast<double>(e.pick & 0xFFFFU) / 65536;
+        const double y = static_cast<double>(e.pick >> 16U & 0xFFFFU) / 65536;
+        gathering_.attract(Vec2{static_cast<float>(scene_.lower.x + x * (scene_.upper.x - scene_.lower.x)),
+                                static_cast<float>(scene_.lower.y + y * (scene_.upper.y - scene_.lower.y))});
+        undo_.push_back({e.at + e.span, Kind::kFight, 0});
+        return;
+      }
+    }
+  }
+
+  /// When something is to be undone next; the end of time if nothing is.
+  Micros next_undo() const {
+    Micros t = std::numeric_limits<Micros>::max();
+    for (const Undo& u : undo_) t = std::min(t, u.at);
+    return t;
+  }
+  void undo_until(Micros t) {
+    for (const Undo& u : undo_) {
+      if (u.at > t) continue;
+      if (u.kind == Kind::kPause) gathering_.pause(u.who, false);
+      if (u.kind == Kind::kDivide) gathering_.divide({});
+      if (u.kind == Kind::kFight) gathering_.attract({});
+    }
+    std::erase_if(undo_, [t](const Undo& u) { return u.at <= t; });
+  }
+
+ private:
+  struct Undo {
+    Micros at;
+    Kind kind;
+    int who;
+  };
+  std::vector<int> those_there() const {
+    std::vector<int> there;
+    for (int p = 0; p < gathering_.persons(); ++p)
+      if (gathering_.runs(p) && !gathering_.leaving(p) && gathering_.peer(p).playing()) there.push_back(p);
+    return there;
+  }
+
+  Gathering& gathering_;
+  const Scene& scene_;
+  std::vector<Undo> undo_;
+};
+
+void fill_outcome(const Gathering& g, const ChaosPlay& how, int founders, ChaosOutcome& out) {
+  out.peers = g.persons();
+  for (int p = 0; p < g.persons(); ++p) {
+    out.lives += g.peer(p).life() + 1;
+    if (p >= founders) out.slowest_join = std::max(out.slowest_join, static_cast<double>(g.took(p)) / 1e6);
+    if (!how.story) continue;
+    for (const std::string& n : g.notes(p)) out.story.push_back(n + "  (person " + std::to_string(p) + ")");
+  }
+  std::sort(out.story.begin(), out.story.end(),
+            [](const std::string& a, const std::string& b) { return std::stod(a) < std::stod(b); });
+}
+
+}  // namespace
+
+ChaosOutcome play(const ChaosPlay& how, const ChaosScript& script) {
+  GatheringConfig config;
+  config.scene = how.scene;
+  config.technique = how.technique;
+  config.netem = link::parse_netem(chaos_links().front());
+  config.seed = script.seed;
+  config.slots = how.slots;
+  config.wanted = script.founders;
+  Gathering g(std::move(config));
+  Judge judge(g);
+  Stage stage(g, how.scene);
+  g.start({});
+  for (int p = 1; p < script.founders; ++p) g.start(0);
+
+  const auto run_to = [&](Micros t) {
+    while (judge.violation().empty() && g.now() < t) {
+      stage.undo_until(g.now());
+      g.run_to(std::min({t, stage.next_undo(), g.now() + kMicrosPerSecond}));
+    }
+  };
+  for (const ChaosEvent& e : script.events) {
+    run_to(e.at);
+    if (!judge.violation().empty()) break;
+    stage.undo_until(e.at);
+    stage.act(e);
+  }
+  run_to(script.length);
+  if (judge.violation().empty()) {
+    stage.undo_until(std::numeric_limits<Micros>::max());
+    g.shape(link::parse_netem(chaos_links().front()));
+    run_to(script.length + how.quiet);
+  }
+  if (judge.violation().empty()) judge.final_check();
+  ChaosOutcome out;
+  out.violation = judge.violation();
+  out.compared = judge.compared();
+  fill_outcome(g, how, script.founders, out);
+  return out;
+}
+
+}  // namespace padr::lab

@@ -1,0 +1,80 @@
+#include "tools/lab/chaos/script.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "common/model/rng.h"
+
+namespace padr::lab {
+namespace {
+
+using Kind = ChaosEvent::Kind;
+
+constexpr std::array<const char*, 7> kNames{"start", "leave", "kill", "pause", "divide", "links", "fight"};
+
+/// Of ten events: three starts, and one or two of each other kind.
+constexpr std::array<Kind, 12> kDraw{Kind::kStart, Kind::kStart, Kind::kStart, Kind::kLeave,
+                                     Kind::kKill,  Kind::kKill,  Kind::kPause, Kind::kDivide,
+                                     Kind::kPause, Kind::kShape, Kind::kFight, Kind::kStart};
+
+Micros seconds(double s) {
+  return static_cast<Micros>(s * 1e6);
+}
+
+}  // namespace
+
+const std::vector<std::string>& chaos_links() {
+  static const std::vector<std::string> kLinks{"delay 50ms 10ms loss 1%",
+                                               "delay 5ms",
+                                               "delay 60ms 20ms loss 5%",
+                                               "delay 150ms 50ms loss 10%",
+                                               "delay 30ms 30ms loss 20%",
+                                               "delay 40ms loss gemodel 2% 20%",
+                                               "delay 20ms 5ms duplicate 5% reorder 10%"};
+  return kLinks;
+}
+
+ChaosScript make_script(std::uint64_t seed, Micros length, int most) {
+  Rng rng(derive_seed(seed, 0xC4A05));
+  ChaosScript s;
+  s.seed = seed;
+  s.length = length;
+  s.founders = 2 + static_cast<int>(rng.below(static_cast<std::uint32_t>(std::max(1, most / 2 - 1))));
+  int there = s.founders;
+  for (Micros at = seconds(rng.uniform(3, 8)); at < length; at += seconds(rng.uniform(1, 9))) {
+    ChaosEvent e;
+    e.kind = kDraw[rng.below(kDraw.size())];
+    e.at = at;
+    e.pick = rng.next_u64();
+    const bool ends = e.kind == Kind::kLeave || e.kind == Kind::kKill;
+    if (ends && there <= 2) e.kind = Kind::kStart;
+    if (e.kind == Kind::kStart && there >= most) e.kind = Kind::kFight;
+    if (e.kind == Kind::kStart) ++there;
+    if (e.kind == Kind::kLeave || e.kind == Kind::kKill) --there;
+    if (e.kind == Kind::kPause) e.span = seconds(rng.uniform(0.2, 8));
+    if (e.kind == Kind::kDivide) e.span = seconds(rng.uniform(0.5, 12));
+    if (e.kind == Kind::kFight) e.span = seconds(rng.uniform(2, 8));
+    s.events.push_back(e);
+  }
+  return s;
+}
+
+std::string describe(const ChaosScript& s) {
+  std::string text = "seed " + std::to_string(s.seed) + ", " + std::to_string(s.founders) + " peers begin\n";
+  for (const ChaosEvent& e : s.events) {
+    std::array<char, 120> line{};
+    std::snprintf(line.data(), line.size(), "  %7.2f s  %-6s", static_cast<double>(e.at) / 1e6,
+                  kNames[static_cast<std::size_t>(e.kind)]);
+    text += line.data();
+    if (e.span > 0) {
+      std::snprintf(line.data(), line.size(), " for %.2f s", static_cast<double>(e.span) / 1e6);
+      text += line.data();
+    }
+    if (e.kind == Kind::kShape) text += " " + chaos_links()[e.pick % chaos_links().size()];
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace padr::lab

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/model/ids.h"
+
+namespace padr::lab {
+
+/// One thing that happens to a session.
+struct ChaosEvent {
+  enum class Kind : std::uint8_t {
+    kStart,   ///< a process starts and joins
+    kLeave,   ///< one says goodbye
+    kKill,    ///< one vanishes
+    kPause,   ///< one stands still for `span`
+    kDivide,  ///< the network falls into two parts for `span`
+    kShape,   ///< all links become another
+    kFight,   ///< all avatars are drawn to one place for `span`
+  };
+  Kind kind = Kind::kStart;
+  Micros at = 0;
+  Micros span = 0;
+  std::uint64_t pick = 0;  ///< whom, how divided, which link or place: read modulo what there is
+};
+
+struct ChaosScript {
+  std::uint64_t seed = 0;
+  int founders = 2;  ///< peers that begin together
+  Micros length = 0;
+  std::vector<ChaosEvent> events;  ///< by time
+};
+
+/// Links that a script chooses from; the first is where every script begins.
+const std::vector<std::string>& chaos_links();
+
+/// At most `most` peers at once, 2 at least, so far as starts and ends are known.
+ChaosScript make_script(std::uint64_t seed, Micros length, int most);
+
+/// One line an event.
+std::string describe(const ChaosScript& script);
+
+}  // namespace padr::lab

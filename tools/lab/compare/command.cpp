@@ -1,0 +1,131 @@
+#include "tools/lab/compare/command.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <optional>
+
+#include "tools/plot/gnuplot.h"
+#include "tools/support/command_line.h"
+#include "tools/support/files.h"
+#include "tools/support/netem_flags.h"
+#include "tools/support/run_main.h"
+#include "tools/support/scenario_flags.h"
+
+namespace padr::lab {
+namespace {
+
+using namespace compare;
+
+constexpr double kMaxSeconds = 24 * 3600;
+
+/// Where results go; opened before the runs, so that nobody waits for them in vain.
+class Sink {
+ public:
+  Sink(const std::string& flag, const std::string& path) : to_terminal_(path == "-") {
+    if (!path.empty() && !to_terminal_) file_.emplace(flag, path);
+  }
+  bool to_terminal() const { return to_terminal_; }
+  void write(const std::string& text) {
+    if (to_terminal_) std::cout << text;
+    if (!file_) return;
+    file_->write(text);
+    file_->close();
+  }
+
+ private:
+  bool to_terminal_;
+  std::optional<support::OutputFile> file_;
+};
+
+std::string help_on_contestants() {
+  std::string text = "Techniques:\n";
+  for (const Contestant& c : all_contestants({}))
+    text += "  " + c.id + std::string(c.id.size() < 23 ? 23 - c.id.size() : 1, ' ') + c.what + "\n";
+  return text;
+}
+
+}  // namespace
+
+void CompareCommand::declare(CLI::App& app) {
+  app.add_option("--scenario", scenario_, "Built-in name, or a file")->type_name("NAME|FILE")->capture_default_str();
+  app.add_option("--peers", peers_, "Participants")->check(CLI::Range(1, kMaxPeers))->capture_default_str();
+  app.add_option("--seconds", seconds_, "Virtual time of every run")
+      ->check(support::between(0.1, kMaxSeconds, "seconds"))
+      ->capture_default_str();
+  app.add_option("--seeds", seeds_, "Runs that are averaged, with seeds 1, 2, ... of scenario, input and network")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  app.add_option("--netem", netem_,
+                 "What datagrams suffer, in tc-netem's words; repeat for several networks; default:\n"
+                 "delay 0ms, 50ms, 100ms and 250ms")
+      ->type_name("SPEC")
+      ->allow_extra_args(false);
+  app.add_option("--input", inputs_, std::string(support::kInputHelp) + "; repeat to deal round to the peers")
+      ->type_name("SPEC")
+      ->allow_extra_args(false);
+  app.add_option("--techniques", techniques_, "Some of those below, or paper, ours, ablations, alternatives, all")
+      ->type_name("LIST")
+      ->capture_default_str();
+  app.add_option("--threshold", threshold_, "Of full, metres")->type_name("HIGH[:LOW]")->capture_default_str();
+  app.add_option("--body-threshold", body_threshold_, "Of full, metres")->type_name("M|off")->capture_default_str();
+  app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
+  app.add_option("--json", json_, "All figures, to a file or in place of the table")->type_name("FILE|-");
+  app.add_option("--csv", csv_, "One line for each run, to a file or in place of the table")->type_name("FILE|-");
+  app.add_option("--out", out_, "Folder for pictures of inconsistency against traffic, and for table, JSON and CSV")
+      ->type_name("DIR");
+  app.footer(
+      help_on_contestants() +
+      "snapshot, state-sync and dis are implemented as their authors describe them and given what they did not\n"
+      "have: agreeing clocks, PADR's own rule of authority by contact, sealed datagrams of 1,200 bytes at most.\n"
+      "Truth of a body is its place in the world of whoever has made the best claim by then, known to all or not.\n"
+      "Example:\n"
+      "  padr-lab compare --out out/compare\n"
+      "  padr-lab compare --techniques full,dis --netem \"delay 100ms 50ms loss 10%\" --seeds 10 --csv -\n"
+      "Exit: 0 done, 1 confirmed worlds differed, 2 usage.");
+}
+
+compare::Plan CompareCommand::plan() const {
+  Plan p;
+  Technique full = technique_by_name("full");
+  set_threshold(full, threshold_);
+  set_body_threshold(full, body_threshold_);
+  p.contestants = chosen_contestants(techniques_, full);
+  const std::vector<std::string> usual{"delay 0ms", "delay 50ms", "delay 100ms", "delay 250ms"};
+  for (const std::string& text : netem_.empty() ? usual : netem_) {
+    std::vector<std::string> warnings;
+    p.networks.push_back({text, support::parse_netem_flag("--netem", text, &warnings)});
+    for (const std::string& w : warnings) std::cerr << "padr-lab: warning: " << w << '\n';
+  }
+  p.setting.scenario = scenario_;
+  p.setting.peers = peers_;
+  p.setting.ticks = static_cast<Tick>(std::lround(seconds_ * kTicksPerSecond));
+  if (!inputs_.empty()) p.setting.inputs = inputs_;
+  for (int s = 1; s <= seeds_; ++s) p.seeds.push_back(static_cast<std::uint64_t>(s));
+  p.parallel.threads = jobs_;
+  return p;
+}
+
+int CompareCommand::run(const std::vector<std::string>& command) const {
+  const Plan p = plan();
+  if (!out_.empty()) plot::write_into("--out", out_, {});
+  Sink json_sink("--json", json_);
+  Sink csv_sink("--csv", csv_);
+  const std::vector<Row> rows = run_plan(p);
+  const std::string all = json(rows, p, support::shell_line(command));
+  json_sink.write(all);
+  csv_sink.write(csv(rows, p));
+  if (!json_sink.to_terminal() && !csv_sink.to_terminal()) std::cout << table(rows, p);
+  if (!out_.empty()) {
+    plot::write_into("--out", out_,
+                     {{"compare.json", all}, {"compare.csv", csv(rows, p)}, {"compare.txt", table(rows, p)}});
+    const std::string wrong = draw_frontiers(rows, p, out_);
+    if (!wrong.empty()) std::cerr << "padr-lab: " << wrong << '\n';
+  }
+  const bool agreed = std::all_of(rows.begin(), rows.end(), [](const Row& r) {
+    return std::all_of(r.scores.begin(), r.scores.end(), [](const Score& s) { return s.mismatches == 0; });
+  });
+  return agreed ? support::kExitFine : support::kExitFailure;
+}
+
+}  // namespace padr::lab

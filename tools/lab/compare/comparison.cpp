@@ -1,0 +1,58 @@
+#include "tools/lab/compare/comparison.h"
+
+#include <algorithm>
+
+namespace padr::lab::compare {
+
+Figure Row::over(double (*field)(const Score&)) const {
+  Figure f;
+  if (scores.empty()) return f;
+  f.low = f.high = field(scores.front());
+  for (const Score& s : scores) {
+    const double v = field(s);
+    f.mean += v / static_cast<double>(scores.size());
+    f.low = std::min(f.low, v);
+    f.high = std::max(f.high, v);
+  }
+  return f;
+}
+
+double Row::mean_m() const {
+  return over([](const Score& s) { return s.off.mean_m; }).mean;
+}
+
+double Row::kbps() const {
+  return over([](const Score& s) { return s.kbps; }).mean;
+}
+
+std::vector<Row> run_plan(const Plan& plan) {
+  const std::size_t seeds = plan.seeds.size();
+  const std::size_t of_network = plan.contestants.size() * seeds;
+  const auto job = [&plan, seeds, of_network](std::size_t i) {
+    return run_trial(plan.contestants[i % of_network / seeds], plan.networks[i / of_network], plan.setting,
+                     plan.seeds[i % seeds]);
+  };
+  const std::vector<Score> scores = parallel_results<Score>(plan.networks.size() * of_network, job, plan.parallel);
+  std::vector<Row> rows;
+  auto next = scores.begin();
+  for (const Network& n : plan.networks) {
+    for (const Contestant& c : plan.contestants) {
+      rows.push_back({c, n.text, {next, next + static_cast<std::ptrdiff_t>(seeds)}});
+      next += static_cast<std::ptrdiff_t>(seeds);
+    }
+  }
+  return rows;
+}
+
+Standing standing(const Row& row, const std::vector<Row>& rows) {
+  if (row.who.id == "full") return Standing::kIsFull;
+  const auto full = std::find_if(rows.begin(), rows.end(),
+                                 [&row](const Row& r) { return r.who.id == "full" && r.network == row.network; });
+  if (full == rows.end()) return Standing::kNoFull;
+  const bool less_off = row.mean_m() < full->mean_m();
+  const bool less_traffic = row.kbps() < full->kbps();
+  if (less_off && less_traffic) return Standing::kDominates;
+  return less_off || less_traffic ? Standing::kTrades : Standing::kWorse;
+}
+
+}  // namespace padr::lab::compare

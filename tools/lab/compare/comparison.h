@@ -1,0 +1,58 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/lab/compare/trial.h"
+#include "tools/lab/parallel.h"
+
+namespace padr::lab::compare {
+
+struct Plan {
+  std::vector<Contestant> contestants;
+  std::vector<Network> networks;
+  Setting setting;
+  std::vector<std::uint64_t> seeds;
+  ParallelOptions parallel;
+};
+
+/// A figure over several seeds.
+struct Figure {
+  double mean = 0;
+  double low = 0;
+  double high = 0;
+};
+
+/// One contestant on one network.
+struct Row {
+  Contestant who;
+  std::string network;
+  std::vector<Score> scores;  ///< by seed
+  /// Over the seeds, of any field of a score.
+  Figure over(double (*field)(const Score&)) const;
+  double mean_m() const;  ///< m, mean combined inconsistency against now
+  double kbps() const;    ///< per peer
+};
+
+/// All runs; rows network by network, contestants in the order of the plan.
+std::vector<Row> run_plan(const Plan& plan);
+
+/// How a row stands to `full` on the same network.
+enum class Standing : std::uint8_t {
+  kIsFull,
+  kNoFull,    ///< full is not among the rows
+  kWorse,     ///< less of neither: full is better in both
+  kTrades,    ///< less of one, more of the other
+  kDominates  ///< less of both
+};
+Standing standing(const Row& row, const std::vector<Row>& rows);
+
+std::string table(const std::vector<Row>& rows, const Plan& plan);
+std::string json(const std::vector<Row>& rows, const Plan& plan, const std::string& command);
+/// One line for each run.
+std::string csv(const std::vector<Row>& rows, const Plan& plan);
+/// Draws frontier_NETWORK.svg and .png, one for each network, into `dir`, which exists. Returns what went wrong in one
+/// line, empty if nothing did.
+std::string draw_frontiers(const std::vector<Row>& rows, const Plan& plan, const std::string& dir);
+
+}  // namespace padr::lab::compare

@@ -1,0 +1,139 @@
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "tools/lab/compare/comparison.h"
+#include "tools/support/json.h"
+
+namespace padr::lab::compare {
+namespace {
+
+struct Field {
+  const char* name;  ///< in JSON and CSV
+  double (*of)(const Score&);
+};
+
+constexpr std::array<Field, 15> kFields{{
+    {"mean_m", [](const Score& s) { return s.off.mean_m; }},
+    {"avatar_mean_m", [](const Score& s) { return s.off.avatar_mean_m; }},
+    {"body_mean_m", [](const Score& s) { return s.off.body_mean_m; }},
+    {"p95_m", [](const Score& s) { return s.off.p95_m; }},
+    {"p99_m", [](const Score& s) { return s.off.p99_m; }},
+    {"peak_m", [](const Score& s) { return s.off.peak_m; }},
+    {"final_m", [](const Score& s) { return s.off.final_m; }},
+    {"shown_mean_m", [](const Score& s) { return s.off.shown_mean_m; }},
+    {"delay_s", [](const Score& s) { return s.delay_s; }},
+    {"delayed_mean_m", [](const Score& s) { return s.delayed_mean_m; }},
+    {"kbit_per_s", [](const Score& s) { return s.kbps; }},
+    {"datagrams_per_s", [](const Score& s) { return s.datagrams; }},
+    {"updates_per_s", [](const Score& s) { return s.updates; }},
+    {"largest_datagram_bytes", [](const Score& s) { return static_cast<double>(s.largest); }},
+    {"confirmed_mismatches", [](const Score& s) { return static_cast<double>(s.mismatches); }},
+}};
+
+template <typename... Values>
+std::string format(const char* pattern, Values... values) {
+  std::array<char, 512> text{};
+  const int n = std::snprintf(text.data(), text.size(), pattern, values...);
+  return {text.data(), static_cast<std::size_t>(n)};
+}
+
+std::string network_name(const std::string& text) {
+  return text.empty() ? "unimpaired" : "netem \"" + text + "\"";
+}
+
+const Row* full_of(const std::vector<Row>& rows, const std::string& network) {
+  const auto full =
+      std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return r.who.id == "full" && r.network == network; });
+  return full == rows.end() ? nullptr : &*full;
+}
+
+std::string line_of(const Row& row, const std::vector<Row>& rows) {
+  const auto mean = [&row](double (*of)(const Score&)) { return row.over(of).mean; };
+  const Figure off = row.over([](const Score& s) { return s.off.mean_m; });
+  const double delay = mean([](const Score& s) { return s.delay_s; });
+  std::string then = "      -      -";
+  if (delay > 0) then = format("%7.3f %6.0f", mean([](const Score& s) { return s.delayed_mean_m; }), delay * 1000);
+  std::string against = "     -     -";
+  if (const Row* full = full_of(rows, row.network); full != nullptr && full != &row)
+    against = format("%6.2f %5.2f", row.mean_m() / full->mean_m(), row.kbps() / full->kbps());
+  return format("  %-22s %7.3f %7.3f %7.3f %8.3f %7.3f %6.2f %6.2f %s %7.1f %6.1f  %s\n", row.who.id.c_str(), off.mean,
+                off.low, off.high, mean([](const Score& s) { return s.off.avatar_mean_m; }),
+                mean([](const Score& s) { return s.off.body_mean_m; }),
+                mean([](const Score& s) { return s.off.p95_m; }),
+                row.over([](const Score& s) { return s.off.peak_m; }).high, then.c_str(), row.kbps(),
+                mean([](const Score& s) { return s.datagrams; }), against.c_str());
+}
+
+std::string better_than_full(const std::vector<Row>& rows, const std::string& network) {
+  std::string list;
+  for (const Row& r : rows)
+    if (r.network == network && standing(r, rows) == Standing::kDominates)
+      list += (list.empty() ? "" : ", ") + r.who.id;
+  return "  less of both than full: " + (list.empty() ? "none" : list) + "\n";
+}
+
+}  // namespace
+
+std::string table(const std::vector<Row>& rows, const Plan& plan) {
+  const Setting& s = plan.setting;
+  std::string inputs;
+  for (const std::string& i : s.inputs) inputs += (inputs.empty() ? "" : ", ") + i;
+  std::string t = format("%s, %d peers, %g s, %zu seeds, input %s\n", s.scenario.c_str(), s.peers,
+                         static_cast<double>(s.ticks) / kTicksPerSecond, plan.seeds.size(), inputs.c_str());
+  for (const Network& n : plan.networks) {
+    t += "\n" + network_name(n.text) + "\n";
+    t += "                         combined inconsistency against now (m), all entities          of the past    by a "
+         "peer  "
+         "  times full\n";
+    t += "  technique                 mean     low    high  avatars  bodies    p95   peak  mean m     ms  kbit/s  "
+         "dgr/s  "
+         "     m kbit\n";
+    for (const Row& r : rows)
+      if (r.network == n.text) t += line_of(r, rows);
+    if (full_of(rows, n.text) != nullptr) t += better_than_full(rows, n.text);
+  }
+  t += "\nlow, high: means of single seeds; peak: of any. kbit/s: sent to all others together, 28 bytes of IP and UDP "
+       "headers"
+       "\nper datagram included. Of the past: of a technique that shows the past, against that past. Below 5 mm it is "
+       "noise.\n";
+  return t;
+}
+
+std::string json(const std::vector<Row>& rows, const Plan& plan, const std::string& command) {
+  support::Json j;
+  j.begin_object().field("command", command).field("scenario", plan.setting.scenario);
+  j.field("peers", plan.setting.peers);
+  j.field("seconds", static_cast<double>(plan.setting.ticks) / kTicksPerSecond);
+  j.key("inputs").begin_array();
+  for (const std::string& i : plan.setting.inputs) j.value(i);
+  j.end_array().key("seeds").begin_array();
+  for (const std::uint64_t s : plan.seeds) j.value(s);
+  j.end_array().key("rows").begin_array();
+  for (const Row& r : rows) {
+    j.begin_object().field("technique", r.who.id).field("netem", r.network).field("what", r.who.what);
+    for (const Field& f : kFields) {
+      const Figure v = r.over(f.of);
+      j.key(f.name).begin_object().field("mean", v.mean).field("low", v.low).field("high", v.high).end_object();
+    }
+    j.end_object();
+  }
+  j.end_array().end_object();
+  return j.text();
+}
+
+std::string csv(const std::vector<Row>& rows, const Plan& plan) {
+  std::string c = "technique,netem,seed";
+  for (const Field& f : kFields) c += std::string(",") + f.name;
+  c += "\n";
+  for (const Row& r : rows) {
+    for (std::size_t i = 0; i < r.scores.size(); ++i) {
+      c += r.who.id + ",\"" + r.network + "\"," + std::to_string(plan.seeds[i]);
+      for (const Field& f : kFields) c += format(",%.6g", f.of(r.scores[i]));
+      c += "\n";
+    }
+  }
+  return c;
+}
+
+}  // namespace padr::lab::compare

@@ -1,0 +1,131 @@
+#include "tools/lab/compare/contestant.h"
+
+#include <algorithm>
+#include <array>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "common/model/user_error.h"
+
+namespace padr::lab::compare {
+namespace {
+
+using alternatives::Kind;
+using alternatives::Spec;
+
+constexpr std::array<std::pair<std::string_view, Group>, 4> kGroups{{{"paper", Group::kPaper},
+                                                                     {"ours", Group::kOurs},
+                                                                     {"ablations", Group::kAblation},
+                                                                     {"alternatives", Group::kAlternative}}};
+
+template <typename Change>
+Technique changed(Technique t, Change change) {
+  change(t);
+  return t;
+}
+
+void add_paper(std::vector<Contestant>& all) {
+  const auto add = [&all](const char* id, const char* what) {
+    all.push_back({id, id, "", Group::kPaper, what, technique_by_name(id)});
+  };
+  add("avatar-only", "the paper's failure case: dead-reckoned avatars, bodies are nobody's");
+  add("fixed", "the paper's: dynamic authority, one threshold of 0.5 m, updates applied on arrival");
+  add("adaptive", "the paper's: the same, 0.8 m, or 0.3 m when interaction is predicted");
+}
+
+void add_ours(std::vector<Contestant>& all, const Technique& full) {
+  const Technique everything = technique_by_name("everything");
+  const Technique late = changed(everything, [](Technique& t) { t.replay = false; });
+  const Technique first = changed(everything, [](Technique& t) { t.model = Model::kFirst; });
+  all.push_back({"full", "full", "", Group::kOurs, "PADR's own, see padr-lab run", full});
+  all.push_back({"everything", "everything", "", Group::kOurs,
+                 "own avatar and every awake own body at every tick, replayed: the limit of full", everything});
+  all.push_back(
+      {"everything-first", "everything", "first order", Group::kOurs, "the same with the first-order model", first});
+  all.push_back({"everything-no-replay", "everything-no-replay", "", Group::kOurs,
+                 "the same as everything, applied on arrival", late});
+}
+
+void add_ablations(std::vector<Contestant>& all, const Technique& full) {
+  const auto add = [&all, &full](const char* id, const char* part, const char* what, auto change) {
+    all.push_back({id, std::string("full no ") + part, "", Group::kAblation, what, changed(full, change)});
+  };
+  add("full-no-replay", "replay", "full without replay: updates applied on arrival",
+      [](Technique& t) { t.replay = false; });
+  add("full-no-body-threshold", "body threshold", "full without body threshold",
+      [](Technique& t) { t.body_threshold = 0; });
+  add("full-no-end-update", "end update", "full, the end of a contact told without states",
+      [](Technique& t) { t.end_update = false; });
+  add("full-no-proxy-update", "proxy update", "full without updates for collisions by proxy",
+      [](Technique& t) { t.proxy_update = false; });
+  add("full-first", "input model", "full with the first-order model in place of the input model",
+      [](Technique& t) { t.model = Model::kFirst; });
+  add("full-no-lead", "lead", "full, the input model's target told where it is, not where it is heading",
+      [](Technique& t) { t.lead = 0; });
+  add("full-no-time-space", "time-space law", "full, an avatar's error told only when it exceeds the threshold",
+      [](Technique& t) { t.time_space = 0; });
+  add("full-no-rest-state", "rest state", "full, rest told without states", [](Technique& t) { t.rest_state = false; });
+}
+
+void add_alternatives(std::vector<Contestant>& all) {
+  for (const int hz : {10, 20, 60}) {
+    const std::string rate = std::to_string(hz) + " Hz";
+    all.push_back({"snapshot-" + std::to_string(hz), "snapshot (Hz)", std::to_string(hz), Group::kAlternative,
+                   "delta-compressed snapshots at " + rate + ", interpolated with a playout delay",
+                   Spec{.kind = Kind::kSnapshot, .hz = hz}});
+  }
+  for (const int hz : {5, 8, 10, 20, 60}) {
+    const std::string rate = std::to_string(hz) + " Hz";
+    all.push_back({"state-sync-" + std::to_string(hz), "state-sync (Hz)", std::to_string(hz), Group::kAlternative,
+                   "state synchronization at " + rate + ": priority accumulator, byte budget, local physics",
+                   Spec{.kind = Kind::kStateSync, .hz = hz}});
+  }
+  all.push_back({"dis", "dis 1 m", "", Group::kAlternative,
+                 "DIS practice: dead reckoning per entity, 1 m and 3 degrees, heartbeats of 5 s",
+                 Spec{.kind = Kind::kDis, .position_threshold = 1}});
+  all.push_back({"dis-0.3m", "dis 0.3 m", "", Group::kAlternative, "the same with 0.3 m in place of 1 m",
+                 Spec{.kind = Kind::kDis, .position_threshold = 0.3F}});
+}
+
+[[noreturn]] void refuse(const std::string& word, const std::vector<Contestant>& all) {
+  std::string allowed = "all";
+  for (const auto& [name, group] : kGroups) allowed += ", " + std::string(name);
+  for (const Contestant& c : all) allowed += ", " + c.id;
+  throw UserError("--techniques: '" + word + "' is not allowed; give some of " + allowed);
+}
+
+}  // namespace
+
+std::vector<Contestant> all_contestants(const Technique& full) {
+  std::vector<Contestant> all;
+  add_paper(all);
+  add_ours(all, full);
+  add_ablations(all, full);
+  add_alternatives(all);
+  return all;
+}
+
+std::vector<Contestant> chosen_contestants(const std::string& list, const Technique& full) {
+  const std::vector<Contestant> all = all_contestants(full);
+  std::set<std::string> ids;
+  std::istringstream in(list);
+  for (std::string word; std::getline(in, word, ',');) {
+    const auto* const group =
+        std::find_if(kGroups.begin(), kGroups.end(), [&word](const auto& g) { return g.first == word; });
+    bool known = false;
+    for (const Contestant& c : all) {
+      const bool meant = word == "all" || word == c.id || (group != kGroups.end() && group->second == c.group);
+      if (meant) ids.insert(c.id);
+      known = known || meant;
+    }
+    if (!known) refuse(word, all);
+  }
+  if (ids.empty()) refuse(list, all);
+  std::vector<Contestant> chosen;
+  for (const Contestant& c : all)
+    if (ids.contains(c.id)) chosen.push_back(c);
+  return chosen;
+}
+
+}  // namespace padr::lab::compare

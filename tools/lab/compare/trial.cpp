@@ -1,0 +1,90 @@
+#include "tools/lab/compare/trial.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "common/model/user_error.h"
+#include "tools/lab/alternatives/session.h"
+#include "tools/lab/rates.h"
+#include "tools/lab/simulation.h"
+#include "tools/support/scenario_flags.h"
+
+namespace padr::lab::compare {
+namespace {
+
+using Inputs = std::vector<std::unique_ptr<scenarios::InputSource>>;
+
+Inputs load_inputs(const Setting& setting, const Scene& scene, std::uint64_t seed) {
+  Inputs inputs;
+  for (int p = 0; p < setting.peers; ++p)
+    inputs.push_back(
+        support::load_input(setting.inputs[static_cast<std::size_t>(p) % setting.inputs.size()], scene, p, seed));
+  return inputs;
+}
+
+Score run_technique(const Technique& technique, const Network& network, const Setting& setting, const Scene& scene,
+                    std::uint64_t seed) {
+  const Inputs inputs = load_inputs(setting, scene, seed);
+  SimulationConfig config;
+  config.scene = scene;
+  config.peers = setting.peers;
+  config.technique = technique;
+  config.netem = network.spec;
+  config.netem_seed = seed;
+  config.ticks = setting.ticks;
+  for (const auto& i : inputs) config.inputs.push_back(i.get());
+  Simulation s(std::move(config));
+  s.run();
+  Score score;
+  score.off = s.meter().overall();
+  score.delayed_mean_m = score.off.mean_m;
+  const Rates rates = rates_of(s, 0, setting.peers);
+  score.kbps = rates.kbps;
+  score.datagrams = rates.datagrams;
+  score.updates = rates.updates;
+  score.mismatches = s.confirmed_mismatches();
+  return score;
+}
+
+Score run_alternative(const alternatives::Spec& spec, const Network& network, const Setting& setting,
+                      const Scene& scene, std::uint64_t seed) {
+  const Inputs inputs = load_inputs(setting, scene, seed);
+  alternatives::SessionConfig config;
+  config.scene = scene;
+  config.peers = setting.peers;
+  config.spec = spec;
+  config.netem = network.spec;
+  config.netem_seed = seed;
+  for (const auto& i : inputs) config.inputs.push_back(i.get());
+  alternatives::Session s(std::move(config));
+  while (s.now() < setting.ticks) s.step();
+  Score score;
+  score.off = s.meter().overall();
+  score.delay_s = s.delay_s();
+  score.delayed_mean_m = s.delayed_mean_m();
+  const double seconds = static_cast<double>(s.now()) / kTicksPerSecond * setting.peers;
+  for (PeerId p = 0; p < setting.peers; ++p) {
+    const alternatives::AlternativeStats& stats = s.peer(p).stats();
+    score.kbps += static_cast<double>(stats.wire_bytes_sent) * 8 / 1000 / seconds;
+    score.datagrams += static_cast<double>(stats.datagrams_sent) / seconds;
+    const int receivers = std::max(1, setting.peers - 1);
+    score.updates += static_cast<double>(stats.states_sent) / seconds / receivers;
+    score.largest = std::max(score.largest, stats.largest);
+  }
+  return score;
+}
+
+}  // namespace
+
+Score run_trial(const Contestant& contestant, const Network& network, const Setting& setting, std::uint64_t seed) {
+  const support::LoadedScenario scenario = support::load_scenario(setting.scenario, seed);
+  const auto room = scenario.scene.avatar.spawns.size();
+  if (static_cast<std::size_t>(setting.peers) > room)
+    throw UserError("--peers: " + std::to_string(setting.peers) + " is too many for scenario " + setting.scenario +
+                    ", which has room for " + std::to_string(room));
+  if (const auto* spec = std::get_if<alternatives::Spec>(&contestant.how))
+    return run_alternative(*spec, network, setting, scenario.scene, seed);
+  return run_technique(std::get<Technique>(contestant.how), network, setting, scenario.scene, seed);
+}
+
+}  // namespace padr::lab::compare

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/link/netem_spec.h"
+#include "common/trace/metrics.h"
+#include "tools/lab/compare/contestant.h"
+
+namespace padr::lab::compare {
+
+/// What all contestants meet alike.
+struct Setting {
+  std::string scenario = "arena";
+  int peers = 4;
+  Tick ticks = 0;
+  std::vector<std::string> inputs{"wander"};  ///< dealt round to the peers
+};
+
+/// A network that every directed link is.
+struct Network {
+  std::string text;  ///< as the flag was written
+  link::NetemSpec spec;
+};
+
+/// What one run came to.
+struct Score {
+  trace::Inconsistency off;  ///< all views together, against now
+  double kbps = 0;           ///< sent per peer, IP and UDP headers included
+  double datagrams = 0;      ///< per peer and second
+  double updates = 0;        ///< entity states told, per peer and second
+  /// Of techniques that show the past on purpose: how old what they show is (s), and its mean combined inconsistency
+  /// against the truth of that time (m). Otherwise 0 and off.mean_m.
+  double delay_s = 0;
+  double delayed_mean_m = 0;
+  std::uint64_t largest = 0;     ///< bytes of the largest datagram, without IP and UDP; 0: not measured
+  std::uint64_t mismatches = 0;  ///< confirmed ticks at which worlds differed; 0 where nothing is confirmed
+};
+
+/// One run; the same arguments give the same score to the bit. `seed` is that of scenario, generated input and network.
+/// Throws UserError for a scenario or an input that does not work.
+Score run_trial(const Contestant& contestant, const Network& network, const Setting& setting, std::uint64_t seed);
+
+}  // namespace padr::lab::compare

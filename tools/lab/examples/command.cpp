@@ -1,0 +1,104 @@
+#include "tools/lab/examples/command.h"
+
+#include <iostream>
+#include <sstream>
+
+#include "common/model/user_error.h"
+#include "tools/lab/examples/film.h"
+#include "tools/lab/examples/results.h"
+#include "tools/plot/svg.h"
+#include "tools/support/command_line.h"
+#include "tools/support/files.h"
+#include "tools/support/run_main.h"
+
+namespace padr::lab {
+namespace {
+
+using namespace examples;
+
+std::vector<std::string> split(const std::string& list) {
+  std::vector<std::string> words;
+  std::istringstream in(list);
+  for (std::string word; std::getline(in, word, ',');) words.push_back(word);
+  return words;
+}
+
+/// Draws the films and the series of dominoes into `dir`. Returns what went wrong in one line, empty if nothing did.
+std::string draw_pictures(const std::string& dir, const Plan& plan, const Results& results) {
+  const std::vector<std::pair<std::string, Technique>> shown{
+      {"without authority (avatar-only)", without_authority().technique},
+      {"with authority (the paper's adaptive)", technique_by_name("adaptive")}};
+  std::vector<std::string> films;
+  for (const std::string& name : plan.stories) {
+    const plot::FilmStrip film = film_of(story_by_name(name), shown, plan.netem);
+    plot::write_into("--out", dir, {plot::film_svg(film)});
+    films.push_back(film.name);
+  }
+  std::string wrong = plot::rasterize(dir, films);
+  if (results.rows.empty()) return wrong;
+  const plot::LinePlot series = dominoes_plot(results);
+  plot::write_into("--out", dir, plot::files(series));
+  const std::string also = plot::draw(dir, {series.name});
+  return wrong.empty() ? also : wrong;
+}
+
+}  // namespace
+
+void ExamplesCommand::declare(CLI::App& app) {
+  app.add_option("--out", out_, "Folder for tables, films and plots")->type_name("DIR")->required();
+  app.add_option("--stories", stories_, "Some of ball, dominoes, van, carton, proxy, with commas between them")
+      ->type_name("LIST")
+      ->capture_default_str();
+  app.add_option("--takes", takes_, "Variations of each story's path that are averaged; the first one is on film")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--netem", netem_,
+                 "What datagrams suffer, in tc-netem's words; default: nothing, as it is model\n"
+                 "errors that are measured")
+      ->type_name("SPEC");
+  app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
+  app.add_option("--json", json_, "Summary to a file, or - for standard output in place of the table")
+      ->type_name("FILE|-");
+  app.add_flag("--no-pictures", no_pictures_, "Tables only");
+  app.footer(
+      "In each story the avatar of peer 0 comes along a body, turns and touches it, which its model at peer 1 misses\n"
+      "or misplaces; what that does to bodies is the physics-consistency cost. Written to DIR: examples.csv (means),\n"
+      "takes.csv (every run), summary.json, film-STORY.svg and .png (what both peers see), dominoes.* (cost by number\n"
+      "of dominoes). The same flags write the same files.\n"
+      "Example:\n"
+      "  padr-lab examples --out out/examples\n"
+      "  padr-lab examples --out out/late --stories proxy --netem \"delay 100ms\" --takes 32\n"
+      "Exit: 0 done, 2 usage.");
+}
+
+int ExamplesCommand::run(const std::vector<std::string>& command) {
+  Plan plan;
+  plan.stories = split(stories_);
+  if (plan.stories.empty()) throw UserError("--stories: '' is not allowed; give some of ball, dominoes, van, ...");
+  for (const std::string& s : plan.stories) story_by_name(s);
+  plan.takes = takes_;
+  std::vector<std::string> warnings;
+  plan.netem = support::parse_netem_flag("--netem", netem_, &warnings);
+  plan.netem_text = netem_;
+  plan.parallel.threads = jobs_;
+  for (const std::string& w : warnings) std::cerr << "padr-lab: warning: " << w << '\n';
+  plot::write_into("--out", out_, {});
+
+  const Results results = run_plan(plan);
+  const std::string summary = examples::json(results, plan, support::shell_line(command));
+  plot::write_into("--out", out_,
+                   {{"examples.csv", csv(results)}, {"takes.csv", takes_csv(results)}, {"summary.json", summary}});
+  if (json_ != "-") std::cout << table(results, plan);
+  if (json_ == "-") std::cout << summary;
+  if (!json_.empty() && json_ != "-") {
+    support::OutputFile file("--json", json_);
+    file.write(summary);
+    file.close();
+  }
+  if (no_pictures_) return support::kExitFine;
+  const std::string wrong = draw_pictures(out_, plan, results);
+  if (!wrong.empty()) std::cerr << "padr-lab: " << wrong << '\n';
+  return support::kExitFine;
+}
+
+}  // namespace padr::lab

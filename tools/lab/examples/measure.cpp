@@ -1,0 +1,188 @@
+#include "tools/lab/examples/measure.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/lab/simulation.h"
+
+namespace padr::lab::examples {
+namespace {
+
+/// The path, and then its end.
+class Walk : public scenarios::InputSource {
+ public:
+  explicit Walk(scenarios::Path path) : path_(std::move(path)) {}
+  Vec2 target(Tick tick) override { return path_.at(static_cast<double>(tick) / kTicksPerSecond, false); }
+
+ private:
+  scenarios::Path path_;
+};
+
+class Stay : public scenarios::InputSource {
+ public:
+  explicit Stay(Vec2 where) : where_(where) {}
+  Vec2 target(Tick /*tick*/) override { return where_; }
+
+ private:
+  Vec2 where_;
+};
+
+/// A touch can be over within the step that it begins in: what it has set in motion shows it then.
+bool touched(const world::World& w) {
+  constexpr float kMoves = 0.02F;  // m/s; everything rests before
+  const EntityId avatar = w.avatar(0);
+  for (EntityId b = 0; b < w.bodies(); ++b)
+    if (length(w.velocity(b)) > kMoves) return true;
+  return std::any_of(w.contacts().begin(), w.contacts().end(),
+                     [&](const Contact& c) { return !w.is_avatar(c.first) && c.second == avatar; });
+}
+
+/// Folds ticks into a Cost.
+class Costing {
+ public:
+  explicit Costing(const TrueStory& story, std::size_t bodies) : story_(story), disturbed_(bodies, false) {
+    cost_.final_by_body_m.resize(bodies);
+  }
+
+  void tick(const world::World& truth, const world::World& believed, Tick now) {
+    compare_views(truth, believed);
+    compare_with_story(believed, story_.bodies[static_cast<std::size_t>(now - 1)]);
+    const EntityId avatar = truth.avatar(0);
+    const auto astray = static_cast<double>(distance(truth.position(avatar), believed.position(avatar)));
+    cost_.avatar_mean_m += astray;
+    cost_.avatar_peak_m = std::max(cost_.avatar_peak_m, astray);
+    ++ticks_;
+  }
+
+  Cost result() {
+    cost_.area_ms = cost_.mean_m / kTicksPerSecond;
+    cost_.mean_m /= ticks_;
+    cost_.untrue_mean_m /= ticks_;
+    cost_.avatar_mean_m /= ticks_;
+    cost_.ever = static_cast<double>(std::count(disturbed_.begin(), disturbed_.end(), true));
+    return cost_;
+  }
+
+ private:
+  void compare_views(const world::World& truth, const world::World& believed) {
+    cost_.final_m = 0;
+    cost_.at_end = 0;
+    for (std::size_t b = 0; b < disturbed_.size(); ++b) {
+      const auto e = static_cast<EntityId>(b);
+      const float off = distance(truth.position(e), believed.position(e));
+      const bool disturbed = off > kDisturbedMetres;
+      disturbed_[b] = disturbed_[b] || disturbed;
+      cost_.at_end += disturbed ? 1 : 0;
+      cost_.final_by_body_m[b] = static_cast<double>(off);
+      cost_.final_m += static_cast<double>(off);
+    }
+    cost_.mean_m += cost_.final_m;
+    cost_.peak_m = std::max(cost_.peak_m, cost_.final_m);
+  }
+
+  void compare_with_story(const world::World& believed, const std::vector<Vec2>& bodies) {
+    cost_.untrue_final_m = 0;
+    cost_.untrue_at_end = 0;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      const float off = distance(believed.position(static_cast<EntityId>(b)), bodies[b]);
+      cost_.untrue_at_end += off > kDisturbedMetres ? 1 : 0;
+      cost_.untrue_final_m += static_cast<double>(off);
+    }
+    cost_.untrue_mean_m += cost_.untrue_final_m;
+  }
+
+  const TrueStory& story_;
+  Cost cost_;
+  std::vector<bool> disturbed_;
+  double ticks_ = 0;
+};
+
+std::vector<BodyState> states_of(const world::World& w) {
+  std::vector<BodyState> states;
+  for (EntityId e = 0; e < w.entities(); ++e) states.push_back(w.state(e));
+  return states;
+}
+
+/// A session of two on a story: peer 0's avatar walks, peer 1's stays.
+class Play {
+ public:
+  Play(const Story& story, int take, const Technique& technique, const link::NetemSpec& netem)
+      : walk_(path_of(story, take)),
+        stay_(story.scene.avatar.spawns[1]),
+        simulation_(config(story, take, technique, netem)) {}
+
+  Simulation& simulation() { return simulation_; }
+  const world::World& truth() const { return simulation_.node(0).live().world(); }
+  const world::World& believed() const { return simulation_.node(1).live().world(); }
+
+ private:
+  SimulationConfig config(const Story& story, int take, const Technique& technique, const link::NetemSpec& netem) {
+    SimulationConfig c;
+    c.scene = story.scene;
+    c.technique = technique;
+    c.netem = netem;
+    c.netem_seed = static_cast<std::uint64_t>(take) + 1;
+    c.inputs = {&walk_, &stay_};
+    c.ticks = static_cast<Tick>(std::lround(story.seconds * kTicksPerSecond));
+    return c;
+  }
+
+  Walk walk_;
+  Stay stay_;
+  Simulation simulation_;
+};
+
+}  // namespace
+
+TrueStory true_story(const Story& story, int take) {
+  // Without authority every peer plays bodies out by itself, and nobody but the walking avatar comes near them.
+  Play play(story, take, technique_by_name("avatar-only"), {});
+  TrueStory t;
+  play.simulation().run([&](Tick now) {
+    std::vector<Vec2> bodies;
+    for (EntityId b = 0; b < play.truth().bodies(); ++b) bodies.push_back(play.truth().position(b));
+    t.bodies.push_back(std::move(bodies));
+    if (t.touched < 0 && touched(play.truth())) t.touched = now;
+  });
+  return t;
+}
+
+Cost measure(const Story& story, int take, const TrueStory& truth, const Technique& technique,
+             const link::NetemSpec& netem, const std::function<void(const Moment&)>& on_tick) {
+  Play play(story, take, technique, netem);
+  Costing costing(truth, story.scene.bodies.size());
+  play.simulation().run([&](Tick now) {
+    costing.tick(play.truth(), play.believed(), now);
+    if (on_tick) on_tick({now, states_of(play.truth()), states_of(play.believed())});
+  });
+  Cost cost = costing.result();
+  const node::NodeStats& stats = play.simulation().node(0).stats();
+  for (const std::uint64_t n : stats.updates_by_cause) cost.updates += static_cast<double>(n);
+  cost.kbit = static_cast<double>(stats.wire_bytes_sent) * 8 / 1000;
+  return cost;
+}
+
+Cost mean_of(const std::vector<Cost>& takes) {
+  Cost m;
+  const auto n = static_cast<double>(takes.size());
+  for (const Cost& c : takes) {
+    m.mean_m += c.mean_m / n;
+    m.peak_m += c.peak_m / n;
+    m.final_m += c.final_m / n;
+    m.area_ms += c.area_ms / n;
+    m.ever += c.ever / n;
+    m.at_end += c.at_end / n;
+    m.avatar_mean_m += c.avatar_mean_m / n;
+    m.avatar_peak_m += c.avatar_peak_m / n;
+    m.updates += c.updates / n;
+    m.kbit += c.kbit / n;
+    m.untrue_mean_m += c.untrue_mean_m / n;
+    m.untrue_final_m += c.untrue_final_m / n;
+    m.untrue_at_end += c.untrue_at_end / n;
+    m.final_by_body_m.resize(c.final_by_body_m.size());
+    for (std::size_t b = 0; b < c.final_by_body_m.size(); ++b) m.final_by_body_m[b] += c.final_by_body_m[b] / n;
+  }
+  return m;
+}
+
+}  // namespace padr::lab::examples

@@ -1,0 +1,163 @@
+#include <array>
+#include <cstdio>
+
+#include "tools/lab/examples/results.h"
+#include "tools/support/json.h"
+#include "tools/support/revision.h"
+
+namespace padr::lab::examples {
+namespace {
+
+using support::Json;
+
+template <typename... Args>
+std::string format(const char* pattern, Args... args) {
+  std::array<char, 400> text{};
+  const int n = std::snprintf(text.data(), text.size(), pattern, args...);
+  return {text.data(), static_cast<std::size_t>(n)};
+}
+
+/// The numbers of a cost, in the one order of every file.
+struct Column {
+  const char* name;
+  double Cost::*value;
+};
+constexpr std::array<Column, 13> kColumns{{{"pcc_mean_m", &Cost::mean_m},
+                                           {"pcc_peak_m", &Cost::peak_m},
+                                           {"pcc_final_m", &Cost::final_m},
+                                           {"pcc_area_ms", &Cost::area_ms},
+                                           {"disturbed_ever", &Cost::ever},
+                                           {"disturbed_at_end", &Cost::at_end},
+                                           {"untrue_mean_m", &Cost::untrue_mean_m},
+                                           {"untrue_final_m", &Cost::untrue_final_m},
+                                           {"untrue_at_end", &Cost::untrue_at_end},
+                                           {"avatar_mean_m", &Cost::avatar_mean_m},
+                                           {"avatar_peak_m", &Cost::avatar_peak_m},
+                                           {"updates", &Cost::updates},
+                                           {"wire_kbit", &Cost::kbit}}};
+
+std::string headings() {
+  std::string s;
+  for (const Column& c : kColumns) s += std::string(",") + c.name;
+  return s + "\n";
+}
+
+std::string fields(const Cost& cost) {
+  std::string s;
+  for (const Column& c : kColumns) s += format(",%.6g", cost.*c.value);
+  return s + "\n";
+}
+
+void put(Json& j, const Cost& cost) {
+  for (const Column& c : kColumns) j.field(c.name, cost.*c.value);
+}
+
+std::string table_of_rows(const std::vector<RowOfDominoes>& rows) {
+  std::string s = "\nCost of the touch by the number of dominoes: metres in the end, without authority and with it.\n";
+  s += "  dominoes  without  of the first domino  disturbed     with\n";
+  for (const RowOfDominoes& r : rows) {
+    if (r.count > 5 && r.count % 5 != 0) continue;
+    const Cost& c = r.without_authority;
+    s += format("  %8d  %7.2f  %19.2f  %9.1f  %7.2f\n", r.count, c.final_m, c.final_by_body_m.front(), c.ever,
+                r.with_authority.final_m);
+  }
+  const Line line = cost_per_domino(rows);
+  return s + format("  every further domino costs %.2f m (R^2 = %.4f)\n", line.slope_m, line.r_squared);
+}
+
+}  // namespace
+
+std::string table(const Results& r, const Plan& plan) {
+  std::string s = format(
+      "Physics-consistency cost: what the model errors of one avatar do to bodies in the other\n"
+      "peer's view. %d takes of each story, means; netem \"%s\".\n",
+      plan.takes, plan.netem_text.c_str());
+  std::string story;
+  for (const Result& one : r.results) {
+    if (one.story != story) {
+      story = one.story;
+      s += format("\n%s: %s\n", story.c_str(), story_by_name(story).title.c_str());
+      s += "                                    bodies off (m)         > 5 cm off   untrue in\n";
+      s += "  technique                     mean   peak  in the end   ever  at end    the end  updates   kbit\n";
+    }
+    const Cost& c = one.mean;
+    s += format("  %-27s %6.3f %6.2f %11.2f %6.1f %7.1f %10.2f %8.1f %6.1f\n", one.variant.label.c_str(), c.mean_m,
+                c.peak_m, c.final_m, c.ever, c.at_end, c.untrue_final_m, c.updates, c.kbit);
+  }
+  if (!r.rows.empty()) s += table_of_rows(r.rows);
+  return s +
+         "\nuntrue: against what the same input does with nobody else there; two views can agree on what never\n"
+         "would have happened. Below 5 mm everything is noise.\n";
+}
+
+std::string csv(const Results& r) {
+  std::string s = "story,bodies,technique,takes" + headings();
+  for (const Result& one : r.results)
+    s += one.story + format(",%zu,", one.bodies) + one.variant.flags + format(",%zu", one.takes.size()) +
+         fields(one.mean);
+  return s;
+}
+
+std::string takes_csv(const Results& r) {
+  std::string s = "story,bodies,technique,take" + headings();
+  for (const Result& one : r.results)
+    for (std::size_t t = 0; t < one.takes.size(); ++t)
+      s += one.story + format(",%zu,", one.bodies) + one.variant.flags + format(",%zu", t) + fields(one.takes[t]);
+  return s;
+}
+
+std::string json(const Results& r, const Plan& plan, const std::string& command) {
+  Json j;
+  j.begin_object().field("program", "padr-lab examples").field("revision", support::revision());
+  j.field("command", command).field("takes", plan.takes).field("netem", plan.netem_text);
+  j.field("disturbed_above_m", static_cast<double>(kDisturbedMetres));
+  j.key("results").begin_array();
+  for (const Result& one : r.results) {
+    j.begin_object().field("story", one.story).field("bodies", one.bodies).field("technique", one.variant.flags);
+    put(j, one.mean);
+    j.end_object();
+  }
+  j.end_array();
+  if (!r.rows.empty()) {
+    const Line line = cost_per_domino(r.rows);
+    j.key("dominoes").begin_object().field("metres_per_domino", line.slope_m).field("r_squared", line.r_squared);
+    j.key("rows").begin_array();
+    for (const RowOfDominoes& row : r.rows) {
+      j.begin_object().field("dominoes", row.count);
+      j.key("without_authority").begin_object();
+      put(j, row.without_authority);
+      j.end_object().key("with_authority").begin_object();
+      put(j, row.with_authority);
+      j.end_object().key("final_by_domino_m").begin_array();
+      for (const double m : row.without_authority.final_by_body_m) j.value(m);
+      j.end_array().end_object();
+    }
+    j.end_array().end_object();
+  }
+  return j.end_object().text();
+}
+
+plot::LinePlot dominoes_plot(const Results& r) {
+  plot::LinePlot p;
+  p.name = "dominoes";
+  p.title = "What touching the first domino costs";
+  p.x.label = "dominoes in the row";
+  p.x.from = 0;
+  plot::Line without{.title = "without authority", .look = plot::look_of("avatar-only")};
+  plot::Line with{.title = "with authority", .look = plot::look_of("adaptive")};
+  plot::Line first{.title = "dominoes times the cost of the first", .look = {plot::shade(2), 1, 7}};
+  for (const RowOfDominoes& row : r.rows) {
+    const auto n = static_cast<double>(row.count);
+    without.points.push_back({n, row.without_authority.final_m});
+    with.points.push_back({n, row.with_authority.final_m});
+    first.points.push_back({n, n * row.without_authority.final_by_body_m.front()});
+  }
+  plot::Panel panel;
+  panel.y.label = "bodies off in the end (m)";
+  panel.y.from = 0;
+  panel.lines = {first, without, with};
+  p.panels.push_back(panel);
+  return p;
+}
+
+}  // namespace padr::lab::examples

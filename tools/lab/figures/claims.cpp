@@ -1,0 +1,187 @@
+#include "tools/lab/figures/claims.h"
+
+#include <cmath>
+
+#include "tools/lab/figures/words.h"
+
+namespace padr::lab::figures {
+namespace {
+
+// Numbers of one run, as over_cases takes them.
+double first_third(const Measures& m) {
+  return m.thirds_m[0];
+}
+double second_third(const Measures& m) {
+  return m.thirds_m[1];
+}
+double last_third(const Measures& m) {
+  return m.thirds_m[2];
+}
+double trend(const Measures& m) {
+  return m.trend_m_per_min;
+}
+double longest_above(const Measures& m) {
+  return m.above_longest_s;
+}
+double peak(const Measures& m) {
+  return m.combined.peak_m;
+}
+double peak_touching(const Measures& m) {
+  return m.peak_touching ? 1 : 0;
+}
+double avatar_peak(const Measures& m) {
+  return m.avatar_peak_m;
+}
+double body_peak(const Measures& m) {
+  return m.body_peak_m;
+}
+double updates(const Measures& m) {
+  return m.updates_per_min;
+}
+
+const std::string kAdaptive = adaptive_id(kPredictors[0]);
+
+/// The question one claim asks, of numbers of one case and of their means alike: three numbers, in order.
+using Question = bool (*)(double, double, double);
+
+bool rises(double a, double b, double c) {
+  return a < b && b < c;
+}
+bool falls(double a, double b, double c) {
+  return a > b && b > c;
+}
+/// Whether b is nearer to c than to a, a and c being ends of a range.
+bool nearer_to_last(double a, double b, double c) {
+  return std::abs(b - c) < std::abs(b - a);
+}
+
+struct Asker {
+  const Plan& plan;
+  const Results& results;
+
+  std::vector<double> of(const std::string& setting, double (*number)(const Measures&)) const {
+    return over_cases(plan, results, setting, number);
+  }
+  double mean(const std::string& setting, double (*number)(const Measures&)) const {
+    return mean_of(of(setting, number));
+  }
+  /// Adds to what the claim says of how often and on average; on average holds only if it does every time it is asked.
+  void ask(Claim& c, Question question, const std::vector<double>& first, const std::vector<double>& second,
+           const std::vector<double>& third) const {
+    const bool average = question(mean_of(first), mean_of(second), mean_of(third));
+    c.on_average = (c.of == 0 || c.on_average) && average;
+    for (std::size_t i = 0; i < first.size(); ++i) c.holds_in += question(first[i], second[i], third[i]) ? 1 : 0;
+    c.of += static_cast<int>(first.size());
+  }
+  /// "a, b and c": a mean at each of the paper's thresholds.
+  std::string at_thresholds(const std::string& name, double (*number)(const Measures&), int digits) const {
+    return fixed(mean(name + "-0.8", number), digits) + ", " + fixed(mean(name + "-0.5", number), digits) + " and " +
+           fixed(mean(name + "-0.3", number), digits);
+  }
+  void ask_thresholds(Claim& c, Question question, double (*number)(const Measures&)) const {
+    ask(c, question, of("fixed-0.8", number), of("fixed-0.5", number), of("fixed-0.3", number));
+  }
+};
+
+Claim growth(const Asker& a) {
+  Claim c{.id = "grows-without-authority", .figure = "7"};
+  c.says =
+      "Without authority over bodies the worlds drift apart: what one peer's avatar pushes, the other's never learns "
+      "of, "
+      "so inconsistency piles up and no threshold prevents it.";
+  c.test = "the mean of each third of the run is above that of the third before, at each threshold";
+  for (const char* t : kThresholds) {
+    const std::string id = std::string("avatar-only-") + t;
+    a.ask(c, rises, a.of(id, first_third), a.of(id, second_third), a.of(id, last_third));
+  }
+  c.measured = "At 0.8, 0.5 and 0.3 m it grows by " + a.at_thresholds("avatar-only", trend, 0) +
+               " m a minute, and is " + a.at_thresholds("avatar-only", last_third, 0) +
+               " m in the mean of the last third of the run.";
+  return c;
+}
+
+Claim bounded(const Asker& a) {
+  Claim c{.id = "bounded-with-authority", .figure = "8"};
+  c.says = "With dynamic authority inconsistency is bounded: it rises at collisions and comes back.";
+  c.test = "the mean of the last third of the run is below the threshold, at each threshold";
+  for (const char* t : kThresholds) {
+    const std::string id = std::string("fixed-") + t;
+    const std::vector<double> last = a.of(id, last_third);
+    const std::vector<double> threshold(last.size(), std::stod(t));
+    a.ask(
+        c, [](double value, double bound, double) { return value < bound; }, last, threshold, last);
+  }
+  c.measured = "At 0.8, 0.5 and 0.3 m the last third of the run has a mean of " +
+               a.at_thresholds("fixed", last_third, 2) + " m; the longest time above the threshold is " +
+               a.at_thresholds("fixed", longest_above, 1) + " s, against " +
+               a.at_thresholds("avatar-only", longest_above, 0) + " s without authority.";
+  return c;
+}
+
+Claim smaller_peaks(const Asker& a) {
+  Claim c{.id = "tighter-smaller-peaks", .figure = "8"};
+  c.says = "The tighter the threshold, the smaller the peaks.";
+  c.test = "the peak of combined inconsistency falls from 0.8 to 0.5 to 0.3 m";
+  a.ask_thresholds(c, falls, peak);
+  c.measured = "At 0.8, 0.5 and 0.3 m peaks are " + a.at_thresholds("fixed", peak, 2) + " m, of which avatars up to " +
+               a.at_thresholds("fixed", avatar_peak, 2) + " m and bodies up to " +
+               a.at_thresholds("fixed", body_peak, 2) + " m. The avatar was touching a body when the peak came in " +
+               percent((a.mean("fixed-0.8", peak_touching) + a.mean("fixed-0.5", peak_touching) +
+                        a.mean("fixed-0.3", peak_touching)) /
+                       3) +
+               " of the runs.";
+  return c;
+}
+
+Claim more_updates(const Asker& a) {
+  Claim c{.id = "tighter-more-updates", .figure = "8"};
+  c.says = "That is paid for with updates; the paper does not say with how many.";
+  c.test = "the number of entity updates rises from 0.8 to 0.5 to 0.3 m";
+  a.ask_thresholds(c, rises, updates);
+  c.measured = "At 0.8, 0.5 and 0.3 m there are " + a.at_thresholds("fixed", updates, 0) + " updates a minute.";
+  return c;
+}
+
+Claim adaptive_peaks(const Asker& a) {
+  Claim c{.id = "adaptive-peaks", .figure = "9"};
+  c.says = "A threshold that goes from 0.8 to 0.3 m when interaction is predicted has about the peaks of 0.3 m.";
+  c.test = "the peak of combined inconsistency is nearer to that of fixed 0.3 m than to that of fixed 0.8 m";
+  a.ask(c, nearer_to_last, a.of("fixed-0.8", peak), a.of(kAdaptive, peak), a.of("fixed-0.3", peak));
+  c.measured = "Peaks are " + fixed(a.mean(kAdaptive, peak), 2) + " m with the adaptive threshold, " +
+               fixed(a.mean("fixed-0.3", peak), 2) + " m with 0.3 m and " + fixed(a.mean("fixed-0.8", peak), 2) +
+               " m with 0.8 m. Away from bodies the avatar may be off by 0.8 m, and is: up to " +
+               fixed(a.mean(kAdaptive, avatar_peak), 2) + " m, which is the peak where bodies stay below that.";
+  return c;
+}
+
+Claim adaptive_body_peaks(const Asker& a) {
+  Claim c{.id = "adaptive-body-peaks", .figure = "9"};
+  c.says = "The same of what it is for: what the avatar's error does to bodies.";
+  c.test = "the peak of the bodies' part is nearer to that of fixed 0.3 m than to that of fixed 0.8 m";
+  a.ask(c, nearer_to_last, a.of("fixed-0.8", body_peak), a.of(kAdaptive, body_peak), a.of("fixed-0.3", body_peak));
+  c.measured = "Bodies alone peak at " + fixed(a.mean(kAdaptive, body_peak), 2) + " m with the adaptive threshold, " +
+               fixed(a.mean("fixed-0.3", body_peak), 2) + " m with 0.3 m and " +
+               fixed(a.mean("fixed-0.8", body_peak), 2) + " m with 0.8 m.";
+  return c;
+}
+
+Claim adaptive_updates(const Asker& a) {
+  Claim c{.id = "adaptive-updates", .figure = "9"};
+  c.says = "What it is for: fewer updates than with 0.3 m all the time. The paper does not say how many.";
+  c.test = "the number of entity updates is between those of fixed 0.8 m and fixed 0.3 m";
+  a.ask(c, rises, a.of("fixed-0.8", updates), a.of(kAdaptive, updates), a.of("fixed-0.3", updates));
+  c.measured = fixed(a.mean(kAdaptive, updates), 0) + " updates a minute against " +
+               fixed(a.mean("fixed-0.3", updates), 0) + " with 0.3 m and " + fixed(a.mean("fixed-0.8", updates), 0) +
+               " with 0.8 m. Most of them are about contacts and bodies, which no threshold saves.";
+  return c;
+}
+
+}  // namespace
+
+std::vector<Claim> judge_claims(const Plan& plan, const Results& results) {
+  const Asker a{plan, results};
+  return {growth(a),          bounded(a), smaller_peaks(a), more_updates(a), adaptive_peaks(a), adaptive_body_peaks(a),
+          adaptive_updates(a)};
+}
+
+}  // namespace padr::lab::figures

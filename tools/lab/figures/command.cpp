@@ -1,0 +1,147 @@
+#include "tools/lab/figures/command.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+
+#include "common/model/user_error.h"
+#include "tools/lab/figures/html.h"
+#include "tools/lab/figures/pictures.h"
+#include "tools/lab/figures/results_text.h"
+#include "tools/lab/figures/words.h"
+#include "tools/support/command_line.h"
+#include "tools/support/run_main.h"
+
+namespace padr::lab {
+namespace {
+
+using namespace figures;
+
+constexpr double kLeastSeconds = 3;  // a third of it is a second
+constexpr double kMostSeconds = 3600;
+constexpr std::size_t kMostCases = 200;
+
+/// "path:somewhere/user 7.csv,loop" gives "user-7".
+std::string short_name(const std::string& input) {
+  std::string name = input;
+  if (name.starts_with("path:")) {
+    name = name.substr(5, name.find(",loop") == std::string::npos ? std::string::npos : name.size() - 10);
+    name = std::filesystem::path(name).stem().string();
+  }
+  for (char& c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '-';
+  return name;
+}
+
+/// A name that no other case has.
+void add_case(std::vector<Case>& cases, Case c) {
+  const std::string base = c.id;
+  const auto taken = [&cases](const std::string& id) {
+    return std::any_of(cases.begin(), cases.end(), [&id](const Case& other) { return other.id == id; });
+  };
+  for (int n = 2; taken(c.id); ++n) c.id = base + "-" + std::to_string(n);
+  cases.push_back(std::move(c));
+}
+
+}  // namespace
+
+void FiguresCommand::declare(CLI::App& app) {
+  app.add_option("--out", out_, "Folder for data, pictures and report.html")->type_name("DIR")->required();
+  scenario_.declare(app);
+  app.add_option("--seeds", seeds_, "How many seeds, from --seed on; every input is played in the world of each")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  app.add_option("--input", inputs_,
+                 std::string("What drives the avatar: ") + support::kInputHelp +
+                     ";\nrepeat for several; default wander, another one for each seed")
+      ->type_name("SPEC");
+  app.add_option("--seconds", seconds_, "Virtual length of a run")
+      ->check(support::between(kLeastSeconds, kMostSeconds, "seconds"))
+      ->capture_default_str();
+  app.add_option("--netem", netem_, "What datagrams suffer, in tc-netem's words; default nothing, as in the paper")
+      ->type_name("SPEC");
+  app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
+  app.add_flag("--no-pictures", no_pictures_, "Data only: nothing is drawn, and report.html has numbers only");
+  app.footer(
+      "The paper's experiments: two peers, one avatar is driven, the other rests, and what the resting one sees is "
+      "held\n"
+      "against the truth. Each case (input and seed) is run avatar-only and with fixed thresholds of 0.8, 0.5 and 0.3 "
+      "m,\n"
+      "with the adaptive threshold 0.8:0.3 m by each predictor, and with full. Written to DIR:\n"
+      "  report.html                 everything on one page, to be opened anywhere\n"
+      "  figure6-CASE .. figure9-CASE, drift, peaks, prediction   each as .svg, .png, .csv and .gp\n"
+      "  summary.json, runs.csv, predictors.csv, series-CASE.csv  what was measured\n"
+      "The same flags write the same data, to the byte.\n"
+      "Example:\n"
+      "  padr-lab figures --out out/figures\n"
+      "  padr-lab figures --out out/mine --input path:mouse.csv,loop --input wander --seeds 2 --seconds 120\n"
+      "Exit: 0 done (whether or not the claims hold), 1 nothing could be drawn, 2 usage.");
+}
+
+std::string FiguresCommand::canonical() const {
+  std::vector<std::string> words{"padr-lab",   "figures",
+                                 "--scenario", scenario_.load().label,
+                                 "--seed",     std::to_string(scenario_.seed()),
+                                 "--seeds",    std::to_string(seeds_),
+                                 "--seconds",  plot::number(seconds_)};
+  for (const std::string& input : inputs_) words.insert(words.end(), {"--input", input});
+  if (!netem_.empty()) words.insert(words.end(), {"--netem", netem_});
+  return support::shell_line(words);
+}
+
+figures::Plan FiguresCommand::plan() const {
+  Plan p;
+  std::vector<std::string> warnings;
+  p.netem = support::parse_netem_flag("--netem", netem_, &warnings);
+  for (const std::string& w : warnings) std::cerr << "padr-lab: warning: " << w << '\n';
+  p.netem_text = netem_;
+  p.settings = figure_settings();
+  p.ticks = static_cast<Tick>(std::lround(seconds_ * kTicksPerSecond));
+  p.scenario = scenario_.load().label;
+  p.command = canonical();
+  const std::vector<std::string> inputs = inputs_.empty() ? std::vector<std::string>{"wander"} : inputs_;
+  if (inputs.size() * static_cast<std::size_t>(seeds_) > kMostCases)
+    throw UserError("--seeds: " + std::to_string(seeds_) + " times " + std::to_string(inputs.size()) +
+                    " inputs is more than " + std::to_string(kMostCases) + " cases");
+  for (const std::string& input : inputs) {
+    for (int i = 0; i < seeds_; ++i) {
+      const std::uint64_t seed = scenario_.seed() + static_cast<std::uint64_t>(i);
+      Scene scene = support::load_scenario(p.scenario, seed).scene;
+      if (scene.avatar.spawns.size() < 2)
+        throw UserError("--scenario: " + p.scenario + " has room for one peer; two are needed");
+      const std::string name = short_name(input);
+      add_case(p.cases, {name + "-" + std::to_string(seed), name + ", seed " + std::to_string(seed), input, seed,
+                         std::move(scene)});
+      // Mistakes in files show before hours are spent.
+      support::load_input(input, p.cases.back().scene, 0, seed);
+    }
+  }
+  return p;
+}
+
+int FiguresCommand::run() {
+  const Plan p = plan();
+  plot::write_into("--out", out_, {});
+  const auto start = std::chrono::steady_clock::now();
+  const ParallelOptions parallel{.threads = jobs_};
+  const Results results = run_plan(p, parallel);
+  const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const std::vector<Claim> claims = judge_claims(p, results);
+  plot::write_into("--out", out_, csv_files(p, results));
+  plot::write_into("--out", out_, {{"summary.json", json(p, results, claims)}});
+  std::cout << table(p, results, claims);
+
+  std::string wrong;
+  if (!no_pictures_) wrong = draw_pictures(out_, p, results, parallel);
+  plot::write_into("--out", out_, {{"report.html", html(out_, p, results, claims, !no_pictures_ && wrong.empty())}});
+  std::cout << "\n"
+            << p.cases.size() * p.settings.size() << " runs in " << fixed(spent, 1) << " s; see "
+            << (std::filesystem::path(out_) / "report.html").string() << "\n";
+  if (wrong.empty()) return support::kExitFine;
+  std::cerr << "padr-lab: " << wrong << '\n';
+  return support::kExitFailure;
+}
+
+}  // namespace padr::lab

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "tools/lab/figures/experiment.h"
+#include "tools/support/netem_flags.h"
+#include "tools/support/scenario_flags.h"
+
+namespace padr::lab {
+
+/// `padr-lab figures`: the paper's experiments, over several inputs and seeds.
+class FiguresCommand {
+ public:
+  void declare(CLI::App& app);
+  /// Returns the exit code. Throws UserError.
+  int run();
+
+ private:
+  figures::Plan plan() const;
+  std::string canonical() const;
+
+  support::ScenarioFlags scenario_;
+  std::vector<std::string> inputs_;
+  std::string out_;
+  int seeds_ = 6;
+  double seconds_ = 60;
+  int jobs_ = 0;
+  std::string netem_;
+  bool no_pictures_ = false;
+};
+
+}  // namespace padr::lab

@@ -1,0 +1,102 @@
+#include "tools/lab/figures/run.h"
+
+#include <algorithm>
+#include <cassert>
+#include <memory>
+
+#include "tools/lab/simulation.h"
+#include "tools/support/scenario_flags.h"
+
+namespace padr::lab::figures {
+namespace {
+
+constexpr PeerId kDriver = 0;
+constexpr PeerId kWatcher = 1;
+
+// What happens in the last moments is confirmed, and so measured, a little later.
+constexpr Tick kConfirmTicks = 5 * kTicksPerSecond;
+
+bool touches_body(const world::World& w, EntityId avatar) {
+  const auto& contacts = w.contacts();
+  return std::any_of(contacts.begin(), contacts.end(), [&](const Contact& c) {
+    return (c.first == avatar && !w.is_avatar(c.second)) || (c.second == avatar && !w.is_avatar(c.first));
+  });
+}
+
+void note_traffic(const node::NodeStats& stats, FigureRun& r) {
+  r.updates_by_cause = stats.updates_by_cause;
+  for (const std::uint64_t n : r.updates_by_cause) r.updates += n;
+  r.datagrams = stats.datagrams_sent;
+  r.wire_bytes = stats.wire_bytes_sent;
+}
+
+Setting setting(const std::string& name, const std::string& threshold, const std::string& predictor) {
+  Technique t = technique_by_name(name);
+  set_threshold(t, threshold);
+  if (!predictor.empty()) set_predictor(t, predictor);
+  std::string id = name + "-" + threshold;
+  std::replace(id.begin(), id.end(), ':', '-');
+  std::string title = name + " " + threshold + " m";
+  if (!predictor.empty()) {
+    id += "-" + predictor;
+    title += ", " + predictor;
+  }
+  return {id, title, t};
+}
+
+}  // namespace
+
+FigureRun run_figure(const Case& c, const Setting& s, const link::NetemSpec& netem, Tick ticks) {
+  const auto driver = support::load_input(c.input, c.scene, kDriver, c.seed);
+  const auto watcher = support::load_input("rest", c.scene, kWatcher, c.seed);
+  SimulationConfig config;
+  config.scene = c.scene;
+  config.technique = s.technique;
+  config.netem = netem;
+  config.netem_seed = c.seed;
+  config.inputs = {driver.get(), watcher.get()};
+  config.ticks = ticks;
+  config.settle_ticks = kConfirmTicks;
+  Simulation simulation(std::move(config));
+
+  FigureRun r;
+  std::vector<bool> predicted;
+  simulation.run([&](Tick now) {
+    if (now > ticks) return;
+    const node::Node& node = simulation.node(kDriver);
+    const world::World& live = node.live().world();
+    r.threshold_m.push_back(node.threshold());
+    r.touching.push_back(touches_body(live, node.live().avatar()));
+    r.path.push_back(live.position(node.live().avatar()));
+    predicted.push_back(node.prediction().interaction);
+    if (now < ticks) return;
+    note_traffic(node.stats(), r);
+    for (EntityId b = 0; b < live.bodies(); ++b) r.bodies_end.push_back(live.state(b));
+  });
+  for (const trace::InconsistencyPoint& p : simulation.meter().series(kWatcher))
+    if (p.tick >= 1 && p.tick <= ticks) r.watched.push_back(p);
+  r.score = score_predictions(predicted, r.touching, s.technique.steps);
+  r.confirmed_mismatches = simulation.confirmed_mismatches();
+  return r;
+}
+
+std::vector<Setting> figure_settings() {
+  std::vector<Setting> all;
+  for (const char* name : {"avatar-only", "fixed"})
+    for (const char* threshold : kThresholds) all.push_back(setting(name, threshold, ""));
+  for (const char* predictor : kPredictors) all.push_back(setting("adaptive", "0.8:0.3", predictor));
+  all.push_back(setting("full", "0.8:0.3", ""));
+  return all;
+}
+
+std::string adaptive_id(const std::string& predictor) {
+  return "adaptive-0.8-0.3-" + predictor;
+}
+
+std::size_t setting_index(const std::vector<Setting>& settings, const std::string& id) {
+  const auto at = std::find_if(settings.begin(), settings.end(), [&id](const Setting& s) { return s.id == id; });
+  assert(at != settings.end());
+  return static_cast<std::size_t>(at - settings.begin());
+}
+
+}  // namespace padr::lab::figures

@@ -1,0 +1,219 @@
+#include "tools/lab/replay.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <deque>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/model/user_error.h"
+#include "common/node/node.h"
+#include "common/scenarios/scenarios.h"
+#include "common/trace/truth.h"
+#include "common/wire/membership_codec.h"
+#include "common/wire/transfer_codec.h"
+#include "tools/support/files.h"
+
+namespace padr::lab {
+namespace {
+
+// Hours of a busy session.
+constexpr std::size_t kMostBytes = std::size_t{4} << 30U;
+
+Scene scene_of(const trace::TraceReader& t) {
+  const trace::Header& h = t.header();
+  Scene scene = scenarios::load(h.scenario_text, t.label() + " (its scenario " + h.scenario + ")", h.scenario_seed);
+  if (scene_hash(scene) != h.scene_hash || static_cast<int>(scene.bodies.size()) != h.bodies)
+    throw UserError(t.label() + ": its scenario makes another scene here than where it was recorded (revision " +
+                    (h.revision.empty() ? "unknown" : h.revision) + ")");
+  if (static_cast<int>(scene.avatar.spawns.size()) < h.slots)
+    throw UserError(t.label() + ": has more avatar slots than its scenario");
+  if (world::physics_fingerprint() != h.fingerprint)
+    throw UserError(t.label() + ": physics plays out differently here than where it was recorded");
+  return scene;
+}
+
+node::NodeConfig config_of(const trace::Header& h) {
+  node::NodeConfig c;
+  c.self = h.peer;
+  c.peers = h.peers;
+  c.slots = h.slots;
+  c.incarnation = h.incarnation;
+  c.session = h.session;
+  c.technique = h.technique;
+  return c;
+}
+
+struct ConfirmedWorld {
+  trace::Confirmed tick;
+  trace::Truth truth;
+};
+
+bool same(const ConfirmedWorld& a, const ConfirmedWorld& b) {
+  return a.tick.tick == b.tick.tick && a.tick.hash == b.tick.hash && a.truth.owner == b.truth.owner &&
+         a.truth.present == b.truth.present && a.truth.agreed == b.truth.agreed;
+}
+
+/// The node that does it all again, and what it and the trace say that has not been compared yet.
+class Again {
+ public:
+  Again(const Scene& scene, const trace::TraceReader& t) : scene_(scene), label_(t.label()), header_(t.header()) {
+    if (header_.incarnation == 0) node_.emplace(scene_, config_of(header_), sink());
+  }
+
+  void take(const trace::Begin& b) {
+    const auto start = wire::decode_transfer(b.transfer, scene_, header_.slots);
+    if (!start || start->state.tick != b.confirmed)
+      throw UserError(label_ + ": the agreed world that it begins with does not decode");
+    node_.emplace(scene_, config_of(header_), *start, b.tick, sink());
+  }
+  void take(const trace::Received& r) {
+    compare_rest();
+    ++result_.datagrams_in;
+    node_->receive(r.datagram, r.at);
+  }
+  void take(const trace::Order& o) {
+    const auto message = wire::decode_membership(o.fetched);
+    const auto* fetched = message ? std::get_if<wire::Fetched>(&*message) : nullptr;
+    if (fetched == nullptr || fetched->updates.size() != 1)
+      throw UserError(label_ + ": an order after tick " + std::to_string(node_->now()) + " does not decode");
+    node_->order(fetched->updates[0]);
+  }
+  void take(const trace::Freeze& f) { node_->freeze(f.peer, f.frozen); }
+  void take(const trace::GiveUp& g) { node_->give_up(g.peer); }
+  void take(const trace::Excuse&) { node_->excuse_silence(); }
+  void take(const trace::Locate& l) { node_->locate(l.peer, l.at); }
+  void take(const trace::Footer&) {}
+  void take(const trace::Confirmed& c, const trace::Truth& truth) {
+    compare_rest();
+    recorded_.push_back({c, truth});
+  }
+  void take(const trace::Step& s, const trace::LiveView& live) {
+    compare_rest();
+    if (s.leaving) node_->leave();
+    if (stepped_) node_->step(s.target);
+    result_.ticks = s.tick;
+    if (node_->now() != s.tick) differ("the trace steps to it, the replay is at tick " + std::to_string(node_->now()));
+    compare_live(s, live);
+    compare_confirmed();
+    next_out_ = 0;
+    stepped_ = true;
+  }
+  void take(const trace::Sent& s) {
+    const auto& out = node_->outgoing();
+    const std::string what =
+        "datagram " + std::to_string(next_out_ + 1) + " of the tick, to peer " + std::to_string(s.to);
+    if (s.tick != node_->now()) return differ(what + ", bears tick " + std::to_string(s.tick));
+    if (next_out_ >= out.size()) return differ(what + ", is not sent again");
+    const node::Outgoing& o = out[next_out_++];
+    if (o.to != s.to) return differ(what + ", goes to peer " + std::to_string(o.to) + " now");
+    if (!std::equal(o.bytes.begin(), o.bytes.end(), s.datagram.begin(), s.datagram.end()))
+      return differ(what + ", has other bytes");
+    ++result_.datagrams_out;
+  }
+  /// What the last step sent beyond what was recorded.
+  void compare_rest() {
+    if (stepped_ && next_out_ < node_->outgoing().size())
+      differ("the replay sends " + std::to_string(node_->outgoing().size()) + " datagrams, " +
+             std::to_string(next_out_) + " were recorded");
+  }
+
+  ReplayResult& result() { return result_; }
+
+ private:
+  node::Node::ConfirmedSink sink() {
+    return [this](const sync::FoldState& s, std::uint64_t hash) {
+      ours_.push_back({{s.tick, hash}, trace::truth_of(s, header_.technique.authority)});
+    };
+  }
+
+  void differ(const std::string& what) {
+    if (result_.difference.empty()) result_.difference = "tick " + std::to_string(node_->now()) + ": " + what;
+  }
+
+  void compare_live(const trace::Step& s, const trace::LiveView& live) {
+    const world::World& w = node_->live().world();
+    if (node_->live_hash() != s.live_hash) {
+      for (std::size_t i = 0; i < live.states.size(); ++i) {
+        const auto e = static_cast<EntityId>(i);
+        if (w.state(e) == live.states[e]) continue;
+        const bool avatar = w.is_avatar(e);
+        return differ("live world differs, first in " + std::string(avatar ? "avatar " : "body ") +
+                      std::to_string(avatar ? e - w.bodies() : e));
+      }
+      return differ("live hash differs");
+    }
+    if (stepped_ && node_->shown().positions() != live.shown) differ("shown positions differ");
+  }
+
+  void compare_confirmed() {
+    while (!ours_.empty() && !recorded_.empty()) {
+      if (!same(ours_.front(), recorded_.front()))
+        return differ("confirmed world of tick " + std::to_string(recorded_.front().tick.tick) + " differs");
+      ours_.pop_front();
+      recorded_.pop_front();
+      ++result_.confirmed;
+    }
+    if (!ours_.empty()) differ("the replay confirms tick " + std::to_string(ours_.front().tick.tick) + ", too early");
+    if (!recorded_.empty()) differ("the replay does not confirm tick " + std::to_string(recorded_.front().tick.tick));
+  }
+
+  std::deque<ConfirmedWorld> ours_;  ///< before the node, which confirms tick 0 while it is built
+  std::deque<ConfirmedWorld> recorded_;
+  const Scene& scene_;
+  std::string label_;
+  trace::Header header_;
+  std::optional<node::Node> node_;
+  bool stepped_ = false;  ///< the first step of a trace is the state before any
+  std::size_t next_out_ = 0;
+  ReplayResult result_;
+};
+
+template <typename E>
+void take(Again& again, const E& event, const trace::TraceReader&) {
+  again.take(event);
+}
+void take(Again& again, const trace::Confirmed& c, const trace::TraceReader& t) {
+  again.take(c, t.truth());
+}
+void take(Again& again, const trace::Step& s, const trace::TraceReader& t) {
+  again.take(s, t.live());
+}
+
+}  // namespace
+
+ReplayResult replay(trace::TraceReader& trace) {
+  const Scene scene = scene_of(trace);
+  Again again(scene, trace);
+  bool ended = false;
+  while (again.result().identical()) {
+    const auto event = trace.next();
+    if (!event) {
+      ended = true;
+      break;
+    }
+    std::visit([&](const auto& e) { take(again, e, trace); }, *event);
+  }
+  // A trace that broke off may lack what its last step sent.
+  if (ended && trace.clean()) again.compare_rest();
+  again.result().truncated = ended && !trace.clean();
+  return again.result();
+}
+
+int run_replay(const std::string& file) {
+  const std::string text = support::read_file("TRACE", file, kMostBytes);
+  trace::TraceReader reader(std::as_bytes(std::span(text)), file);
+  const ReplayResult r = replay(reader);
+  if (!r.identical()) {
+    std::printf("%s: DIFFERS at %s\n", file.c_str(), r.difference.c_str());
+    return 1;
+  }
+  std::printf("%s: identical: peer %d, %d ticks, %llu confirmed worlds, %llu datagrams in, %llu out%s\n", file.c_str(),
+              reader.header().peer, r.ticks, static_cast<unsigned long long>(r.confirmed),
+              static_cast<unsigned long long>(r.datagrams_in), static_cast<unsigned long long>(r.datagrams_out),
+              r.truncated ? " (the trace breaks off: the program did not end well, or is still running)" : "");
+  return 0;
+}
+
+}  // namespace padr::lab

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "tools/lab/simulation.h"
+#include "tools/support/netem_flags.h"
+#include "tools/support/scenario_flags.h"
+#include "tools/support/technique_flags.h"
+
+namespace padr::lab {
+
+/// `padr-lab run`: one session from flags to summary.
+class RunCommand {
+ public:
+  void declare(CLI::App& app);
+  /// Returns the exit code: 0, or 1 if confirmed worlds differed. Throws UserError.
+  int run(const std::vector<std::string>& command);
+
+ private:
+  void prepare_recordings(const support::LoadedScenario& scenario, const std::vector<std::string>& command,
+                          SimulationConfig& config);
+
+  support::ScenarioFlags scenario_;
+  support::TechniqueFlags technique_;
+  support::NetemFlags netem_;
+  int peers_ = 2;
+  int slots_ = 0;
+  double seconds_ = 60;
+  double settle_seconds_ = 0;
+  std::vector<std::string> inputs_;
+  std::string json_;
+  std::string trace_dir_;
+  std::string series_;
+};
+
+}  // namespace padr::lab

@@ -1,0 +1,129 @@
+#include "tools/lab/run_summary.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "tools/lab/rates.h"
+#include "tools/support/command_line.h"
+#include "tools/support/json.h"
+#include "tools/support/revision.h"
+
+namespace padr::lab {
+namespace {
+
+using support::Json;
+
+template <typename... Args>
+std::string format(const char* pattern, Args... args) {
+  std::array<char, 400> text{};
+  const int n = std::snprintf(text.data(), text.size(), pattern, args...);
+  return {text.data(), static_cast<std::size_t>(n)};
+}
+
+void put(Json& j, const trace::Inconsistency& i) {
+  j.field("mean_m", i.mean_m).field("avatar_mean_m", i.avatar_mean_m).field("body_mean_m", i.body_mean_m);
+  j.field("p95_m", i.p95_m).field("p99_m", i.p99_m).field("peak_m", i.peak_m).field("final_m", i.final_m);
+  j.field("area_ms", i.area_ms).field("shown_mean_m", i.shown_mean_m).field("shown_peak_m", i.shown_peak_m);
+}
+
+void put(Json& j, const Rates& r) {
+  j.field("updates_per_s", r.updates).field("datagrams_per_s", r.datagrams).field("wire_kbps", r.kbps);
+  j.field("repeats_per_s", r.repeats);
+  j.key("updates_by_cause").begin_object();
+  for (std::size_t c = 0; c < sync::kCauses; ++c) j.field(sync::kCauseNames[c], r.by_cause[c]);
+  j.end_object();
+  j.field("snaps_per_s", r.snaps).field("snap_m_per_s", r.snap_m).field("snap_peak_m", r.snap_peak_m);
+  j.field("replay_steps_per_tick", r.replay_steps_per_tick);
+  j.field("lookahead_steps_per_tick", r.lookahead_steps_per_tick).field("lookahead_share", r.lookahead_share());
+}
+
+void put(Json& j, const trace::FlipMeter& m) {
+  j.field("takeovers", m.all().takeovers).field("flips", m.all().flips);
+  j.key("takeovers_by_body").begin_array();
+  for (const auto& [body, n] : m.by_body())
+    j.begin_object().field("body", int{body}).field("takeovers", n.takeovers).field("flips", n.flips).end_object();
+  j.end_array();
+}
+
+/// What of authority passed from hand to hand; the body that did so most is named.
+std::string authority_line(const trace::FlipMeter& m) {
+  if (m.all().takeovers == 0) return "authority: no body was taken over from another peer\n";
+  const auto most = std::max_element(m.by_body().begin(), m.by_body().end(), [](const auto& a, const auto& b) {
+    return a.second.takeovers < b.second.takeovers;
+  });
+  return format("authority: %llu takeovers, %llu flips (within a second of the last); most often body %d: %llu, %llu\n",
+                static_cast<unsigned long long>(m.all().takeovers), static_cast<unsigned long long>(m.all().flips),
+                int{most->first}, static_cast<unsigned long long>(most->second.takeovers),
+                static_cast<unsigned long long>(most->second.flips));
+}
+
+/// What viewers see of corrections.
+std::string shown_line(const trace::Inconsistency& i, const Rates& r) {
+  return format("shown: inconsistency %.3f m, snaps (jumps by over 3 cm) %.2f/s a peer of %.3f m, the largest %.2f m\n",
+                i.shown_mean_m, r.snaps, r.snaps > 0 ? r.snap_m / r.snaps : 0.0, r.snap_peak_m);
+}
+
+}  // namespace
+
+std::string json_summary(const Simulation& s, const RunFacts& f) {
+  Json j;
+  const double virtual_seconds = static_cast<double>(s.now()) / kTicksPerSecond;
+  j.begin_object().field("program", "padr-lab").field("revision", support::revision());
+  j.field("command", support::shell_line(f.command)).field("seed", f.seed).field("netem_seed", f.netem_seed);
+  j.field("scenario", f.scenario).field("peers", s.peers()).field("technique", describe(f.technique));
+  j.field("netem", f.netem).field("seconds", virtual_seconds);
+  put(j, s.meter().overall());
+  put(j, rates_of(s, 0, s.peers()));
+  j.field("confirmed_ticks", s.confirmed_ticks()).field("confirmed_mismatches", s.confirmed_mismatches());
+  j.field("confirmed_hash", format("%016llx", static_cast<unsigned long long>(s.last_confirmed_hash())));
+  put(j, s.flips());
+  if (s.first_mismatch() >= 0) j.field("first_mismatch_tick", s.first_mismatch());
+  j.field("realtime_factor", virtual_seconds / f.wall_seconds);
+  j.key("by_peer").begin_array();
+  for (PeerId p = 0; p < s.peers(); ++p) {
+    j.begin_object().field("peer", int{p}).field("input", f.inputs[p % f.inputs.size()]);
+    put(j, s.meter().result(p));
+    put(j, rates_of(s, p, 1));
+    j.field("contests_lost", s.node(p).reporter().contests_lost());
+    j.field("snaps", s.node(p).shown().snaps()).field("snap_m", s.node(p).shown().snap_metres());
+    j.end_object();
+  }
+  return j.end_array().end_object().text();
+}
+
+std::string table_summary(const Simulation& s, const RunFacts& f) {
+  std::string out =
+      format("%s, %d peers, %.0f s, seed %llu, netem \"%s\"\n", f.scenario.c_str(), s.peers(),
+             static_cast<double>(s.now()) / kTicksPerSecond, static_cast<unsigned long long>(f.seed), f.netem.c_str());
+  out += describe(f.technique) + "\n\n";
+  out += "       combined inconsistency (m)                    per second      wire   replayed    ahead\n";
+  out += "peer    mean  avatars  bodies    p95    p99   peak   updates  dgrams  kbit/s  steps/tick  share\n";
+  const auto row = [&out](const char* name, const trace::Inconsistency& i, const Rates& r) {
+    out += format("%-6s %5.3f    %5.3f   %5.3f  %5.2f  %5.2f  %5.2f    %6.2f  %6.1f  %6.1f      %6.2f  %3.0f %%\n",
+                  name, i.mean_m, i.avatar_mean_m, i.body_mean_m, i.p95_m, i.p99_m, i.peak_m, r.updates, r.datagrams,
+                  r.kbps, r.replay_steps_per_tick, 100 * r.lookahead_share());
+  };
+  for (PeerId p = 0; p < s.peers(); ++p) row(std::to_string(p).c_str(), s.meter().result(p), rates_of(s, p, 1));
+  row("all", s.meter().overall(), rates_of(s, 0, s.peers()));
+  out += format("\nconfirmed worlds: %llu ticks compared, %llu differ%s\n",
+                static_cast<unsigned long long>(s.confirmed_ticks()),
+                static_cast<unsigned long long>(s.confirmed_mismatches()),
+                s.confirmed_mismatches() == 0 ? "" : " - THEY MUST NOT");
+  out += shown_line(s.meter().overall(), rates_of(s, 0, s.peers()));
+  out += authority_line(s.flips());
+  out += format("below %.0f mm inconsistency is noise; %.0f times real time\n", trace::kNoiseMetres * 1000,
+                static_cast<double>(s.now()) / kTicksPerSecond / f.wall_seconds);
+  return out;
+}
+
+std::string csv_series(const Simulation& s) {
+  std::string out = "tick,peer,avatars_m,bodies_m,combined_m,shown_m\n";
+  for (PeerId p = 0; p < s.peers(); ++p)
+    for (const trace::InconsistencyPoint& i : s.meter().series(p))
+      out += format("%d,%d,%.6g,%.6g,%.6g,%.6g\n", i.tick, int{p}, static_cast<double>(i.avatars_m),
+                    static_cast<double>(i.bodies_m), static_cast<double>(i.combined()), static_cast<double>(i.shown_m));
+  return out;
+}
+
+}  // namespace padr::lab

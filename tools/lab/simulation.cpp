@@ -1,0 +1,111 @@
+#include "tools/lab/simulation.h"
+
+#include <algorithm>
+
+#include "common/link/link_seed.h"
+#include "common/trace/truth.h"
+
+namespace padr::lab {
+Simulation::Simulation(SimulationConfig config)
+    : config_(std::move(config)),
+      meter_(config_.peers, static_cast<int>(config_.scene.bodies.size())),
+      flips_(static_cast<int>(config_.scene.bodies.size())) {
+  const auto n = static_cast<std::size_t>(config_.peers);
+  hashes_.resize(n);
+  live_hashes_.resize(n);
+  stands_.resize(n);
+  shims_.resize(n);
+  for (PeerId p = 0; p < n; ++p) {
+    node::NodeConfig c;
+    c.self = p;
+    c.peers = config_.peers;
+    c.slots = config_.slots > 0 ? config_.slots : config_.peers;
+    c.session = 1;
+    c.technique = config_.technique;
+    const bool authority = config_.technique.authority;
+    nodes_.push_back(std::make_unique<node::RecordedNode>(
+        config_.scene, c, p < config_.recordings.size() ? std::move(config_.recordings[p]) : std::nullopt,
+        [this, p, authority](const sync::FoldState& s, std::uint64_t hash) {
+          hashes_[p].push_back(hash);
+          if (config_.on_confirmed) config_.on_confirmed(p, s);
+          if (p != 0) return;
+          trace::Truth truth = trace::truth_of(s, authority);
+          flips_.owners(s.tick, truth.owner);
+          meter_.truth(s.tick, std::move(truth));
+          if (config_.settle_ticks > 0) agreed_hashes_.push_back(node::state_hash(s));
+        }));
+    for (PeerId q = 0; q < n; ++q)
+      shims_[p].push_back(std::make_unique<link::Shim>(config_.netem, link::link_seed(config_.netem_seed, p, q)));
+  }
+  sample_views();
+}
+
+Simulation::~Simulation() = default;
+
+void Simulation::run(const std::function<void(Tick)>& on_tick) {
+  while (now_ < config_.ticks + config_.settle_ticks) {
+    step();
+    if (on_tick) on_tick(now_);
+  }
+}
+
+void Simulation::deliver() {
+  const Micros now = tick_start(now_);
+  for (PeerId from = 0; from < nodes_.size(); ++from)
+    for (PeerId to = 0; to < nodes_.size(); ++to)
+      while (auto datagram = shims_[from][to]->release(now)) nodes_[to]->receive(*datagram, now);
+}
+
+void Simulation::step() {
+  ++now_;
+  deliver();
+  for (PeerId p = 0; p < nodes_.size(); ++p) {
+    nodes_[p]->step(target_of(p));
+    for (const node::Outgoing& o : nodes_[p]->outgoing()) shims_[p][o.to]->accept(tick_start(now_), o.bytes);
+  }
+  sample_views();
+  compare_confirmed();
+}
+
+Vec2 Simulation::target_of(PeerId p) {
+  if (now_ <= config_.ticks) return config_.inputs[p]->target(now_);
+  constexpr float kStopped = 0.05F;  // m/s
+  const world::World& live = node(p).live().world();
+  const EntityId avatar = node(p).live().avatar();
+  if (!stands_[p] && length(live.velocity(avatar)) < kStopped) stands_[p] = live.position(avatar);
+  return stands_[p].value_or(live.position(avatar));
+}
+
+void Simulation::sample_views() {
+  for (PeerId p = 0; p < nodes_.size(); ++p) {
+    const world::World& w = node(p).live().world();
+    trace::View v;
+    v.live.reserve(static_cast<std::size_t>(w.entities()));
+    for (EntityId e = 0; e < w.entities(); ++e) v.live.push_back(w.position(e));
+    v.shown = now_ == 0 ? v.live : node(p).shown().positions();
+    meter_.view(p, now_, std::move(v));
+    if (config_.settle_ticks > 0) live_hashes_[p].push_back(node(p).live_hash());
+  }
+}
+
+void Simulation::compare_confirmed() {
+  std::size_t all = hashes_[0].size();
+  for (const auto& h : hashes_) all = std::min(all, h.size());
+  for (; compared_ < all; ++compared_) {
+    for (const auto& h : hashes_) {
+      if (h[compared_] == hashes_[0][compared_]) continue;
+      ++mismatches_;
+      if (first_mismatch_ < 0) first_mismatch_ = static_cast<Tick>(compared_);
+      break;
+    }
+    if (config_.settle_ticks == 0) continue;
+    for (const auto& h : live_hashes_)
+      if (h[compared_] != agreed_hashes_[compared_]) last_unlike_ = static_cast<Tick>(compared_);
+  }
+}
+
+void Simulation::finish() {
+  for (const auto& n : nodes_) n->finish();
+}
+
+}  // namespace padr::lab

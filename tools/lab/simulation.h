@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/link/shim.h"
+#include "common/node/recorded_node.h"
+#include "common/scenarios/input.h"
+#include "common/trace/flips.h"
+#include "common/trace/metrics.h"
+
+namespace padr::lab {
+
+struct SimulationConfig {
+  Scene scene;
+  int peers = 2;
+  int slots = 0;  ///< avatar slots; 0: as many as peers
+  Technique technique;
+  link::NetemSpec netem;  ///< of every directed link
+  std::uint64_t netem_seed = 1;
+  std::vector<scenarios::InputSource*> inputs;                           ///< by peer; not owned
+  std::vector<std::optional<node::RecordedNode::Recording>> recordings;  ///< by peer; empty: none is recorded
+  Tick ticks = 0;                                                        ///< with input
+  /// Afterwards, hands off: every avatar brakes, and then stands where it has stopped. Time to come to rest and to
+  /// agree.
+  Tick settle_ticks = 0;
+  /// Sees every confirmed state of every peer; may be empty.
+  std::function<void(PeerId, const sync::FoldState&)> on_confirmed = {};
+};
+
+/// N nodes in lock step on a virtual clock, every directed link through a shim.
+class Simulation {
+ public:
+  explicit Simulation(SimulationConfig config);
+  ~Simulation();
+
+  /// Runs all ticks; `on_tick`, if given, is called after each.
+  void run(const std::function<void(Tick)>& on_tick = {});
+  /// One tick.
+  void step();
+  /// Ends the traces, if any; no step may follow.
+  void finish();
+
+  Tick now() const { return now_; }
+  int peers() const { return config_.peers; }
+  const node::Node& node(PeerId p) const { return nodes_[p]->node(); }
+  const link::Shim& shim(PeerId from, PeerId to) const { return *shims_[from][to]; }
+  const trace::InconsistencyMeter& meter() const { return meter_; }
+  /// Of the first peer's confirmed world.
+  const trace::FlipMeter& flips() const { return flips_; }
+
+  /// Confirmed ticks that every peer has reached and whose hashes have been compared.
+  std::uint64_t confirmed_ticks() const { return compared_; }
+  /// Hash of the last of them.
+  std::uint64_t last_confirmed_hash() const { return hashes_[0][compared_ - 1]; }
+  /// Those among them at which not all hashes were the same.
+  std::uint64_t confirmed_mismatches() const { return mismatches_; }
+  /// The first of them, -1 if none.
+  Tick first_mismatch() const { return first_mismatch_; }
+  /// The last confirmed tick at which some peer's live world was not, state by state and bit by bit, the confirmed
+  /// world of that tick; -1 if there is none, or nothing was to settle. Once input has stopped and everything has come
+  /// to rest, it stays behind.
+  Tick last_unlike() const { return last_unlike_; }
+
+ private:
+  void deliver();
+  void compare_confirmed();
+  void sample_views();
+  Vec2 target_of(PeerId p);
+
+  SimulationConfig config_;
+  Tick now_ = 0;
+  std::vector<std::unique_ptr<node::RecordedNode>> nodes_;
+  std::vector<std::optional<Vec2>> stands_;  ///< by peer: where its avatar stopped after the end of input
+  std::vector<std::vector<std::unique_ptr<link::Shim>>> shims_;
+  std::vector<std::vector<std::uint64_t>> hashes_;  ///< by peer: of every confirmed tick
+  trace::InconsistencyMeter meter_;
+  trace::FlipMeter flips_;
+  std::uint64_t compared_ = 0;
+  std::uint64_t mismatches_ = 0;
+  Tick first_mismatch_ = -1;
+  std::vector<std::vector<std::uint64_t>> live_hashes_;  ///< by peer: of every tick
+  std::vector<std::uint64_t> agreed_hashes_;             ///< of the first peer's confirmed states
+  Tick last_unlike_ = -1;
+};
+
+}  // namespace padr::lab

@@ -1,0 +1,133 @@
+#include "tools/lab/sweep/command.h"
+
+#include <cstdio>
+
+#include "common/model/user_error.h"
+#include "tools/lab/sweep/digest.h"
+#include "tools/lab/sweep/sweep.h"
+#include "tools/support/command_line.h"
+#include "tools/support/run_main.h"
+#include "tools/support/scenario_flags.h"
+#include "tools/support/technique_flags.h"
+
+namespace padr::lab {
+namespace {
+
+constexpr double kMaxSeconds = 24 * 3600;
+
+void declare_network(CLI::App& app, sweep::GridText& grid) {
+  const std::string group = "Network (of every directed link)";
+  app.add_option("--delay", grid.delay, "One-way delays, 0 to 60 s, such as 0,50,100ms")
+      ->type_name("TIMES")
+      ->group(group);
+  app.add_option("--jitter", grid.jitter, "What delays vary by, either way, 0 to 60 s")
+      ->type_name("TIMES")
+      ->group(group);
+  app.add_option("--loss", grid.loss, "Datagrams lost, 0 to 100 %, such as 0,5,10%")
+      ->type_name("PERCENTS")
+      ->group(group);
+  app.add_option("--netem", grid.netem, "Further words in tc-netem's grammar for every run, such as 'duplicate 1%'")
+      ->type_name("SPEC")
+      ->group(group);
+}
+
+void declare_technique(CLI::App& app, sweep::GridText& grid) {
+  const std::string group = "Technique";
+  app.add_option("--technique", grid.techniques, "Names, as padr-lab run takes them")
+      ->type_name("NAMES")
+      ->capture_default_str()
+      ->group(group);
+  for (std::size_t k = 0; k < support::knobs().size(); ++k) {
+    const support::Knob& knob = support::knobs()[k];
+    app.add_option(knob.flag, grid.knobs[k], knob.help)->type_name(std::string(knob.type) + ",...")->group(group);
+  }
+}
+
+}  // namespace
+
+SweepCommand::SweepCommand() {
+  grid_.knobs.resize(support::knobs().size());
+}
+
+void SweepCommand::declare(CLI::App& app) {
+  const std::string world = "World";
+  app.add_option("--scenario", grid_.scenarios, "Built-in names or files")
+      ->type_name("NAMES")
+      ->capture_default_str()
+      ->group(world);
+  app.add_option("--bodies", grid_.bodies, "Bodies in all, 1 to 5000: another count for the scenario's scatter or row")
+      ->type_name("COUNTS")
+      ->group(world);
+  app.add_option("--peers", grid_.peers, "Participants, 1 to 32 and as many as the scenario has room for")
+      ->type_name("COUNTS")
+      ->capture_default_str()
+      ->group(world);
+  app.add_option("--seeds", grid_.seeds, "Of scenario, network and generated input, such as 1-20")
+      ->type_name("NUMBERS")
+      ->capture_default_str()
+      ->group(world);
+  app.add_option("--input", grid_.inputs, std::string(support::kInputHelp) + "; repeat to deal round to the peers")
+      ->type_name("SPEC")
+      ->group(world);
+  declare_network(app, grid_);
+  declare_technique(app, grid_);
+  app.add_option("--seconds", grid_.seconds, "Virtual time with input, of every run")
+      ->check(support::between(0.1, kMaxSeconds, "seconds"))
+      ->capture_default_str();
+  app.add_option("--settle", grid_.settle_seconds, "Virtual seconds afterwards with hands off")
+      ->check(support::between(0, kMaxSeconds, "seconds"))
+      ->capture_default_str();
+  app.add_option("--csv", csv_, "Where rows go; those that are there already are not run again")->type_name("FILE");
+  app.add_option("--shard", shard_, "Only part I of N of the runs, I from 1 to N; put together by padr-lab merge")
+      ->type_name("I/N");
+  app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
+  app.add_flag("--dry-run", dry_, "Check the grid and say how many runs it has; run nothing");
+  app.footer(
+      "Lists have commas between their values; every combination is run, one row each. The same grid gives the same\n"
+      "file to the byte, however often it was interrupted and in how many shards it was run.\n"
+      "Example:\n"
+      "  padr-lab sweep --delay 0,50,100ms --loss 0,5,10% --threshold 0.8,0.3:0.1 --peers 2,4 --bodies 20,60 \\\n"
+      "    --seeds 1-5 --seconds 30 --csv out/grid.csv\n"
+      "  padr-lab sweep ... --shard 2/8 --csv out/part2.csv      and seven more, anywhere; then\n"
+      "  padr-lab merge out/part*.csv --out out/grid.csv\n"
+      "Exit: 0 done, 1 confirmed worlds differed, 2 usage.");
+}
+
+int SweepCommand::run() {
+  const sweep::Grid grid(grid_);
+  const sweep::Shard shard = sweep::shard_of(shard_);
+  if (dry_) {
+    std::printf("grid %s: %zu runs\n", grid.id().c_str(), grid.size());
+    return support::kExitFine;
+  }
+  if (csv_.empty()) throw UserError("--csv is required: the file that rows go to (or --dry-run)");
+  ParallelOptions parallel;
+  parallel.threads = jobs_;
+  const sweep::SweepResult r = sweep::run_sweep(grid, shard, csv_, parallel);
+  std::printf("grid %s: %zu of %zu runs in %s, %zu of them new\n", grid.id().c_str(), r.runs, grid.size(), csv_.c_str(),
+              r.done_now);
+  if (shard.count == 1) std::fputs(sweep::digest(sweep::read_rows("--csv", csv_)).c_str(), stdout);
+  if (r.agreed) return support::kExitFine;
+  std::fprintf(stderr, "padr-lab: confirmed worlds differed: see the column confirmed_mismatches\n");
+  return support::kExitFailure;
+}
+
+void MergeCommand::declare(CLI::App& app) {
+  app.add_option("SHARD", shards_, "The files of all shards of one sweep, in any order")->required();
+  app.add_option("--out", out_, "The whole")->type_name("FILE")->required();
+  app.footer(
+      "Refuses files of different grids, runs that are there twice, and holes; then writes the same bytes that one\n"
+      "padr-lab sweep without --shard would have written.\n"
+      "Example:\n"
+      "  padr-lab merge out/part*.csv --out out/grid.csv\n"
+      "Exit: 0 done, 2 usage, or the shards are no whole.");
+}
+
+int MergeCommand::run() {
+  const std::size_t runs = sweep::merge(shards_, out_);
+  std::printf("%zu runs of %zu files in %s\n", runs, shards_.size(), out_.c_str());
+  std::fputs(sweep::digest(sweep::read_rows("--out", out_)).c_str(), stdout);
+  return support::kExitFine;
+}
+
+}  // namespace padr::lab

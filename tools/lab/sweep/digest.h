@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "tools/lab/sweep/rows_file.h"
+
+namespace padr::lab::sweep {
+
+/// What a sweep's file says, for people: a table with a line for every combination of all but the seeds, of which means
+/// are taken. Columns in which all rows are alike are named once above it. A note in its place if it had more than
+/// `most` lines.
+std::string digest(const StoredRows& stored, std::size_t most = 60);
+
+}  // namespace padr::lab::sweep

@@ -1,0 +1,179 @@
+#include "tools/lab/sweep/grid.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <limits>
+
+#include "common/model/hash.h"
+#include "common/model/ids.h"
+#include "common/model/user_error.h"
+#include "common/scenarios/bodies.h"
+#include "common/scenarios/scenarios.h"
+#include "common/world/world.h"
+#include "tools/lab/sweep/values.h"
+#include "tools/support/files.h"
+#include "tools/support/netem_flags.h"
+#include "tools/support/revision.h"
+#include "tools/support/scenario_flags.h"
+#include "tools/support/technique_flags.h"
+
+namespace padr::lab::sweep {
+namespace {
+
+constexpr std::uint64_t kMostBodies = 5000;  // what scenarios may have
+constexpr std::size_t kMostRuns = 10'000'000;
+
+std::vector<double> times(std::string_view flag, const std::string& text) {
+  return text.empty() ? std::vector<double>{0} : milliseconds_of(flag, text);
+}
+
+std::string column_of(std::string_view flag) {
+  std::string name(flag.substr(2));
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+std::string netem_text(double delay_ms, double jitter_ms, double loss_percent, const std::string& more) {
+  std::string s;
+  if (delay_ms > 0 || jitter_ms > 0) s += "delay " + plain(delay_ms) + "ms " + plain(jitter_ms) + "ms ";
+  if (loss_percent > 0) s += "loss " + plain(loss_percent) + "% ";
+  return s + more;
+}
+
+}  // namespace
+
+Grid::Grid(const GridText& t)
+    : scenarios_(words_of("--scenario", t.scenarios)),
+      peers_(integers_of("--peers", t.peers, 1, kMaxPeers)),
+      delay_ms_(times("--delay", t.delay)),
+      jitter_ms_(times("--jitter", t.jitter)),
+      loss_percent_(t.loss.empty() ? std::vector<double>{0} : percents_of("--loss", t.loss)),
+      netem_(t.netem),
+      techniques_(words_of("--technique", t.techniques)),
+      seeds_(integers_of("--seeds", t.seeds, 0, std::numeric_limits<std::uint64_t>::max())),
+      seconds_(t.seconds),
+      settle_seconds_(t.settle_seconds),
+      inputs_(t.inputs.empty() ? std::vector<std::string>{"wander"} : t.inputs) {
+  bodies_ = {std::nullopt};
+  if (!t.bodies.empty()) {
+    bodies_.clear();
+    for (const std::uint64_t n : integers_of("--bodies", t.bodies, 1, kMostBodies))
+      bodies_.emplace_back(static_cast<std::uint32_t>(n));
+  }
+  for (std::size_t k = 0; k < t.knobs.size(); ++k) {
+    if (t.knobs[k].empty()) continue;
+    knobs_.push_back(k);
+    knob_columns_.push_back(column_of(support::knobs()[k].flag));
+    knob_values_.push_back(words_of(support::knobs()[k].flag, t.knobs[k]));
+  }
+  std::vector<std::size_t> lengths{scenarios_.size(), bodies_.size(),       peers_.size(),      delay_ms_.size(),
+                                   jitter_ms_.size(), loss_percent_.size(), techniques_.size(), seeds_.size()};
+  for (const auto& values : knob_values_) lengths.push_back(values.size());
+  size_ = 1;
+  for (const std::size_t n : lengths) {
+    if (size_ > kMostRuns / n) throw UserError("the grid has more than 10 million runs: give shorter lists");
+    size_ *= n;
+  }
+  check_techniques();
+  check_sessions();
+  id_ = identify();
+}
+
+Point Grid::point(std::size_t index) const {
+  const auto pick = [&index](const auto& values) {
+    const auto& v = values[index % values.size()];
+    index /= values.size();
+    return v;
+  };
+  Point p;
+  p.seed = pick(seeds_);
+  p.knobs.resize(knobs_.size());
+  for (std::size_t k = knobs_.size(); k-- > 0;) p.knobs[k] = pick(knob_values_[k]);
+  p.technique_name = pick(techniques_);
+  p.loss_percent = pick(loss_percent_);
+  p.jitter_ms = pick(jitter_ms_);
+  p.delay_ms = pick(delay_ms_);
+  p.peers = static_cast<int>(pick(peers_));
+  p.bodies = pick(bodies_);
+  p.scenario = pick(scenarios_);
+  p.technique = technique_by_name(p.technique_name);
+  for (std::size_t k = 0; k < knobs_.size(); ++k) support::knobs()[knobs_[k]].set(p.technique, p.knobs[k]);
+  p.netem = support::parse_netem_flag("--netem", netem_text(p.delay_ms, p.jitter_ms, p.loss_percent, netem_), nullptr);
+  return p;
+}
+
+void Grid::check_techniques() const {
+  for (const std::string& name : techniques_) {
+    Technique t = technique_by_name(name);
+    for (std::size_t k = 0; k < knobs_.size(); ++k)
+      for (const std::string& value : knob_values_[k]) support::knobs()[knobs_[k]].set(t, value);
+  }
+  for (const double delay : delay_ms_)
+    for (const double jitter : jitter_ms_)
+      for (const double loss : loss_percent_)
+        support::parse_netem_flag("--netem", netem_text(delay, jitter, loss, netem_), nullptr);
+}
+
+/// With the first seed, which stands for all: whether there is room for bodies hardly hangs on it.
+void Grid::check_sessions() const {
+  const auto most = static_cast<int>(*std::max_element(peers_.begin(), peers_.end()));
+  for (const std::string& name : scenarios_) {
+    const support::LoadedScenario s = support::load_scenario(name, seeds_.front());
+    const auto spawns = static_cast<int>(s.scene.avatar.spawns.size());
+    if (most > spawns)
+      throw UserError("--peers: '" + std::to_string(most) + "' is not allowed for scenario " + name + "; give 1 to " +
+                      std::to_string(spawns));
+    for (const auto& bodies : bodies_) {
+      if (!bodies) continue;
+      const std::string flag = "--bodies " + std::to_string(*bodies) + ": " + name;
+      scenarios::load(scenarios::with_bodies(s.text, flag, *bodies), flag, seeds_.front());
+    }
+    for (int p = 0; p < most; ++p)
+      support::load_input(inputs_[static_cast<std::size_t>(p) % inputs_.size()], s.scene, p, seeds_.front());
+  }
+}
+
+std::string Grid::identify() const {
+  Hasher h;
+  const auto list = [&h](const auto& values) {
+    h.add(static_cast<std::uint64_t>(values.size()));
+    for (const auto& v : values) h.add(v);
+  };
+  const auto numbers = [&h](const std::vector<double>& values) {
+    h.add(static_cast<std::uint64_t>(values.size()));
+    for (const double v : values) h.add(std::string_view(plain(v)));
+  };
+  h.add(support::revision());
+  h.add(world::physics_fingerprint());
+  for (const std::string& name : scenarios_) {
+    h.add(std::string_view(name));
+    h.add(std::string_view(support::load_scenario(name, seeds_.front()).text));
+  }
+  h.add(static_cast<std::uint64_t>(bodies_.size()));
+  for (const auto& b : bodies_) h.add(static_cast<std::uint64_t>(b.value_or(0)));
+  list(peers_);
+  numbers(delay_ms_);
+  numbers(jitter_ms_);
+  numbers(loss_percent_);
+  h.add(std::string_view(netem_));
+  for (const std::string& name : techniques_) h.add(std::string_view(describe(technique_by_name(name))));
+  for (std::size_t k = 0; k < knobs_.size(); ++k) {
+    h.add(std::string_view(knob_columns_[k]));
+    for (const std::string& v : knob_values_[k]) h.add(std::string_view(v));
+  }
+  list(seeds_);
+  numbers({seconds_, settle_seconds_});
+  for (const std::string& input : inputs_) {
+    h.add(std::string_view(input));
+    if (!input.starts_with("path:")) continue;
+    const std::string file =
+        input.substr(5, input.rfind(",loop") == std::string::npos ? std::string::npos : input.size() - 5 - 5);
+    h.add(std::string_view(support::read_file("--input", file)));
+  }
+  std::array<char, 16> text{};
+  std::snprintf(text.data(), text.size(), "%08x", static_cast<unsigned>(h.value() >> 32U));
+  return text.data();
+}
+
+}  // namespace padr::lab::sweep

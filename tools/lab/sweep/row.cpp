@@ -1,0 +1,89 @@
+#include "tools/lab/sweep/row.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "common/scenarios/bodies.h"
+#include "common/scenarios/scenarios.h"
+#include "tools/lab/rates.h"
+#include "tools/lab/sweep/values.h"
+#include "tools/plot/gnuplot.h"
+#include "tools/support/scenario_flags.h"
+
+namespace padr::lab::sweep {
+namespace {
+
+constexpr const char* kOutcome =
+    "mean_m,avatar_mean_m,body_mean_m,p95_m,p99_m,peak_m,final_m,area_ms,shown_mean_m,shown_peak_m,updates_per_s,"
+    "datagrams_per_s,wire_kbps,repeats_per_s,replay_steps_per_tick,lookahead_steps_per_tick,confirmed_ticks,"
+    "confirmed_mismatches,confirmed_hash,setting";
+
+Scene scene_of(const Point& p) {
+  support::LoadedScenario s = support::load_scenario(p.scenario, p.seed);
+  if (!p.bodies) return s.scene;
+  const std::string label = "--bodies " + std::to_string(*p.bodies) + ": " + p.scenario;
+  return scenarios::load(scenarios::with_bodies(s.text, label, *p.bodies), label, p.seed);
+}
+
+/// A field of a CSV file, in quotes where it needs them (RFC 4180).
+std::string field(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string outcome(const Simulation& s, const Technique& technique) {
+  const trace::Inconsistency i = s.meter().overall();
+  const Rates r = rates_of(s, 0, s.peers());
+  std::string text;
+  for (const double v :
+       {i.mean_m, i.avatar_mean_m, i.body_mean_m, i.p95_m, i.p99_m, i.peak_m, i.final_m, i.area_ms, i.shown_mean_m,
+        i.shown_peak_m, r.updates, r.datagrams, r.kbps, r.repeats, r.replay_steps_per_tick, r.lookahead_steps_per_tick})
+    text += plot::number(v) + ",";
+  std::array<char, 20> hash{};
+  std::snprintf(hash.data(), hash.size(), "%016llx", static_cast<unsigned long long>(s.last_confirmed_hash()));
+  return text + std::to_string(s.confirmed_ticks()) + "," + std::to_string(s.confirmed_mismatches()) + "," +
+         hash.data() + "," + field(describe(technique));
+}
+
+}  // namespace
+
+std::string heading_of(const Grid& grid) {
+  std::string knobs;
+  for (const std::string& k : grid.knob_columns()) knobs += k + ",";
+  return "grid,run,of,scenario,bodies,peers,delay_ms,jitter_ms,loss_percent,technique," + knobs + "seed,seconds," +
+         kOutcome;
+}
+
+Row run_point(const Grid& grid, std::size_t index) {
+  const Point p = grid.point(index);
+  SimulationConfig config;
+  config.scene = scene_of(p);
+  const std::size_t bodies = config.scene.bodies.size();
+  config.peers = p.peers;
+  config.technique = p.technique;
+  config.netem = p.netem;
+  config.netem_seed = p.seed;
+  config.ticks = static_cast<Tick>(std::lround(grid.seconds() * kTicksPerSecond));
+  config.settle_ticks = static_cast<Tick>(std::lround(grid.settle_seconds() * kTicksPerSecond));
+  std::vector<std::unique_ptr<scenarios::InputSource>> inputs;
+  for (int peer = 0; peer < p.peers; ++peer) {
+    const std::string& spec = grid.inputs()[static_cast<std::size_t>(peer) % grid.inputs().size()];
+    inputs.push_back(support::load_input(spec, config.scene, peer, p.seed));
+    config.inputs.push_back(inputs.back().get());
+  }
+  Simulation simulation(std::move(config));
+  simulation.run();
+
+  std::string text = grid.id() + "," + std::to_string(index) + "," + std::to_string(grid.size()) + "," +
+                     field(p.scenario) + "," + std::to_string(bodies) + "," + std::to_string(p.peers) + "," +
+                     plain(p.delay_ms) + "," + plain(p.jitter_ms) + "," + plain(p.loss_percent) + "," +
+                     p.technique_name + ",";
+  for (const std::string& k : p.knobs) text += field(k) + ",";
+  text += std::to_string(p.seed) + "," + plain(grid.seconds()) + "," + outcome(simulation, p.technique);
+  return {std::move(text), simulation.confirmed_mismatches() == 0};
+}
+
+}  // namespace padr::lab::sweep

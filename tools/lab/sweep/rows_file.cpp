@@ -1,0 +1,95 @@
+#include "tools/lab/sweep/rows_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <optional>
+
+#include "common/model/user_error.h"
+#include "tools/support/files.h"
+
+namespace padr::lab::sweep {
+namespace {
+
+// A row is about half a kilobyte: millions of them.
+constexpr std::size_t kMostBytes = std::size_t{4} << 30U;
+
+std::optional<std::size_t> number_of(std::string_view text) {
+  std::size_t v = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return v;
+}
+
+std::optional<StoredRow> row_of(std::string_view line, std::size_t fields) {
+  const std::vector<std::string> f = fields_of(line);
+  if (f.size() != fields) return std::nullopt;
+  const auto run = number_of(f[1]);
+  const auto of = number_of(f[2]);
+  if (f[0].empty() || !run || !of || *run >= *of) return std::nullopt;
+  return StoredRow{f[0], *run, *of, std::string(line), 0};
+}
+
+}  // namespace
+
+StoredRows read_rows(std::string_view flag, const std::string& file) {
+  const std::string text = support::read_file(flag, file, kMostBytes);
+  StoredRows stored;
+  std::size_t line = 0;
+  std::size_t fields = 0;
+  std::size_t from = 0;
+  for (std::size_t to = text.find('\n'); to != std::string::npos; to = text.find('\n', from)) {
+    const std::string_view content = std::string_view(text).substr(from, to - from);
+    from = to + 1;
+    if (++line == 1) {
+      stored.heading = content;
+      fields = fields_of(content).size();
+      if (!content.starts_with("grid,run,of,"))
+        throw UserError(std::string(flag) + ": " + file +
+                        ":1: is not the heading of a sweep, which begins grid,run,of");
+      continue;
+    }
+    auto row = row_of(content, fields);
+    if (!row)
+      throw UserError(std::string(flag) + ": " + file + ":" + std::to_string(line) + ": is not a row of a sweep");
+    row->line = line;
+    stored.rows.push_back(std::move(*row));
+  }
+  stored.rest = text.substr(from);
+  return stored;
+}
+
+std::vector<std::string> fields_of(std::string_view line) {
+  std::vector<std::string> fields(1);
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == '"') {
+      // Two in a row stand for one.
+      if (quoted && i + 1 < line.size() && line[i + 1] == '"')
+        fields.back() += line[i++];
+      else
+        quoted = !quoted;
+    } else if (line[i] == ',' && !quoted) {
+      fields.emplace_back();
+    } else {
+      fields.back() += line[i];
+    }
+  }
+  return fields;
+}
+
+std::string canonical(const std::string& heading, const std::map<std::size_t, std::string>& rows) {
+  std::string text = heading + "\n";
+  for (const auto& [run, row] : rows) text += row + "\n";
+  return text;
+}
+
+void replace_file(std::string_view flag, const std::string& file, const std::string& text) {
+  const std::string part = file + ".part";
+  support::OutputFile out(flag, part);
+  out.write(text);
+  out.close();
+  std::filesystem::rename(part, file);
+}
+
+}  // namespace padr::lab::sweep

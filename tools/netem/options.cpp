@@ -1,0 +1,139 @@
+#include "tools/netem/options.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <string_view>
+#include <utility>
+
+#include "common/model/user_error.h"
+
+namespace padr::netem {
+
+namespace {
+
+constexpr const char* kDescription =
+    "UDP relay that treats datagrams as tc-netem does, without root and with a seed.\n"
+    "It listens on each LISTEN, passes what arrives on to TARGET, and passes replies back to the client they belong\n"
+    "to. Each client and direction has its own queue and random stream.";
+
+constexpr const char* kFooter =
+    "LISTEN and TARGET are HOST:PORT, HOST a name, an IPv4 address or an IPv6 address in brackets.\n"
+    "SPEC is what follows `netem` in `tc qdisc add ... netem SPEC`, see tc-netem(8), in one argument:\n"
+    "  limit PACKETS\n"
+    "  delay TIME [JITTER [CORRELATION]] [distribution uniform|normal|pareto|paretonormal]\n"
+    "  loss PERCENT [CORRELATION] | loss state P13 [P31 [P32 [P23 [P14]]]] | loss gemodel P [R [1-H [1-K]]]\n"
+    "  corrupt PERCENT [CORRELATION]    duplicate PERCENT [CORRELATION]\n"
+    "  reorder PERCENT [CORRELATION] [gap N]    rate RATE [OVERHEAD [CELL [CELLOVERHEAD]]]\n"
+    "  slot MIN [MAX] [packets N] [bytes B] | slot distribution NAME DELAY JITTER [packets N] [bytes B]\n"
+    "  seed N\n"
+    "TIME is in s, ms, us or ns; jitter makes datagrams overtake one another unless there is a rate. corrupt flips "
+    "one\n"
+    "bit of the payload; the relay sends it with a valid checksum, so the receiver does see it.\n"
+    "\n"
+    "Example: 100 ms +- 20 ms and bursts of losses towards a peer on port 7001, 50 ms back, for one minute:\n"
+    "  padr-netem --link 127.0.0.1:6001=127.0.0.1:7001 --netem 'delay 100ms 20ms loss gemodel 1% 30%' \\\n"
+    "             --netem-back 'delay 50ms' --seed 7 --duration 60\n"
+    "\n"
+    "Statistics go to standard output, messages to standard error. Exit code: 0 after --duration or SIGINT or "
+    "SIGTERM,\n"
+    "1 if a port cannot be used, 2 if the command line is wrong or a name is unknown.";
+
+/// What CLI11 fills in, before anything is checked.
+struct RawOptions {
+  std::vector<std::string> links, netem_for, netem_back_for;
+  std::string netem, netem_back;
+};
+
+std::pair<std::string, std::string> split_at_equals(const std::string& text, std::string_view flag,
+                                                    std::string_view form) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos) {
+    throw UserError(std::string(flag) + ": \"" + text + "\" has no \"=\"; allowed: " + std::string(form));
+  }
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+link::NetemSpec parse_spec(const std::string& text, const std::string& flag, std::vector<std::string>* warnings) {
+  std::vector<std::string> found;
+  try {
+    auto spec = link::parse_netem(text, &found);
+    for (const auto& line : found) warnings->push_back(flag + ": " + line);
+    return spec;
+  } catch (const UserError& e) {
+    throw UserError(flag + ": " + e.what());
+  }
+}
+
+void override_specs(const std::vector<std::string>& overrides, const std::string& flag,
+                    link::NetemSpec LinkOptions::*spec, Options& options) {
+  for (const std::string& text : overrides) {
+    const auto [listen, words] = split_at_equals(text, flag, "LISTEN=SPEC");
+    bool found = false;
+    for (LinkOptions& l : options.links) {
+      if (l.listen.text != listen) continue;
+      l.*spec = parse_spec(words, flag + " " + listen, &options.warnings);
+      found = true;
+    }
+    if (!found) throw UserError(flag + ": no --link listens on \"" + listen + "\"; write LISTEN as in --link");
+  }
+}
+
+void declare(CLI::App& app, RawOptions& raw, Options& options) {
+  app.footer(kFooter);
+  app.set_version_flag("--version", "padr-netem 0.1.0");
+  app.add_option("--link", raw.links, "Relay from LISTEN to TARGET; needed, may be repeated")
+      ->type_name("LISTEN=TARGET")
+      ->allow_extra_args(false);
+  app.add_option("--netem", raw.netem, "What happens on the way to TARGET; default: nothing")->type_name("SPEC");
+  app.add_option("--netem-back", raw.netem_back, "What happens on the way back; default: nothing")->type_name("SPEC");
+  app.add_option("--netem-for", raw.netem_for, "Instead of --netem, for one link; may be repeated")
+      ->type_name("LISTEN=SPEC")
+      ->allow_extra_args(false);
+  app.add_option("--netem-back-for", raw.netem_back_for, "Instead of --netem-back, for one link; may be repeated")
+      ->type_name("LISTEN=SPEC")
+      ->allow_extra_args(false);
+  app.add_option("--seed", options.seed, "Same seed, same arrivals: same outcome")->capture_default_str();
+  app.add_option("--stats-interval", options.stats_interval, "Seconds between statistics; 0: only at the end")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->capture_default_str();
+  app.add_option("--duration", options.duration, "Seconds to run; 0: until SIGINT or SIGTERM")
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
+  app.add_option("--max-clients", options.max_clients, "Clients of one link at a time; further ones are ignored")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  app.add_option("--client-idle", options.client_idle, "Seconds of silence after which a client is forgotten")
+      ->check(CLI::Range(0.1, 86400.0))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+std::optional<Options> parse_options(int argc, const char* const* argv) {
+  RawOptions raw;
+  Options options;
+  CLI::App app(kDescription, "padr-netem");
+  declare(app, raw, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& request) {  // --help, --version
+    app.exit(request);
+    return std::nullopt;
+  } catch (const CLI::ParseError& e) {
+    throw UserError(std::string(e.what()) + " (see --help)");
+  }
+
+  if (raw.links.empty()) throw UserError("--link: at least one LISTEN=TARGET is needed (see --help)");
+  const link::NetemSpec to_target = parse_spec(raw.netem, "--netem", &options.warnings);
+  const link::NetemSpec to_client = parse_spec(raw.netem_back, "--netem-back", &options.warnings);
+  for (const std::string& text : raw.links) {
+    const auto [listen, target] = split_at_equals(text, "--link", "LISTEN=TARGET");
+    options.links.push_back({support::parse_host_port("--link LISTEN", listen, 0),
+                             support::parse_host_port("--link TARGET", target, 1), to_target, to_client});
+  }
+  override_specs(raw.netem_for, "--netem-for", &LinkOptions::to_target, options);
+  override_specs(raw.netem_back_for, "--netem-back-for", &LinkOptions::to_client, options);
+  return options;
+}
+
+}  // namespace padr::netem

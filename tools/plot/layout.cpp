@@ -1,0 +1,83 @@
+#include "tools/plot/layout.h"
+
+#include <algorithm>
+#include <array>
+
+namespace padr::plot {
+namespace {
+
+/// Width of an entry of a key in points, by what gnuplot reckons with for SVG, its widest: every letter is wide.
+int width_of(const std::string& text, int font) {
+  return (static_cast<int>(text.size()) * 70 + 500) * font / 100;
+}
+
+std::string fraction(int part, int whole) {
+  return number(static_cast<double>(part) / static_cast<double>(whole), 6);
+}
+
+int left_margin(const Canvas& c) {
+  return c.font * 15 / 2;
+}
+
+int right_margin(const Canvas& c) {
+  return c.font * 3 / 2;
+}
+
+}  // namespace
+
+Key key_of(const std::vector<std::string>& titles, const Canvas& c) {
+  int widest = 0;
+  int entries = 0;
+  for (const std::string& t : titles) {
+    if (t.empty()) continue;
+    widest = std::max(widest, width_of(t, c.font));
+    ++entries;
+  }
+  if (entries == 0) return {};
+  const int columns = std::clamp((c.width - left_margin(c) - right_margin(c)) / widest, 1, entries);
+  return {(entries + columns - 1) / columns, columns};
+}
+
+std::string area(const Canvas& c, int top, int height) {
+  return "set lmargin at screen " + fraction(left_margin(c), c.width) + "\nset rmargin at screen " +
+         fraction(c.width - right_margin(c), c.width) + "\nset tmargin at screen " +
+         fraction(c.height - top, c.height) + "\nset bmargin at screen " + fraction(c.height - top - height, c.height) +
+         "\n";
+}
+
+std::string heading(const std::string& title, const Key& key) {
+  std::string s = "unset label\n";
+  if (!title.empty())
+    s += "set label 1 " + in_quotes(title) + " at graph 0, graph 1 left noenhanced offset character 0," +
+         number(0.8 + 1.1 * key.rows, 4) + "\n";
+  if (key.rows == 0) return s + "unset key\n";
+  return s + "set key at graph 0, graph 1.01 left bottom horizontal Left reverse noenhanced samplen 1.6 maxcols " +
+         std::to_string(key.columns) + "\n";
+}
+
+std::string axis(char name, const Axis& a) {
+  const std::string n(1, name);
+  const auto end = [](const std::optional<double>& v) { return v ? number(*v) : std::string("*"); };
+  std::string s = "set " + n + "label " + in_quotes(a.label) + " noenhanced\n";
+  s += (a.log ? "set logscale " : "unset logscale ") + n + "\n";
+  return s + "set " + n + "range [" + end(a.from) + ":" + end(a.to) + "]\n";
+}
+
+std::string line_style(const Look& look, double width) {
+  constexpr std::array<std::string_view, 5> kDashes{"1", "(12,5)", "(2,4)", "(12,4,2,4)", "(6,4)"};
+  return " lw " + number(width, 3) + " lc rgb " + in_quotes(look.colour) + " dt " +
+         std::string(kDashes[static_cast<std::size_t>(look.dash) % kDashes.size()]);
+}
+
+std::string title_clause(const std::string& title) {
+  return title.empty() ? " notitle" : " title " + in_quotes(title);
+}
+
+std::string csv_field(std::string_view text) {
+  if (text.find_first_of(",\"\n") == std::string_view::npos) return std::string(text);
+  std::string s = "\"";
+  for (const char c : text) s += c == '"' ? "\"\"" : std::string(1, c);
+  return s + "\"";
+}
+
+}  // namespace padr::plot

@@ -1,0 +1,228 @@
+#include "tools/report/analysis.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "common/model/user_error.h"
+#include "common/node/node.h"
+#include "common/trace/trace_reader.h"
+#include "common/wire/codec.h"
+#include "tools/report/confirmed_ticks.h"
+#include "tools/report/link_meter.h"
+#include "tools/report/summary.h"
+#include "tools/report/traffic.h"
+
+namespace padr::report {
+namespace {
+
+/// A state datagram's packet; nothing if it is damaged or of another kind.
+std::optional<std::pair<PeerId, sync::StatePacket>> packet_of(std::span<const std::byte> datagram) {
+  wire::SealError error{};
+  const auto opened = wire::open(datagram, error);
+  if (!opened || opened->header.kind != wire::Kind::kState) return std::nullopt;
+  auto packet = wire::decode_state(opened->payload, opened->header.sender);
+  if (!packet) return std::nullopt;
+  return std::pair{opened->header.sender, std::move(*packet)};
+}
+
+/// One trace on its way to its end.
+struct Cursor {
+  Cursor(const TraceBytes& t, std::size_t number, const Survey& s) : reader(t.bytes, t.label), life(number), about(s) {
+    peer.came = s.came;
+    peer.first_tick = s.first_step;
+    peer.last_tick = s.first_step - 1;
+  }
+  trace::TraceReader reader;
+  std::size_t life;
+  const Survey& about;
+  Peer peer;
+  TrafficMeter traffic;
+  double threshold_sum = 0;
+  bool ended = false;
+};
+
+class Analysis {
+ public:
+  /// As many of both, by slot and incarnation.
+  Analysis(const std::vector<const TraceBytes*>& traces, std::vector<Survey> lives)
+      : lives_(std::move(lives)),
+        session_(lives_[0].header),
+        meter_(slots_of(lives_), session_.bodies),
+        flips_(session_.bodies),
+        confirmed_(lives_),
+        owner_(static_cast<std::size_t>(session_.bodies), kNoPeer) {
+    for (std::size_t i = 0; i < lives_.size(); ++i) {
+      cursors_.push_back(std::make_unique<Cursor>(*traces[i], i, lives_[i]));
+      meter_.came(i, lives_[i].came);
+    }
+  }
+
+  Report run() {
+    // All in step, so that no more than what is not confirmed yet is kept in memory.
+    for (Tick t = 0; std::any_of(cursors_.begin(), cursors_.end(), [](const auto& c) { return !c->ended; }); ++t)
+      for (const auto& c : cursors_) advance(*c, t);
+    return finish();
+  }
+
+ private:
+  static std::vector<PeerId> slots_of(const std::vector<Survey>& lives) {
+    std::vector<PeerId> slots;
+    for (const Survey& s : lives) slots.push_back(s.header.peer);
+    return slots;
+  }
+
+  void advance(Cursor& c, Tick until) {
+    while (!c.ended && c.peer.last_tick <= until) {
+      const auto event = c.reader.next();
+      if (!event) {
+        c.ended = true;
+        meter_.gone(c.life, c.peer.last_tick + 1);
+        return;
+      }
+      std::visit([&](const auto& e) { take(c, e); }, *event);
+    }
+  }
+
+  void take(Cursor& c, const trace::Step& s) {
+    Peer& p = c.peer;
+    p.last_tick = s.tick;
+    if (s.lateness > kLate) ++p.late_ticks;
+    p.worst_lateness = std::max(p.worst_lateness, s.lateness);
+    p.replayed_steps = s.replayed_steps;
+    p.snaps = s.snaps;
+    p.snap_m = s.snap_m;
+    if (s.leaving && p.left_at < 0) {
+      p.left_at = s.tick;
+      meter_.gone(c.life, s.tick);
+    }
+    if (p.left_at >= 0 || s.tick < c.about.came) return;
+    c.threshold_sum += static_cast<double>(s.threshold);
+    trace::View v;
+    for (const BodyState& state : c.reader.live().states) v.live.push_back(state.position);
+    v.shown = c.reader.live().shown;
+    meter_.view(c.life, s.tick, std::move(v));
+  }
+
+  void take(Cursor& c, const trace::Received& r) {
+    const auto packet = packet_of(r.datagram);
+    if (!packet || packet->first == c.reader.header().peer || packet->first >= session_.slots) {
+      ++c.peer.damaged;
+      return;
+    }
+    heard_.insert(packet->first);
+    // By when it was sent: who sits there now may be another one.
+    const auto from = who_sits(lives_, packet->first, packet->second.mark_tick);
+    if (from) links_[{*from, c.life}].received(packet->second.seq, packet->second.mark_tick, r.at);
+  }
+
+  void take(Cursor& c, const trace::Sent& s) {
+    const auto packet = packet_of(s.datagram);
+    if (!packet || s.to >= session_.slots)
+      throw UserError(c.reader.label() + ": the datagram sent at tick " + std::to_string(s.tick) + " to peer " +
+                      std::to_string(s.to) + " makes no sense");
+    if (const auto to = who_sits(lives_, s.to, s.tick)) links_[{c.life, *to}].sent(packet->second.seq, s.tick);
+    if (c.peer.left_at < 0 || s.tick <= c.peer.left_at)
+      c.traffic.sent(s.to, s.tick, packet->second, s.datagram.size() + node::kIpUdpBytes);
+  }
+
+  void take(Cursor& c, const trace::Confirmed& t) {
+    c.peer.last_confirmed = t.tick;
+    confirmed_.add(c.life, t.tick, t.hash);
+    if (c.about.superseded) return;  // others may have agreed on something else meanwhile
+    // The first trace to know a tick speaks for all: they are the same, or their hashes say so.
+    if (t.tick < next_truth_) return;
+    next_truth_ = t.tick + 1;
+    const trace::Truth& truth = c.reader.truth();
+    for (std::size_t b = 0; b < owner_.size(); ++b) {
+      if (truth.owner[b] == owner_[b]) continue;
+      owner_[b] = truth.owner[b];
+      authority_.push_back({t.tick, static_cast<EntityId>(b), owner_[b]});
+    }
+    flips_.owners(t.tick, truth.owner);
+    meter_.truth(t.tick, truth);
+  }
+
+  template <typename Other>
+  void take(Cursor&, const Other&) {}
+
+  Report finish() {
+    Report r;
+    for (const auto& c : cursors_) {
+      Peer& p = c->peer;
+      p.name = c->about.name;
+      p.superseded = c->about.superseded;
+      p.label = c->reader.label();
+      p.header = c->reader.header();
+      p.clean = c->reader.clean();
+      p.inconsistency = meter_.result(c->life);
+      p.series = meter_.series(c->life);
+      p.traffic = c->traffic.total();
+      p.per_second = c->traffic.per_second();
+      p.threshold_mean_m = c->threshold_sum / (p.played() + 1);
+      r.peers.push_back(std::move(p));
+    }
+    for (const auto& [ends, l] : links_) r.links.push_back(link(ends.first, ends.second, l));
+    r.confirmed = confirmed_.compare();
+    r.authority = std::move(authority_);
+    r.authority_until = next_truth_;
+    r.heard.assign(heard_.begin(), heard_.end());
+    r.hand_overs = flips_.all();
+    r.hand_overs_by_body = flips_.by_body();
+    summarize(r);
+    return r;
+  }
+
+  Link link(std::size_t from, std::size_t to, const LinkMeter& meter) const {
+    Link l = meter.result(lives_[from].header.peer, lives_[to].header.peer, lives_[to].last_tick);
+    l.from_name = lives_[from].name;
+    l.to_name = lives_[to].name;
+    return l;
+  }
+
+  std::vector<Survey> lives_;
+  trace::Header session_;
+  trace::InconsistencyMeter meter_;
+  trace::FlipMeter flips_;
+  std::vector<std::unique_ptr<Cursor>> cursors_;
+  std::map<std::pair<std::size_t, std::size_t>, LinkMeter> links_;  ///< by lives
+  std::set<PeerId> heard_;
+  ConfirmedTicks confirmed_;
+  Tick next_truth_ = 0;
+  std::vector<PeerId> owner_;  ///< by body, at next_truth_ - 1
+  std::vector<AuthorityChange> authority_;
+};
+
+}  // namespace
+
+Report analyse(const std::vector<TraceBytes>& traces) {
+  if (traces.empty()) throw UserError("no trace given");
+  std::vector<Survey> surveys;
+  for (const TraceBytes& t : traces) {
+    surveys.push_back({});
+    surveys.back().header = trace::TraceReader(t.bytes, t.label).header();
+  }
+  check_together(surveys, traces);
+  std::vector<std::string> outside;
+  for (std::size_t i = 0; i < traces.size(); ++i) surveys[i] = survey(traces[i]);
+  std::vector<const TraceBytes*> ordered;
+  std::vector<Survey> lives;
+  for (const std::size_t i : in_order(surveys)) {
+    if (surveys[i].came < 0) {
+      outside.push_back(traces[i].label);
+      continue;
+    }
+    ordered.push_back(&traces[i]);
+    lives.push_back(std::move(surveys[i]));
+  }
+  if (lives.empty()) throw UserError(traces[0].label + ": its peer was never a part of the session");
+  give_names(lives);
+  Report r = Analysis(ordered, std::move(lives)).run();
+  for (const std::string& label : outside)
+    r.notes.push_back(label + ": its peer never became a part of the session, and is left out");
+  return r;
+}
+
+}  // namespace padr::report

@@ -1,0 +1,28 @@
+#include "tools/report/files.h"
+
+#include <algorithm>
+
+#include "tools/support/files.h"
+
+namespace padr::report {
+namespace {
+
+// Hours of a busy session; more would not fit in memory beside its figures.
+constexpr std::size_t kMostBytes = std::size_t{4} << 30U;
+
+}  // namespace
+
+TraceBytes read_trace(const std::string& file) {
+  const std::string text = support::read_file("TRACE", file, kMostBytes);
+  TraceBytes t{file, std::vector<std::byte>(text.size())};
+  std::transform(text.begin(), text.end(), t.bytes.begin(), [](char c) { return static_cast<std::byte>(c); });
+  return t;
+}
+
+void write_file(std::string_view flag, const std::string& file, const std::string& text) {
+  support::OutputFile out(flag, file);
+  out.write(text);
+  out.close();
+}
+
+}  // namespace padr::report

@@ -1,0 +1,46 @@
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "tools/report/analysis.h"
+#include "tools/report/files.h"
+#include "tools/report/options.h"
+#include "tools/report/outputs.h"
+#include "tools/support/command_line.h"
+#include "tools/support/run_main.h"
+
+namespace padr::report {
+namespace {
+
+int run(const Options& o, const std::vector<std::string>& command) {
+  std::vector<TraceBytes> traces;
+  for (const std::string& file : o.traces) traces.push_back(read_trace(file));
+  const Report r = analyse(traces);
+  if (o.json == "-") {
+    std::fputs(json(r, command).c_str(), stdout);
+  } else {
+    std::fputs(table(r).c_str(), stdout);
+  }
+  if (!o.json.empty() && o.json != "-") write_file("--json", o.json, json(r, command));
+  if (!o.csv.empty()) plot::write_into("--csv", o.csv, csv_files(r));
+  if (!o.plots.empty()) {
+    plot::write_into("--plots", o.plots, plot_files(r));
+    const std::string wrong = plot::draw(o.plots, plot_names());
+    if (!wrong.empty()) std::fprintf(stderr, "padr-report: %s\n", wrong.c_str());
+  }
+  if (r.confirmed.mismatches == 0) return support::kExitFine;
+  std::fprintf(stderr, "padr-report: CONFIRMED WORLDS DIFFER, first at tick %d: %s\n", r.confirmed.first_mismatch,
+               r.confirmed.who.c_str());
+  return support::kExitFailure;
+}
+
+}  // namespace
+}  // namespace padr::report
+
+int main(int argc, char** argv) {
+  return padr::support::run_main("padr-report", [argc, argv] {
+    const auto options = padr::report::parse_options(argc, argv);
+    if (!options) return padr::support::kExitFine;
+    return padr::report::run(*options, padr::support::command_of(argc, argv));
+  });
+}

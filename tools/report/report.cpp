@@ -1,0 +1,44 @@
+#include "tools/report/report.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace padr::report {
+
+std::uint64_t Traffic::all_updates() const {
+  return std::accumulate(updates.begin(), updates.end(), std::uint64_t{0});
+}
+
+double Traffic::bytes_rest() const {
+  const double told = std::accumulate(bytes_by_cause.begin(), bytes_by_cause.end(), bytes_repeats);
+  return std::max(0.0, static_cast<double>(wire_bytes) - told);
+}
+
+Traffic& Traffic::operator+=(const Traffic& o) {
+  for (std::size_t c = 0; c < sync::kCauses; ++c) {
+    updates[c] += o.updates[c];
+    bytes_by_cause[c] += o.bytes_by_cause[c];
+  }
+  repeats += o.repeats;
+  datagrams += o.datagrams;
+  wire_bytes += o.wire_bytes;
+  bytes_repeats += o.bytes_repeats;
+  return *this;
+}
+
+int Report::peers_at_start() const {
+  int n = 0;
+  for (const Peer& p : peers)
+    if (p.header.incarnation == 0) n = p.header.peers;
+  return n;
+}
+
+double Link::loss_percent() const {
+  return judged == 0 ? 0 : 100.0 * static_cast<double>(lost) / static_cast<double>(judged);
+}
+
+double Link::reordered_percent() const {
+  return received == 0 ? 0 : 100.0 * static_cast<double>(reordered) / static_cast<double>(received);
+}
+
+}  // namespace padr::report

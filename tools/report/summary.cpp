@@ -1,0 +1,67 @@
+#include "tools/report/summary.h"
+
+#include <algorithm>
+#include <map>
+
+namespace padr::report {
+namespace {
+
+Group group_of(const Report& r, const std::string& technique, const std::vector<std::size_t>& members) {
+  Group g;
+  g.technique = technique;
+  g.peers = members;
+  std::vector<trace::InconsistencySeries> series;
+  for (const std::size_t i : members) {
+    const Peer& p = r.peers[i];
+    series.push_back(p.series);
+    g.traffic += p.traffic;
+    g.seconds += p.seconds();
+  }
+  g.inconsistency = trace::summarize_all(series);
+  return g;
+}
+
+void note_missing(Report& r) {
+  std::string missing;
+  for (PeerId p = 0; p < r.peers.front().header.slots; ++p) {
+    const bool was_there = p < r.peers_at_start() || std::count(r.heard.begin(), r.heard.end(), p) > 0;
+    if (was_there && std::none_of(r.peers.begin(), r.peers.end(), [p](const Peer& x) { return x.header.peer == p; }))
+      missing += ' ' + std::to_string(p);
+  }
+  if (missing.empty()) return;
+  r.notes.push_back("no trace of peer" + missing +
+                    ": what is theirs is measured against the agreed world, and their links are left out");
+}
+
+void note_ends(Report& r) {
+  for (const Peer& p : r.peers)
+    if (!p.clean)
+      r.notes.push_back(p.label + " breaks off at tick " + std::to_string(p.last_tick) +
+                        ": its program crashed, or is still running");
+}
+
+void note_confirmed(Report& r) {
+  if (r.peers.size() < 2) r.notes.push_back("a single trace: there is nothing to compare its confirmed worlds with");
+  for (const Peer& p : r.peers)
+    if (!p.superseded && p.last_tick - p.last_confirmed > 10 * kTicksPerSecond)
+      r.notes.push_back(p.label + ": its confirmed world is " +
+                        std::to_string((p.last_tick - p.last_confirmed) / kTicksPerSecond) + " s behind at the end");
+}
+
+}  // namespace
+
+void summarize(Report& r) {
+  std::map<std::string, std::vector<std::size_t>> by_technique;
+  std::vector<std::size_t> all;
+  for (std::size_t i = 0; i < r.peers.size(); ++i) {
+    by_technique[describe(r.peers[i].header.technique)].push_back(i);
+    all.push_back(i);
+  }
+  for (const auto& [technique, members] : by_technique) r.groups.push_back(group_of(r, technique, members));
+  r.overall = group_of(r, by_technique.size() == 1 ? by_technique.begin()->first : "several", all);
+  note_missing(r);
+  note_ends(r);
+  note_confirmed(r);
+}
+
+}  // namespace padr::report

@@ -1,0 +1,209 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+#include "tools/report/outputs.h"
+#include "tools/report/rates.h"
+
+namespace padr::report {
+namespace {
+
+/// Columns as wide as their widest cell; the first is flush left, the others flush right.
+class Grid {
+ public:
+  explicit Grid(std::vector<std::string> heading) { rows_.push_back(std::move(heading)); }
+  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+
+  std::string text() const {
+    std::vector<std::size_t> widths(rows_[0].size(), 0);
+    for (const auto& row : rows_)
+      for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
+    std::string s;
+    for (const auto& row : rows_) {
+      std::string line;
+      for (std::size_t c = 0; c < row.size(); ++c) {
+        const std::string gap(widths[c] - row[c].size(), ' ');
+        line += c == 0 ? row[c] + gap : "  " + gap + row[c];
+      }
+      s += "  " + line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
+    }
+    return s;
+  }
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+};
+
+// More links than this are not read but searched.
+constexpr std::size_t kMostLinks = 30;
+
+std::string count(std::uint64_t n) {
+  return std::to_string(n);
+}
+
+std::vector<std::string> inconsistency_row(const std::string& name, const trace::Inconsistency& i) {
+  std::vector<std::string> row{name};
+  for (const double v : {i.mean_m, i.avatar_mean_m, i.body_mean_m, i.p95_m, i.p99_m, i.peak_m, i.final_m})
+    row.push_back(fixed(v, 3));
+  row.push_back(fixed(i.area_ms, 2));
+  row.push_back(fixed(i.shown_mean_m, 3));
+  row.push_back(fixed(i.shown_peak_m, 3));
+  return row;
+}
+
+std::vector<std::string> traffic_row(const std::string& name, const Traffic& t, double seconds) {
+  const Rates rates = rates_of(t, seconds);
+  std::vector<std::string> row{name, fixed(rates.updates_per_s, 2), fixed(rates.datagrams_per_s, 1),
+                               fixed(rates.wire_kbps, 2)};
+  for (const std::uint64_t n : t.updates) row.push_back(count(n));
+  row.push_back(count(t.repeats));
+  return row;
+}
+
+/// One row per peer, per technique if there are several, and overall.
+template <typename Row>
+void rows(Grid& grid, const Report& r, Row row) {
+  for (const Peer& p : r.peers) {
+    Group alone;
+    alone.inconsistency = p.inconsistency;
+    alone.traffic = p.traffic;
+    alone.seconds = p.seconds();
+    grid.add(row("peer " + p.name, alone));
+  }
+  if (r.groups.size() > 1)
+    for (std::size_t g = 0; g < r.groups.size(); ++g)
+      grid.add(row("technique " + std::string(1, static_cast<char>('A' + g % 26)), r.groups[g]));
+  if (r.peers.size() > 1) grid.add(row("overall", r.overall));
+}
+
+/// s
+double end_of(const Report& r) {
+  Tick end = 0;
+  for (const Peer& p : r.peers) end = std::max(end, p.went());
+  return static_cast<double>(end) / kTicksPerSecond;
+}
+
+bool comings_and_goings(const Report& r) {
+  return std::any_of(r.peers.begin(), r.peers.end(), [](const Peer& p) { return p.header.incarnation > 0; });
+}
+
+std::string people(const Report& r) {
+  const auto later =
+      std::count_if(r.peers.begin(), r.peers.end(), [](const Peer& p) { return p.header.incarnation > 0; });
+  const std::string start = std::to_string(r.peers_at_start()) + " peers";
+  return later == 0 ? start : start + " at the start, " + std::to_string(later) + " traces of who came later";
+}
+
+std::string heading(const Report& r) {
+  const trace::Header& h = r.peers.front().header;
+  std::string s = "Session " + std::to_string(h.session) + ": " + h.scenario + " (seed " +
+                  std::to_string(h.scenario_seed) + "), " + std::to_string(h.bodies) + " bodies, " + people(r) + ", " +
+                  fixed(end_of(r), 1) + " s\n";
+  for (std::size_t g = 0; g < r.groups.size(); ++g) {
+    s += r.groups.size() > 1 ? "Technique " + std::string(1, static_cast<char>('A' + g % 26)) : "Technique";
+    s += ": " + r.groups[g].technique + "\n";
+    if (r.groups.size() == 1) continue;
+    s += "  peers";
+    for (const std::size_t i : r.groups[g].peers) s += " " + r.peers[i].name;
+    s += "\n";
+  }
+  std::vector<std::string> netems;
+  for (const Peer& p : r.peers)
+    if (std::find(netems.begin(), netems.end(), p.header.netem) == netems.end()) netems.push_back(p.header.netem);
+  for (const std::string& n : netems)
+    s += "Network: " + (n.empty() ? std::string("not shaped by the peers") : n) + "\n";
+  return s;
+}
+
+std::string links_table(const Report& r) {
+  if (r.links.empty()) return "";
+  std::vector<Link> links = r.links;
+  std::string which = "Links";
+  if (links.size() > kMostLinks) {
+    std::stable_sort(links.begin(), links.end(),
+                     [](const Link& a, const Link& b) { return a.loss_percent() > b.loss_percent(); });
+    links.resize(kMostLinks);
+    which = "Links: of " + count(r.links.size()) + " the " + count(kMostLinks) +
+            " with the highest loss (--csv and --json have all)";
+  }
+  Grid g({"link", "sent", "received", "loss %", "duplicates", "reordered %", "delay mean ms", "p50 ms", "p95 ms",
+          "jitter ms"});
+  for (const Link& l : links)
+    g.add({l.from_name + " -> " + l.to_name, count(l.sent), count(l.received), fixed(l.loss_percent(), 2),
+           count(l.duplicates), fixed(l.reordered_percent(), 2), fixed(l.delay_mean_ms, 1), fixed(l.delay_p50_ms, 1),
+           fixed(l.delay_p95_ms, 1), fixed(l.jitter_ms, 1)});
+  return "\n" + which +
+         ". Delay: one way, from the start of the tick of sending to reception, by both session clocks.\n" + g.text();
+}
+
+std::string peers_table(const Report& r) {
+  Grid g({"peer", "ticks", "confirmed to", "late ticks", "worst ms", "replayed steps/tick", "mean threshold m", "snaps",
+          "snap m", "damaged in"});
+  for (const Peer& p : r.peers)
+    g.add({"peer " + p.name, std::to_string(p.last_tick), std::to_string(p.last_confirmed), count(p.late_ticks),
+           fixed(static_cast<double>(p.worst_lateness) / 1000, 1),
+           fixed(per_tick(p.replayed_steps, p.last_tick - p.first_tick), 2), fixed(p.threshold_mean_m, 3),
+           count(p.snaps), fixed(p.snap_m, 2), count(p.damaged)});
+  return "\nPeers. Late: begun more than a tick (16.7 ms) after its time. Snap: shown position jumped by over 3 cm.\n" +
+         g.text();
+}
+
+std::string lives_table(const Report& r) {
+  if (!comings_and_goings(r)) return "";
+  Grid g({"who", "came s", "went s", "how", "trace"});
+  const auto seconds = [](Tick t) { return fixed(static_cast<double>(t) / kTicksPerSecond, 2); };
+  for (const Peer& p : r.peers) {
+    const char* how = p.left_at >= 0 ? "left" : p.superseded ? "began anew" : p.clean ? "ended" : "broke off";
+    g.add({"peer " + p.name, seconds(p.came), seconds(p.went()), how, p.label});
+  }
+  return "\nWho came and went.\n" + g.text();
+}
+
+std::string hand_overs_line(const Report& r) {
+  return "\nAuthority: bodies were taken over from another peer " + count(r.hand_overs.takeovers) + " times, " +
+         count(r.hand_overs.flips) + " of them flips (within a second of the last).\n";
+}
+
+std::string verdict(const Report& r) {
+  const ConfirmedCheck& c = r.confirmed;
+  if (r.peers.size() < 2) return "";
+  std::string given_up;
+  if (c.given_up > 0)
+    given_up = " Of " + count(c.given_up) + " confirmed in lives given up later, " + count(c.given_up_unlike) +
+               " were unlike what the others went on with.";
+  if (c.mismatches == 0)
+    return "\nConfirmed worlds: identical at all " + count(c.ticks) + " ticks compared." + given_up + "\n";
+  return "\nCONFIRMED WORLDS DIFFER at " + count(c.mismatches) + " of " + count(c.ticks) + " ticks, first at tick " +
+         std::to_string(c.first_mismatch) + " (" + fixed(static_cast<double>(c.first_mismatch) / kTicksPerSecond, 2) +
+         " s): " + c.who + "\n";
+}
+
+}  // namespace
+
+std::string fixed(double v, int digits) {
+  std::array<char, 400> text{};
+  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), v, std::chars_format::fixed, digits);
+  return {text.data(), end};
+}
+
+std::string table(const Report& r) {
+  std::string s = heading(r);
+  Grid inconsistency({"inconsistency", "mean m", "avatars m", "bodies m", "p95 m", "p99 m", "peak m", "final m",
+                      "area m*s", "shown mean m", "shown peak m"});
+  rows(inconsistency, r,
+       [](const std::string& name, const Group& g) { return inconsistency_row(name, g.inconsistency); });
+  s += "\nCombined inconsistency, all entities summed; below about 5 mm it is noise.\n" + inconsistency.text();
+  std::vector<std::string> causes{"traffic", "updates/s", "datagrams/s", "kbit/s"};
+  causes.insert(causes.end(), sync::kCauseNames.begin(), sync::kCauseNames.end());
+  causes.emplace_back("repeats");
+  Grid traffic(causes);
+  rows(traffic, r, [](const std::string& name, const Group& g) { return traffic_row(name, g.traffic, g.seconds); });
+  s += "\nTraffic until goodbye. Rates per peer, IPv4 and UDP headers included; then entity updates by cause, each "
+       "counted once.\n" +
+       traffic.text();
+  s += links_table(r) + peers_table(r) + lives_table(r) + hand_overs_line(r);
+  for (const std::string& n : r.notes) s += "\nNote: " + n + "\n";
+  return s + verdict(r);
+}
+
+}  // namespace padr::report

@@ -1,0 +1,83 @@
+#include "tools/support/command_line.h"
+
+#include <array>
+#include <charconv>
+#include <cstdint>
+
+#include "common/model/user_error.h"
+#include "tools/support/revision.h"
+
+namespace padr::support {
+
+void add_version_flag(CLI::App& app, const std::string& program) {
+  app.set_version_flag("--version",
+                       program + " " + std::string(version()) + " (revision " + std::string(revision()) + ")");
+}
+
+bool parse(CLI::App& app, int argc, const char* const* argv) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& request) {  // --help, --version
+    app.exit(request);
+    return false;
+  } catch (const CLI::ParseError& e) {
+    std::string line = e.what();
+    for (char& c : line)
+      if (c == '\n') c = ' ';
+    throw UserError(line + " (see --help)");
+  }
+  return true;
+}
+
+CLI::Validator whole_number() {
+  const auto check = [](std::string& text) -> std::string {
+    std::uint64_t v = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
+    if (error == std::errc() && end == text.data() + text.size()) return "";
+    return "'" + text + "' is not allowed; give a whole number from 0 to 18446744073709551615";
+  };
+  return CLI::Validator(check, "");
+}
+
+CLI::Validator between(double low, double high, const std::string& unit) {
+  const auto plain = [](double v) {
+    std::array<char, 32> text{};
+    return std::string(text.data(), std::to_chars(text.data(), text.data() + text.size(), v).ptr);
+  };
+  const std::string allowed = plain(low) + " to " + plain(high) + " " + unit;
+  const auto check = [low, high, allowed](std::string& text) -> std::string {
+    double v = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
+    if (error == std::errc() && end == text.data() + text.size() && v >= low && v <= high) return "";
+    return "'" + text + "' is not allowed; give " + allowed;
+  };
+  return CLI::Validator(check, "");
+}
+
+std::vector<std::string> command_of(int argc, const char* const* argv) {
+  return {argv, argv + argc};
+}
+
+std::string shell_line(const std::vector<std::string>& command) {
+  constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_@%+=:,./-";
+  std::string line;
+  for (const std::string& word : command) {
+    if (!line.empty()) line += ' ';
+    if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) {
+      line += word;
+      continue;
+    }
+    line += '\'';
+    for (const char c : word) {
+      if (c == '\'') {
+        line += "'\\''";
+      } else {
+        line += c;
+      }
+    }
+    line += '\'';
+  }
+  return line;
+}
+
+}  // namespace padr::support

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace padr::support {
+
+/// The whole of a regular file. `flag` is for the message. Throws UserError, which names the flag, the file and the
+/// system's reason, if it cannot be read or is larger than `limit` bytes.
+std::string read_file(std::string_view flag, const std::string& path, std::size_t limit = 64U << 20U);
+
+/// A file that is written from its beginning. A full disk shows as an exception, at the latest in close().
+class OutputFile {
+ public:
+  /// Creates or empties the file. Throws UserError, which names the flag, if that cannot be done.
+  OutputFile(std::string_view flag, std::string path);
+  /// Throw std::system_error.
+  void write(std::span<const std::byte> bytes);
+  void write(std::string_view text);
+  /// Hands what is buffered to the system.
+  void flush();
+  void close();
+
+ private:
+  struct Close {
+    void operator()(std::FILE* f) const { std::fclose(f); }
+  };
+  [[noreturn]] void fail() const;
+  std::string path_;
+  std::unique_ptr<std::FILE, Close> file_;
+};
+
+}  // namespace padr::support

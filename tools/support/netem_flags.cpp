@@ -1,0 +1,49 @@
+#include "tools/support/netem_flags.h"
+
+#include "common/model/user_error.h"
+#include "tools/support/command_line.h"
+
+namespace padr::support {
+
+const char* const kNetemHelp =
+    "SPEC is what follows `netem` in `tc qdisc add ... netem SPEC`, see tc-netem(8), in one argument:\n"
+    "  limit PACKETS    duplicate PERCENT [CORRELATION]    corrupt PERCENT [CORRELATION]\n"
+    "  delay TIME [JITTER [CORRELATION]] [distribution uniform|normal|pareto|paretonormal]\n"
+    "  loss PERCENT [CORRELATION] | loss state P13 [P31 [P32 [P23 [P14]]]] | loss gemodel P [R [1-H [1-K]]]\n"
+    "  reorder PERCENT [CORRELATION] [gap N]    rate RATE [OVERHEAD [CELL [CELLOVERHEAD]]]\n"
+    "  slot MIN [MAX] [packets N] [bytes B] | slot distribution NAME DELAY JITTER [packets N] [bytes B]    seed N\n"
+    "TIME is in s, ms, us or ns; a bare number is microseconds, as with tc.";
+
+link::NetemSpec parse_netem_flag(std::string_view flag, std::string_view text, std::vector<std::string>* warnings) {
+  std::vector<std::string> found;
+  try {
+    auto spec = link::parse_netem(text, &found);
+    if (warnings != nullptr)
+      for (const auto& line : found) warnings->push_back(std::string(flag) + ": " + line);
+    return spec;
+  } catch (const UserError& e) {
+    throw UserError(std::string(flag) + ": " + e.what());
+  }
+}
+
+std::string describe(const link::NetemSpec& spec) {
+  const std::string text = to_string(spec);
+  return text.empty() ? "unimpaired" : "\"" + text + "\"";
+}
+
+void NetemFlags::declare(CLI::App& app) {
+  const std::string group = "Network";
+  app.add_option("--netem", text_, "What outgoing datagrams suffer, in tc-netem's words; default: nothing")
+      ->type_name("SPEC")
+      ->group(group);
+  app.add_option("--netem-seed", seed_, "Same seed, same datagrams at the same times: same outcome; default: --seed")
+      ->type_name("N")
+      ->check(whole_number())
+      ->group(group);
+}
+
+link::NetemSpec NetemFlags::spec(std::vector<std::string>* warnings) const {
+  return parse_netem_flag("--netem", text_, warnings);
+}
+
+}  // namespace padr::support

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string_view>
+
+namespace padr::support {
+
+/// What `git describe` said of the source when the build was configured; the version where there was no git.
+std::string_view revision();
+/// The project's version, such as 0.1.0.
+std::string_view version();
+
+}  // namespace padr::support

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <functional>
+#include <string_view>
+
+namespace padr::support {
+
+/// Exit codes of all programs.
+inline constexpr int kExitFine = 0;
+inline constexpr int kExitFailure = 1;  ///< something went wrong while running
+inline constexpr int kExitUsage = 2;    ///< a mistake in a flag or in a file that a flag names
+
+/// Runs `body` and returns its exit code. A padr::UserError becomes one line on standard error and kExitUsage, any
+/// other exception (the operating system's among them) one line and kExitFailure.
+int run_main(std::string_view program, const std::function<int()>& body);
+
+}  // namespace padr::support

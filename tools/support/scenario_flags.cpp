@@ -1,0 +1,70 @@
+#include "tools/support/scenario_flags.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "common/model/user_error.h"
+#include "common/scenarios/scenarios.h"
+#include "tools/support/command_line.h"
+#include "tools/support/files.h"
+
+namespace padr::support {
+namespace {
+
+std::string names() {
+  std::string all;
+  for (const std::string_view n : scenarios::embedded_names()) all += (all.empty() ? "" : ", ") + std::string(n);
+  return all;
+}
+
+}  // namespace
+
+void ScenarioFlags::declare(CLI::App& app) {
+  const std::string group = "World";
+  app.add_option("--scenario", scenario_, "Built in: " + names() + "; or a file of your own")
+      ->type_name("NAME|FILE")
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--seed", seed_, "Of what is random in the scenario, and of generated input that names no seed")
+      ->type_name("N")
+      ->check(whole_number())
+      ->capture_default_str()
+      ->group(group);
+}
+
+LoadedScenario ScenarioFlags::load() const {
+  return load_scenario(scenario_, seed_);
+}
+
+LoadedScenario load_scenario(const std::string& name, std::uint64_t seed) {
+  LoadedScenario s;
+  s.label = name;
+  s.seed = seed;
+  const auto known = scenarios::embedded_names();
+  if (std::find(known.begin(), known.end(), name) != known.end()) {
+    s.text = std::string(scenarios::embedded_text(name));
+    s.scene = scenarios::load_embedded(name, seed);
+    return s;
+  }
+  std::error_code error;
+  if (!std::filesystem::exists(name, error))
+    throw UserError("--scenario: '" + name + "' is neither a file nor one of " + names());
+  s.text = read_file("--scenario", name);
+  s.scene = scenarios::load(s.text, name, seed);
+  return s;
+}
+
+std::unique_ptr<scenarios::InputSource> load_input(std::string_view spec, const Scene& scene, int slot,
+                                                   std::uint64_t seed) {
+  const scenarios::InputContext context{scene, slot, seed,
+                                        [](const std::string& file) { return read_file("--input", file); }};
+  try {
+    return scenarios::make_input(spec, context);
+  } catch (const UserError& e) {
+    std::string line = e.what();
+    if (!line.starts_with("--input")) line = "--" + std::string(line.starts_with("input:") ? "" : "input: ") + line;
+    throw UserError(line);
+  }
+}
+
+}  // namespace padr::support
