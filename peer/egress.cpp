@@ -1,6 +1,7 @@
 #include "peer/egress.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/link/link_seed.h"
 #include "common/model/rng.h"
@@ -51,9 +52,8 @@ void Egress::session(const Endpoint& to, std::span<const std::byte> datagram, Mi
 
 void Egress::state(PeerId to, const Endpoint& at, std::span<const std::byte> datagram, Micros now) {
   Link& l = links_[to];
-  if (l.shim && l.to != at) retire(std::move(l));
-  if (!l.shim || l.to != at)
-    l = {at, std::make_unique<link::Shim>(spec_for(at, to), link::link_seed(specs_.seed, self_, to))};
+  if (l.shim && l.to != at) retire(std::exchange(l, {}));
+  if (!l.shim) l = {at, std::make_unique<link::Shim>(spec_for(at, to), link::link_seed(specs_.seed, self_, to))};
   l.shim->accept(now, datagram);
 }
 

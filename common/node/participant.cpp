@@ -13,6 +13,10 @@ namespace {
 
 /// A step that is later than this: the process was held up, and nobody was heard because nobody listened.
 constexpr Micros kHeldUp = 400'000;
+/// A transfer's tick against the session's by our clock: what lies further off is not of this session, or would take us
+/// for ever to step up to. Ticks.
+constexpr Tick kMostAhead = 2 * kTicksPerSecond;
+constexpr Tick kMostBehind = 120 * kTicksPerSecond;
 /// Between two attempts to come back.
 constexpr Micros kTryAgain = 500'000;
 constexpr Micros kReturnPatience = 6 * kMicrosPerSecond;
@@ -65,16 +69,27 @@ void Participant::be_born(Micros local) {
     collect(coming_);
     coming_ = {};
     try_again_ = local + kTryAgain;
-  } else if (!coming_.node && s.phase() == SessionPhase::kStarted) {
-    begin_at_tick_0();
-  } else if (!coming_.node && s.may_enter()) {
-    begin_later(local);
+  } else if (!coming_.node && (s.phase() == SessionPhase::kStarted || s.may_enter())) {
+    if (!has_room_for(s)) return;
+    if (s.phase() == SessionPhase::kStarted)
+      begin_at_tick_0();
+    else
+      begin_later(local);
   } else if (coming_.node && coming_.node->node().member()) {
     s.admitted();
     take_over();
   } else if (coming_.node) {
     watch(coming_, local);
   }
+}
+
+// The number of slots is the founder's to say: it may be mistaken, or lie.
+bool Participant::has_room_for(Session& session) const {
+  const std::size_t places = scene_.avatar.spawns.size();
+  if (static_cast<std::size_t>(session.slots()) <= places) return true;
+  session.desk().fail("the session has more avatar slots (" + std::to_string(session.slots()) +
+                      ") than the scenario has places to start from (" + std::to_string(places) + ")");
+  return false;
 }
 
 // Not in yet: steps along, so that it is up to date when it is.
@@ -100,6 +115,13 @@ void Participant::begin_later(Micros local) {
     s.desk().fail("what " + to_string(s.doorkeeper()) + " sent as the agreed world does not decode");
     return;
   }
+  const Tick now = static_cast<Tick>(s.session_now(local) * kTicksPerSecond / kMicrosPerSecond);
+  const Tick then = transfer->state.tick;
+  if (then > now + kMostAhead || then < now - kMostBehind) {
+    s.desk().fail("what " + to_string(s.doorkeeper()) + " sent as the agreed world is of tick " + std::to_string(then) +
+                  ", but the session is at " + std::to_string(now));
+    return;
+  }
   transfer->slots[s.doorkeeper_number()].at = s.doorkeeper();
   for (sync::Transfer::Slot& slot : transfer->slots) {
     if (slot.at.is_set()) slot.at = as_seen_from(slot.at, s.doorkeeper());
@@ -110,7 +132,6 @@ void Participant::begin_later(Micros local) {
     const std::string difference = ours == nullptr ? "" : first_difference(*ours, transfer->state);
     if (!difference.empty()) s.desk().note("here and there " + difference, true);
   }
-  const Tick now = static_cast<Tick>(s.session_now(local) * kTicksPerSecond / kMicrosPerSecond);
   coming_.node = std::make_unique<RecordedNode>(scene_, node_config(s), *transfer, std::max(now, transfer->state.tick),
                                                 config_.recording ? config_.recording(lives_) : std::nullopt, sink());
   coming_.membership = std::make_unique<Membership>(s.desk(), *coming_.node);

@@ -78,6 +78,7 @@ class Participant {
     std::unique_ptr<Membership> membership;
   };
   void be_born(Micros local);
+  bool has_room_for(Session& session) const;
   void begin_at_tick_0();
   void begin_later(Micros local);
   void watch(Life& life, Micros local);

@@ -25,7 +25,7 @@ Founder::Guest* Founder::guest_at(const Endpoint& where) {
 }
 
 std::string Founder::objection(const wire::Join& join) const {
-  const std::string why = node::objection(desk_.config, join);
+  std::string why = node::objection(desk_.config, join);
   if (!why.empty() || desk_.phase != SessionPhase::kStarted) return why;
   return "the session has already started, with " + std::to_string(desk_.wanted) + " of " +
          std::to_string(desk_.wanted) + " peers";

@@ -144,6 +144,42 @@ struct TraceReader::Parser {
     return "";
   }
 
+  void check(const std::string& wrong) const {
+    if (!wrong.empty()) r.refuse(wrong);
+  }
+
+  std::span<const std::byte> keep(const std::string& datagram) const {
+    r.datagram_.resize(datagram.size());
+    std::transform(datagram.begin(), datagram.end(), r.datagram_.begin(),
+                   [](char c) { return static_cast<std::byte>(c); });
+    return r.datagram_;
+  }
+
+  PeerId slot(std::uint32_t peer, const char* wrong) const {
+    if (peer >= static_cast<std::uint32_t>(r.header_.slots)) r.refuse(wrong);
+    return static_cast<PeerId>(peer);
+  }
+
+  /// Of one that came later, or of who comes and goes.
+  Event membership(const file::Record& in) const {
+    if (in.has_begin()) {
+      Begin b;
+      check(begin(in.begin(), b));
+      r.begun_ = true;
+      b.transfer = keep(in.begin().transfer());
+      return b;
+    }
+    if (in.has_order()) return Order{keep(in.order().fetched())};
+    if (in.has_freeze()) return Freeze{slot(in.freeze().peer(), "freezes no slot"), in.freeze().frozen()};
+    if (in.has_give_up()) return GiveUp{slot(in.give_up().peer(), "gives up no slot")};
+    if (in.has_locate()) {
+      Locate l;
+      check(locate(in.locate(), l));
+      return l;
+    }
+    return Excuse{};
+  }
+
   static Footer footer(const file::Footer& in) {
     Footer f;
     f.bundles = in.bundles();
@@ -227,53 +263,29 @@ std::optional<Event> TraceReader::next() {
   file::Record record;
   if (!record.ParseFromArray(bytes->data(), static_cast<int>(bytes->size()))) refuse("does not decode");
   const Parser parser{*this};
-  const auto check = [this](const std::string& wrong) {
-    if (!wrong.empty()) refuse(wrong);
-  };
-  const auto keep = [this](const std::string& datagram) -> std::span<const std::byte> {
-    datagram_.resize(datagram.size());
-    std::transform(datagram.begin(), datagram.end(), datagram_.begin(),
-                   [](char c) { return static_cast<std::byte>(c); });
-    return datagram_;
-  };
   if (!begun_ && !record.has_begin()) refuse("is not what one who came later begins with");
   switch (record.kind_case()) {
-    case file::Record::kBegin: {
-      Begin b;
-      check(parser.begin(record.begin(), b));
-      begun_ = true;
-      b.transfer = keep(record.begin().transfer());
-      return b;
-    }
+    case file::Record::kBegin:
     case file::Record::kOrder:
-      return Order{keep(record.order().fetched())};
     case file::Record::kFreeze:
-      if (record.freeze().peer() >= static_cast<std::uint32_t>(header_.slots)) refuse("freezes no slot");
-      return Freeze{static_cast<PeerId>(record.freeze().peer()), record.freeze().frozen()};
     case file::Record::kGiveUp:
-      if (record.give_up().peer() >= static_cast<std::uint32_t>(header_.slots)) refuse("gives up no slot");
-      return GiveUp{static_cast<PeerId>(record.give_up().peer())};
     case file::Record::kExcuse:
-      return Excuse{};
-    case file::Record::kLocate: {
-      Locate l;
-      check(parser.locate(record.locate(), l));
-      return l;
-    }
+    case file::Record::kLocate:
+      return parser.membership(record);
     case file::Record::kStep: {
       Step s;
-      check(parser.step(record.step(), s));
+      parser.check(parser.step(record.step(), s));
       return s;
     }
     case file::Record::kReceived:
-      return Received{record.received().at_us(), keep(record.received().datagram())};
+      return Received{record.received().at_us(), parser.keep(record.received().datagram())};
     case file::Record::kSent:
-      check(parser.sent(record.sent()));
+      parser.check(parser.sent(record.sent()));
       return Sent{static_cast<PeerId>(record.sent().to()), static_cast<Tick>(record.sent().tick()),
-                  keep(record.sent().datagram())};
+                  parser.keep(record.sent().datagram())};
     case file::Record::kConfirmed: {
       Confirmed c;
-      check(parser.confirmed(record.confirmed(), c));
+      parser.check(parser.confirmed(record.confirmed(), c));
       return c;
     }
     case file::Record::kFooter:

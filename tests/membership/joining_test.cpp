@@ -90,6 +90,20 @@ TEST(Joining, ASlotThatWasLeftIsTakenAgain) {
   EXPECT_GT(party.node(3).config().incarnation, 0U);
 }
 
+TEST(Joining, MoreSlotsThanPlacesToStartFromAreRefused) {
+  // The number of slots is told by the founder: by another version of the program it might not fit the scenario.
+  lab::GatheringConfig config = party_config(2, "delay 10ms", 19);
+  config.scene.avatar.spawns.resize(2);
+  config.slots = 3;
+  Party party(std::move(config));
+  party.run(3);
+  for (int p = 0; p < 2; ++p) {
+    EXPECT_FALSE(party.net().peer(p).playing());
+    EXPECT_NE(party.net().peer(p).session().failure().find("more avatar slots (3)"), std::string::npos)
+        << party.net().peer(p).session().failure();
+  }
+}
+
 TEST(Joining, TheFounderMayLeave) {
   Party party(3, "delay 30ms 5ms loss 1%", 17);
   party.run(5);

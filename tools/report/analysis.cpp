@@ -70,6 +70,7 @@ class Analysis {
  private:
   static std::vector<PeerId> slots_of(const std::vector<Survey>& lives) {
     std::vector<PeerId> slots;
+    slots.reserve(lives.size());
     for (const Survey& s : lives) slots.push_back(s.header.peer);
     return slots;
   }

@@ -62,7 +62,10 @@ class Shot {
   }
 
  private:
-  std::size_t index(Tick t) const { return static_cast<std::size_t>(m_.tick + t); }
+  std::size_t index(Tick t) const {
+    const Tick at = m_.tick + t;
+    return static_cast<std::size_t>(at);
+  }
   Vec2 truth(Tick t) const { return f_.truth[index(t)][m_.entity]; }
   Vec2 shown(Tick t) const { return f_.shown[method_][index(t)][m_.entity]; }
 
