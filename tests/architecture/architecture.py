@@ -4,6 +4,7 @@
   architecture.py includes ROOT             who includes whom, and what the pure core may not include or call
   architecture.py symbols --nm NM LIB...    what the pure core's archives would take from outside
   architecture.py paths ROOT                absolute paths of somebody's machine in the repository's files
+  architecture.py cases ROOT                tests that docs/cases.md names and nobody has written
 """
 
 import argparse
@@ -207,6 +208,29 @@ def paths(root):
     return found
 
 
+TEST_NAME = re.compile(r"`(\w+\.\w+)`")
+TEST_DEFINITION = re.compile(r"^TEST(?:_F|_P)?\((\w+), *(\w+)\)", re.MULTILINE)
+
+
+def cases(root):
+    page = "docs/cases.md"
+    written = set()
+    for path in sources(root, "tests"):
+        with open(os.path.join(root, path), encoding="utf-8") as file:
+            written.update(".".join(m) for m in TEST_DEFINITION.findall(file.read()))
+    found = []
+    with open(os.path.join(root, page), encoding="utf-8") as file:
+        rows = [(n, line) for n, line in enumerate(file, 1) if line.startswith("| ") and not line.startswith("| case ")]
+    if not rows:
+        return [f"{page}: no cases"]
+    for number, line in rows:
+        named = TEST_NAME.findall(line)
+        if not named:
+            found.append(f"{page}:{number}: a case without a test: {line.split('|')[1].strip()}")
+        found += [f"{page}:{number}: there is no test {name}" for name in named if name not in written]
+    return found
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     verbs = parser.add_subparsers(dest="verb", required=True)
@@ -215,12 +239,15 @@ def main():
     verb.add_argument("--nm", default="nm")
     verb.add_argument("archives", nargs="+")
     verbs.add_parser("paths").add_argument("root")
+    verbs.add_parser("cases").add_argument("root")
     args = parser.parse_args()
 
     if args.verb == "includes":
         found = includes(args.root)
     elif args.verb == "symbols":
         found = symbols(args.nm, args.archives)
+    elif args.verb == "cases":
+        found = cases(args.root)
     else:
         found = paths(args.root)
     for line in found:

@@ -136,5 +136,23 @@ class Paths(unittest.TestCase):
                 self.assertEqual(len(architecture.paths(root)), int(bad))
 
 
+class Cases(unittest.TestCase):
+    def test_cases(self):
+        rows = [
+            ("| a row | an answer | `Suite.Written` |", None),
+            ("| a row | an answer | `Suite.Written`, `Suite.Dreamt` |", "no test Suite.Dreamt"),
+            ("| a row | an answer | see there |", "without a test: a row"),
+            ("nothing", "no cases"),
+        ]
+        for row, complaint in rows:
+            files = {"docs/cases.md": row + "\n", "tests/a/a_test.cpp": "TEST(Suite, Written) {}\n"}
+            with self.subTest(row=row), Tree(files) as root:
+                found = architecture.cases(root)
+                if complaint is None:
+                    self.assertEqual(found, [])
+                else:
+                    self.assertIn(complaint, "\n".join(found))
+
+
 if __name__ == "__main__":
     unittest.main()
