@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "common/model/endpoint.h"
 #include "common/node/link_clock.h"
@@ -27,11 +28,12 @@ struct Neighbour {
   Tick heard = 0;     ///< when anything valid came last
   Tick answered = 0;  ///< when it last said that it got something new of ours
   std::uint32_t answered_seq = 0;
-  bool proven = false;         ///< it has answered since silence was last excused
-  std::uint32_t promised = 0;  ///< highest mark count heard
-  Tick confirmed = 0;          ///< it has confirmed so far at least
-  Tick checked = 0;            ///< when it was last told a hash
-  bool frozen = false;         ///< being declared gone: nothing more is taken from it
+  bool proven = false;             ///< it has answered since silence was last excused
+  std::uint32_t promised = 0;      ///< highest mark count heard
+  Tick confirmed = 0;              ///< it has confirmed so far at least
+  Tick checked = 0;                ///< when it was last told a hash
+  bool frozen = false;             ///< being declared gone: nothing more is taken from it
+  std::vector<sync::Bundle> held;  ///< frozen: updates of it that are here beyond the first that is not
 
   bool there() const { return presence == Presence::kThere; }
   /// Whether it gets our datagrams and we may get some of it.

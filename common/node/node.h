@@ -101,7 +101,7 @@ class Node {
   void order(const sync::Bundle& order) { orders_.push_back(order); }
   std::size_t orders() const { return orders_.size(); }
   /// Takes nothing more from p, whose end is being agreed on, or takes again what it says.
-  void freeze(PeerId p, bool frozen) { others_[p].frozen = frozen; }
+  void freeze(PeerId p, bool frozen);
   /// This peer's avatar is, or was once, part of the session.
   bool member() const { return member_; }
   /// The tick of its admission; its updates are of later ones.

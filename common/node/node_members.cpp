@@ -23,6 +23,7 @@ void Node::note_changes(const sync::Bundle& b) {
   if (b.peer == config_.self || !n.there()) return;
   n.presence = Presence::kLeft;
   n.frozen = false;
+  n.held.clear();
   changes_.push_back({MemberChange::Kind::kLeft, b.peer, n.incarnation, n.at, b.tick, b.peer});
 }
 
@@ -69,9 +70,23 @@ void Node::remove(const sync::Removal& r, const sync::Bundle& by) {
   if (agreed_.log().have(r.slot) > r.count) expelled_ = true;  // they agreed without us
   agreed_.close(r.slot, r.count);
   n.frozen = false;
+  n.held.clear();
   if (!n.there()) return;  // it has left: its farewell was the end, and counts
   n.presence = Presence::kAbsent;
   changes_.push_back({MemberChange::Kind::kRemoved, r.slot, r.incarnation, n.at, by.tick, by.peer});
+}
+
+// How many of its updates are here must not grow any more: not by datagrams, and not by what others pass on to close a
+// hole beyond which there is more.
+void Node::freeze(PeerId p, bool frozen) {
+  Neighbour& n = others_[p];
+  if (n.frozen == frozen) return;
+  n.frozen = frozen;
+  if (frozen) {
+    n.held = agreed_.hold(p);
+  } else {
+    for (const sync::Bundle& b : std::exchange(n.held, {})) file(b);
+  }
 }
 
 std::uint32_t Node::newest_incarnation() const {
@@ -95,6 +110,8 @@ sync::Transfer Node::transfer() const {
   sync::Transfer t;
   t.state = agreed_.confirmed();
   t.tail = agreed_.log().since(t.state.tick);
+  // Without what lies beyond holes: a removal might close one that the newcomer is never told of otherwise.
+  std::erase_if(t.tail, [&](const sync::Bundle& b) { return b.index >= agreed_.log().have(b.peer); });
   t.slots.resize(others_.size());
   t.have.resize(others_.size());
   for (PeerId p = 0; p < others_.size(); ++p) {

@@ -135,8 +135,8 @@ void Participant::begin_later(Micros local) {
   coming_.node = std::make_unique<RecordedNode>(scene_, node_config(s), *transfer, std::max(now, transfer->state.tick),
                                                 config_.recording ? config_.recording(lives_) : std::nullopt, sink());
   coming_.membership = std::make_unique<Membership>(s.desk(), *coming_.node);
-  for (const Endpoint& at : transfer->gone)
-    if (std::find(s.roster().begin(), s.roster().end(), at) == s.roster().end()) coming_.membership->remember(at);
+  // Members among them are forgotten again; a slot's address says nothing, its peer may be gone.
+  for (const Endpoint& at : transfer->gone) coming_.membership->remember(at);
   s.hand_over_to(coming_.membership.get());
   s.enter(local);
 }
@@ -152,10 +152,7 @@ void Participant::take_over() {
   }
   if (!before.session) return;
   collect(before);
-  for (const Endpoint& at : before.session->roster()) {
-    const auto& now = life_.session->roster();
-    if (at.is_set() && std::find(now.begin(), now.end(), at) == now.end()) life_.membership->remember(at);
-  }
+  for (const Endpoint& at : before.session->roster()) life_.membership->remember(at);
   before.node->finish(true);
 }
 

@@ -118,10 +118,8 @@ bool Removals::ordered() const {
 bool Removals::gather(PeerId p, Lost& lost, const Node& node) {
   const sync::UpdateLog& log = node.agreed().log();
   lost.least = lost.most = log.have(p);
-  PeerId who = desk_.self;
   for (const auto& [q, have] : lost.have) {
     lost.least = std::min(lost.least, have);
-    if (have > lost.most) who = q;
     lost.most = std::max(lost.most, have);
   }
   for (const sync::Bundle& b : log.of(p, lost.least)) lost.fetched.emplace(b.index, b);
@@ -131,13 +129,22 @@ bool Removals::gather(PeerId p, Lost& lost, const Node& node) {
       if (found->second.tick >= node.now()) return false;  // its clock was ahead
       continue;
     }
-    if (node.now() - asked_ >= kAskAgain && who != desk_.self) {
-      asked_ = node.now();
-      desk_.send(desk_.roster[who], wire::Fetch{p, lost.incarnation, i});
-    }
+    fetch(p, lost, i, node.now());
     return false;
   }
   return true;
+}
+
+// Not everybody who has had an update still keeps it, not even we: who came later may have it in the state it began
+// with. One is asked after the other.
+void Removals::fetch(PeerId p, Lost& lost, std::uint32_t index, Tick now) {
+  if (now - asked_ < kAskAgain) return;
+  std::vector<PeerId> had;
+  for (const auto& [q, have] : lost.have)
+    if (have > index) had.push_back(q);
+  if (had.empty()) return;
+  asked_ = now;
+  desk_.send(desk_.roster[had[lost.fetches++ % had.size()]], wire::Fetch{p, lost.incarnation, index});
 }
 
 void Removals::bury(RecordedNode& node) {

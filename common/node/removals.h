@@ -42,6 +42,7 @@ class Removals {
     std::uint32_t least = 0;                        ///< somebody has no more than the updates below this
     std::uint32_t most = 0;                         ///< nobody has any beyond these
     bool ordered = false;
+    std::size_t fetches = 0;
   };
   void thaw(RecordedNode& node);
   void notice(RecordedNode& node);
@@ -49,6 +50,7 @@ class Removals {
   void ask(const Node& node);
   bool ordered() const;
   bool gather(PeerId p, Lost& lost, const Node& node);
+  void fetch(PeerId p, Lost& lost, std::uint32_t index, Tick now);
   void bury(RecordedNode& node);
 
   SessionDesk& desk_;

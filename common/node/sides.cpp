@@ -45,7 +45,11 @@ Sides::Side Sides::ours(const Node& node) const {
 }
 
 void Sides::on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, const Node& node, Micros local) {
-  if (!node.member() || sender >= desk_.slots || sender == desk_.self) return;
+  if (!node.member() || sender >= desk_.slots) return;
+  if (sender == desk_.self && probe.incarnation == node.config().incarnation) {  // our own knock, at our own door
+    std::erase_if(gone_, [&](const Gone& g) { return g.at == from; });
+    return;
+  }
   const Neighbour& n = node.other(sender);
   const bool known = n.there() && n.incarnation == probe.incarnation && desk_.roster[sender] == from;
   if (node.now() - node.in_since() < kGrace) return;  // we have hardly heard those among whom we are

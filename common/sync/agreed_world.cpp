@@ -76,6 +76,15 @@ void AgreedWorld::close(PeerId peer, std::uint32_t count) {
   std::erase_if(arrived_, [&](const Bundle& b) { return b.peer == peer && b.index >= count; });
 }
 
+std::vector<Bundle> AgreedWorld::hold(PeerId peer) {
+  std::vector<Bundle> held = log_.hold(peer);
+  for (const Bundle& b : held)
+    if (config_.replay && b.tick <= now()) dirty_ = std::min(dirty_, b.tick);
+  const std::uint32_t have = log_.have(peer);
+  std::erase_if(arrived_, [&](const Bundle& b) { return b.peer == peer && b.index >= have; });
+  return held;
+}
+
 void AgreedWorld::enter(Tick since) {
   log_.open(config_.self, since);
   in_ = true;

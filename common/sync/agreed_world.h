@@ -54,6 +54,7 @@ class AgreedWorld {
   /// As in UpdateLog.
   void mark(PeerId peer, Tick tick, std::uint32_t count) { log_.mark(peer, tick, count); }
   void close(PeerId peer, std::uint32_t count);
+  std::vector<Bundle> hold(PeerId peer);
   void open(PeerId peer, Tick since) { log_.open(peer, since); }
   /// As open, of the own slot.
   void enter(Tick since);

@@ -1,6 +1,7 @@
 #include "common/sync/update_log.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 
 namespace padr::sync {
@@ -61,6 +62,18 @@ Tick UpdateLog::close(PeerId peer, std::uint32_t count) {
       earliest = std::min(earliest, tick);
   mark(peer, kForever, count);
   return earliest;
+}
+
+std::vector<Bundle> UpdateLog::hold(PeerId peer) {
+  Peer& p = peers_[peer];
+  std::vector<Bundle> held;
+  for (auto& [tick, bundles] : by_tick_) {
+    const auto beyond = [&](const Bundle& b) { return b.peer == peer && b.index >= p.have; };
+    std::copy_if(bundles.begin(), bundles.end(), std::back_inserter(held), beyond);
+    std::erase_if(bundles, beyond);
+  }
+  p.beyond.clear();
+  return held;
 }
 
 void UpdateLog::open(PeerId peer, Tick since) {

@@ -27,6 +27,8 @@ class UpdateLog {
   /// Who sat in the slot says no more, ever: it is complete for all time once its bundles below `count` are here.
   /// Forgets what is known beyond; the earliest tick of that, or the largest Tick.
   Tick close(PeerId peer, std::uint32_t count);
+  /// Takes out what is known beyond the first hole, so that what fills the hole does not bring more with it.
+  std::vector<Bundle> hold(PeerId peer);
   /// Another peer sits in a closed slot: its bundles are numbered from the old one's end on and of ticks after `since`.
   void open(PeerId peer, Tick since);
   /// Whether more has been promised than is here.

@@ -73,6 +73,23 @@ TEST(UpdateLog, ClosedIsCompleteForEverOnceAllIsHere) {
   EXPECT_EQ(log.complete(0), std::numeric_limits<Tick>::max());
 }
 
+TEST(UpdateLog, WhatFillsAHoleBringsNothingMoreOfWhatWasHeld) {
+  UpdateLog log = of_members(1);
+  log.insert(bundle(0, 0, 4));
+  log.insert(bundle(0, 2, 8));
+  log.insert(bundle(0, 3, 10));
+  log.mark(0, 9, 3);
+  const std::vector<Bundle> held = log.hold(0);
+  ASSERT_EQ(held.size(), 2U);
+  EXPECT_TRUE(log.at(8).empty());
+  EXPECT_TRUE(log.insert(bundle(0, 1, 6)));
+  EXPECT_EQ(log.have(0), 2U);
+  EXPECT_LT(log.complete(0), 9);
+  for (const Bundle& b : held) EXPECT_TRUE(log.insert(b));
+  EXPECT_EQ(log.have(0), 4U);
+  EXPECT_EQ(log.complete(0), 9);
+}
+
 TEST(UpdateLog, PruningForgetsWhatIsBelow) {
   UpdateLog log = of_members(1);
   log.insert(bundle(0, 0, 4));

@@ -61,18 +61,22 @@ void ChaosCommand::declare(CLI::App& app) {
       "Exit: 0 all held, 1 something did not, 2 usage.");
 }
 
-ChaosPlay ChaosCommand::prepare() const {
-  ChaosPlay how;
-  const support::LoadedScenario scenario = support::load_scenario(scenario_, seed_);
-  how.scene = scenarios::load(scenarios::with_bodies(scenario.text, scenario_, bodies_), scenario_, seed_);
-  const auto spawns = static_cast<int>(how.scene.avatar.spawns.size());
+// Of the run's own seed, so that a run by itself is the same as among many.
+ChaosPlay ChaosCommand::how_of(std::size_t i) const {
+  ChaosPlay how = how_;
+  const support::LoadedScenario scenario = support::load_scenario(scenario_, seed_ + i);
+  how.scene = scenarios::load(scenarios::with_bodies(scenario.text, scenario_, bodies_), scenario_, seed_ + i);
+  return how;
+}
+
+void ChaosCommand::prepare() {
+  const auto spawns = static_cast<int>(how_of(0).scene.avatar.spawns.size());
   if (peers_ > spawns)
     throw UserError("--peers: " + std::to_string(peers_) + " is too many for scenario " + scenario_ +
                     ", which has room for " + std::to_string(spawns));
-  how.slots = std::min(spawns, peers_ + peers_ / 2);  // who comes back does so before its old place is free
-  how.technique = technique_.technique();
-  how.story = story_;
-  return how;
+  how_.slots = std::min(spawns, peers_ + peers_ / 2);  // who comes back does so before its old place is free
+  how_.technique = technique_.technique();
+  how_.story = story_;
 }
 
 std::string ChaosCommand::json(const std::vector<std::string>& command,
@@ -90,7 +94,7 @@ std::string ChaosCommand::json(const std::vector<std::string>& command,
   return j.text();
 }
 
-void ChaosCommand::print(const ChaosPlay& how, std::size_t i, const ChaosOutcome& o) const {
+void ChaosCommand::print(std::size_t i, const ChaosOutcome& o) const {
   const ChaosScript script = script_of(i);
   const bool held = o.violation.empty();
   if (story_ || runs_ <= kMostLines || !held)
@@ -102,6 +106,7 @@ void ChaosCommand::print(const ChaosPlay& how, std::size_t i, const ChaosOutcome
     for (const std::string& line : o.story) std::cout << "  " << line << '\n';
   }
   if (held) return;
+  const ChaosPlay how = how_of(i);
   const ChaosScript shortest = shrink(how, script, kShrinkTries);
   std::cout << "shortest script found: " << describe(shortest) << "  then: " << play(how, shortest).violation << '\n';
 }
@@ -111,12 +116,12 @@ ChaosScript ChaosCommand::script_of(std::size_t i) const {
 }
 
 int ChaosCommand::run(const std::vector<std::string>& command) {
-  const ChaosPlay how = prepare();
+  prepare();
   ParallelOptions options;
   options.threads = jobs_;
   options.what = "scripts";
   const auto outcomes = parallel_results<ChaosOutcome>(
-      static_cast<std::size_t>(runs_), [&](std::size_t i) { return play(how, script_of(i)); }, options);
+      static_cast<std::size_t>(runs_), [&](std::size_t i) { return play(how_of(i), script_of(i)); }, options);
   std::uint64_t compared = 0;
   int bad = 0;
   double slowest = 0;
@@ -125,7 +130,7 @@ int ChaosCommand::run(const std::vector<std::string>& command) {
     compared += o.compared;
     slowest = std::max(slowest, o.slowest_join);
     if (!o.violation.empty()) ++bad;
-    if (json_ != "-" && (o.violation.empty() || bad <= kMostShrunk)) print(how, i, o);
+    if (json_ != "-" && (o.violation.empty() || bad <= kMostShrunk)) print(i, o);
   }
   if (json_ == "-") {
     std::cout << json(command, outcomes);

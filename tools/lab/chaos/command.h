@@ -17,11 +17,13 @@ class ChaosCommand {
   int run(const std::vector<std::string>& command);
 
  private:
-  ChaosPlay prepare() const;
+  void prepare();
+  ChaosPlay how_of(std::size_t i) const;
   ChaosScript script_of(std::size_t i) const;
-  void print(const ChaosPlay& how, std::size_t i, const ChaosOutcome& outcome) const;
+  void print(std::size_t i, const ChaosOutcome& outcome) const;
   std::string json(const std::vector<std::string>& command, const std::vector<ChaosOutcome>& outcomes) const;
 
+  ChaosPlay how_;  ///< but for the scene
   support::TechniqueFlags technique_;
   std::string scenario_ = "arena";
   std::uint32_t bodies_ = 12;
