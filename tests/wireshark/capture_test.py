@@ -21,8 +21,7 @@ import tshark  # noqa: E402
 from decoder import decode  # noqa: E402
 from expected import fields, is_claimed, of_transfer  # noqa: E402
 
-MANY = 20000  # datagrams from which on more peers play, each telling everything at every tick
-SKIPPED = 77
+MANY = 20000  # datagrams from which on more peers play, most of them telling everything at every tick
 # What must be in a capture of the session that is played; a fetch happens only if the founder lacks what others have.
 EVERY = {"state", "join", "welcome", "redirect", "refuse", "ping", "pong", "start", "ready", "bye", "pull", "piece", "enter", "poll",
          "answer", "update", "avatar", "body", "admission", "removal", "leave", "transfer"}  # fmt: skip
@@ -142,16 +141,16 @@ def parse(arguments):
 
 
 def main(options):
+    tshark.or_skip("tcpdump")
     with tempfile.TemporaryDirectory() as folder:
         path = options.capture or options.keep or os.path.join(folder, "padr.pcap")
         if not options.capture:
             many = options.datagrams >= MANY
-            flags = ["--technique", "everything"] if many else []
             try:
-                lost = play.record(path, options.datagrams, 8 if many else 4, flags)
+                lost = play.record(path, options.datagrams, members=8 if many else 4, chatty=5 if many else 1)
             except play.NotPermitted as reason:
                 print(f"skipped: capturing is not permitted here: {reason}")
-                return SKIPPED
+                return tshark.SKIPPED
             print(f"tcpdump has lost {lost} frames")
         started = time.monotonic()
         seen = compare(path)

@@ -3,7 +3,6 @@
 Somebody is refused, somebody leaves before the start, the others gather and play over a bad network; one is killed, one comes
 late, one leaves, and the rest end.
 """
-import os
 import signal
 import socket
 import struct
@@ -13,7 +12,6 @@ import time
 from peers import PATIENCE, PLAYING, Peer
 
 NETEM = "delay 20ms 10ms loss 8% duplicate 1% corrupt 1%"
-CLOSED = 77  # exit code of a test that is skipped
 
 
 class NotPermitted(Exception):
@@ -70,8 +68,8 @@ def free_ports(count):
 
 
 class Play:
-    def __init__(self, ports, members, flags):
-        self.ports, self.members, self.flags = iter(ports), members, flags
+    def __init__(self, ports, members, chatty, flags):
+        self.ports, self.members, self.chatty, self.flags = iter(ports), members, chatty, flags
         self.peers, self.port_of = [], {}
 
     def peer(self, *arguments, flags=None):
@@ -97,10 +95,10 @@ class Play:
             each.end()
 
     def gather(self):
-        """The members, the last of which asks one that is not the founder."""
+        """The members, some of which tell everything at every tick; the last one asks one that is not the founder."""
         founder = self.peer("--wait-peers", self.members)
-        members = [founder, self.join(founder, "--technique", "everything")]
-        members += [self.join(founder) for _ in range(self.members - 3)]
+        members = [founder] + [self.join(founder, "--technique", "everything") for _ in range(self.chatty)]
+        members += [self.join(founder) for _ in range(self.members - 2 - self.chatty)]
         founder.wait_for("peer 1 at .* has joined")
         # Of what the victim sends little gets to the founder: others have to hand it over when the victim is gone.
         bad = f"127.0.0.1:{self.port_of[founder]}=delay 20ms loss 75%"
@@ -134,11 +132,11 @@ class Play:
             each.stop()
 
 
-def record(path, wanted, members, flags):
+def record(path, wanted, members, chatty):
     """Plays and captures about so many datagrams; gives how many frames tcpdump has lost."""
     ports = free_ports(members + 4)
     capture = Capture(path, ports)
-    play = Play(ports, members, ["--netem", NETEM, "--status-interval", "0", *flags])
+    play = Play(ports, members, chatty, ["--netem", NETEM, "--status-interval", "0"])
 
     def enough(third):
         deadline = time.monotonic() + PATIENCE + wanted / 500
@@ -156,8 +154,3 @@ def record(path, wanted, members, flags):
         play.stop()
         lost = capture.stop()
     return lost
-
-
-def remove(path):
-    if os.path.exists(path):
-        os.unlink(path)

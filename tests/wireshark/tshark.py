@@ -1,38 +1,64 @@
 """What tshark shows of a capture with the plugin, as lists of (field, value) by frame; and whether it is what is expected."""
+import atexit
 import ipaddress
 import json
 import os
+import shutil
 import struct
 import subprocess
+import sys
+import tempfile
 
 PLUGIN = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tools", "wireshark", "padr.lua")
-PROTO = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "proto")
 # What hangs on other datagrams.
 CONTEXT = ("padr.to", "padr.resend", "padr.resend.first", "padr.superseded", "padr.superseded.by", "padr.stale_mark",
            "padr.duplicate", "padr.lost", "padr.check_differs")  # fmt: skip
+
+
+# Of no user's settings and plugins.
+HOME = tempfile.mkdtemp()
+atexit.register(shutil.rmtree, HOME)
+SKIPPED = 77
 
 
 class Mismatch(Exception):
     """Something is shown otherwise than it should be."""
 
 
+def or_skip(*programs):
+    """Ends the test as skipped if a program is missing."""
+    missing = [program for program in ("tshark", *programs) if not shutil.which(program)]
+    if missing:
+        print(f"skipped: {' and '.join(missing)} not found (tools/deps.sh check)")
+        sys.exit(SKIPPED)
+
+
+def environment(home=HOME):
+    return {**{name: value for name, value in os.environ.items() if not name.startswith(("XDG_", "WIRESHARK_"))}, "HOME": home}
+
+
 def command(*arguments):
-    return ["tshark", "-n", "-X", f"lua_script:{PLUGIN}", *arguments]
+    """Ports that Wireshark gives to other protocols are among those that peers pick: heuristics are asked first."""
+    return ["tshark", "-n", "-X", f"lua_script:{PLUGIN}", "-o", "udp.try_heuristic_first:TRUE", *arguments]
 
 
 def run(*arguments):
     """Standard output; anything but a warning of being root on the other one is an error."""
-    done = subprocess.run(command(*arguments), capture_output=True, text=True, check=False)
+    return output(command(*arguments), environment())
+
+
+def output(words, env, **more):
+    done = subprocess.run(words, capture_output=True, text=True, check=False, env=env, **more)
     said = [line for line in done.stderr.splitlines() if not line.startswith("Running as user")]
     if done.returncode or said:
-        raise Mismatch(f"tshark {' '.join(arguments)}: exit code {done.returncode}: " + "\n".join(said))
+        raise Mismatch(f"{words}: exit code {done.returncode}: " + "\n".join(said))
     return done.stdout
 
 
 def records(path, *arguments):
     """Each frame of a capture as tshark's JSON has it, objects as lists of pairs, for keys may come twice."""
     process = subprocess.Popen(command("-r", path, "-T", "json", "-J", "padr", *arguments), stdout=subprocess.PIPE,
-                               stderr=subprocess.PIPE, text=True)  # fmt: skip
+                               stderr=subprocess.PIPE, text=True, env=environment())  # fmt: skip
     lines = None
     for line in process.stdout:
         if line == "  {\n":
