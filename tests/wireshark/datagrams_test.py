@@ -6,11 +6,9 @@ Usage: datagrams_test.py WIRE_SAMPLES WIRE_MD
 import os
 import random
 import re
-import struct
 import subprocess
 import sys
 import tempfile
-import zlib
 from collections import Counter
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -18,7 +16,9 @@ sys.path.insert(0, os.path.join(HERE, "..", "conformance"))
 
 import pcap  # noqa: E402
 import tshark  # noqa: E402
+from encoder import tagged  # noqa: E402
 from expected import fields, is_claimed  # noqa: E402
+from limits import cases  # noqa: E402
 from others import packets  # noqa: E402
 
 COUNT = 400  # that the samples' program draws, of each of which there is a damaged copy
@@ -35,10 +35,6 @@ def vectors(path):
 def samples(program):
     output = subprocess.run([program, str(COUNT)], stdout=subprocess.PIPE, check=True, text=True).stdout
     return [bytes.fromhex(line.split(" ")[1]) for line in output.splitlines() if line.startswith("datagram ")]
-
-
-def tagged(head):
-    return head + struct.pack("<I", zlib.crc32(head))
 
 
 def damaged(datagrams, rng):
@@ -103,7 +99,7 @@ def main(program, wire_md):
     drawn = samples(program)
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "samples.pcap")
-        for what, datagrams in (("vectors", written), ("samples", drawn), ("damaged", list(damaged(written + drawn[::4], rng)))):
+        for what, datagrams in (("vectors", written), ("limits", list(cases())), ("samples", drawn), ("damaged", list(damaged(written + drawn[::4], rng)))):
             outcomes, values = check(path, datagrams)
             print(f"{what}: {len(datagrams)} datagrams, {values} values as the second decoder has them; {dict(outcomes)}")
             assert outcomes["read"] > 20 and outcomes["malformed"] > 5, outcomes

@@ -3,46 +3,25 @@
 Usage: history_test.py
 """
 import os
-import struct
 import sys
 import tempfile
-import zlib
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "conformance"))
 
 import pcap  # noqa: E402
 import tshark  # noqa: E402
+from encoder import STATE, block, datagram, fixed32, floats, number, varint  # noqa: E402
 
 NAMES = ("padr.to", "padr.resend.first", "padr.superseded.by", "padr.stale_mark", "padr.duplicate", "padr.lost", "padr.check_differs")
 FRAMES = ("padr.resend.first", "padr.superseded.by", "padr.duplicate", "padr.check_differs")  # are numbers of frames
 HELD_STATE, REST = 0x19, 0x35  # body flags: contact begin, held, with a state, at rest; at rest, with a state, released
 
 
-def varint(value):
-    out = b""
-    while value > 127:
-        out += bytes([value & 127 | 128])
-        value >>= 7
-    return out + bytes([value])
-
-
-def number(field, value):
-    return varint(field << 3) + varint(value) if value else b""
-
-
-def fixed32(field, value):
-    return varint(field << 3 | 5) + struct.pack("<I", value) if value else b""
-
-
-def block(field, data):
-    return varint(field << 3 | 2) + varint(len(data)) + data
-
-
 def claim(body, epoch, age=0, back=0, index_back=0, flags=HELD_STATE):
     """An update, some ticks and numbers before the mark, in which its sender claims a body."""
     return (number(1, index_back) + number(2, back) + block(5, varint(body)) + block(6, varint(flags)) + block(7, varint(epoch))
-            + block(8, varint(age)) + block(9, struct.pack("<3f", 1, 2, 0)))  # fmt: skip
+            + block(8, varint(age)) + floats(9, 1, 2, 0))  # fmt: skip
 
 
 def state(peer, to, seq, tick, count, *updates, check=(0, 0), incarnation=0, session=1):
@@ -51,8 +30,8 @@ def state(peer, to, seq, tick, count, *updates, check=(0, 0), incarnation=0, ses
     payload += number(10, check[0]) + fixed32(11, check[1]) + number(13, incarnation)
 
     def packet(script):
-        head = b"Pd\x20" + bytes([peer]) + struct.pack("<H", 10 * script + session) + payload
-        return pcap.udp(head + struct.pack("<I", zlib.crc32(head)), 45000 + 10 * script + peer, 45000 + 10 * script + to)
+        data = datagram(STATE, payload, peer, session=10 * script + session)
+        return pcap.udp(data, 45000 + 10 * script + peer, 45000 + 10 * script + to)
 
     return packet
 

@@ -2,6 +2,7 @@
 import atexit
 import ipaddress
 import json
+import math
 import os
 import shutil
 import struct
@@ -106,7 +107,8 @@ def is_same(expected, shown):
     if isinstance(expected, bool):
         return shown in (("1", "True") if expected else ("0", "False"))
     if isinstance(expected, float):
-        return struct.pack("<f", float(shown)) == struct.pack("<f", expected)
+        both_none = math.isnan(expected) and math.isnan(float(shown))
+        return both_none or struct.pack("<f", float(shown)) == struct.pack("<f", expected)
     if isinstance(expected, int):
         return int(shown, 0) == expected
     if isinstance(expected, bytes) and len(expected) == 16 and ":" in shown and shown.count(":") < 15:
