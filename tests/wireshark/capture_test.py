@@ -23,8 +23,8 @@ from expected import fields, is_claimed, of_transfer  # noqa: E402
 
 MANY = 20000  # datagrams from which on more peers play, most of them telling everything at every tick
 # What must be in a capture of the session that is played; a fetch happens only if the founder lacks what others have.
-EVERY = {"state", "join", "welcome", "redirect", "refuse", "ping", "pong", "start", "ready", "bye", "pull", "piece", "enter", "poll",
-         "answer", "update", "avatar", "body", "admission", "removal", "leave", "transfer"}  # fmt: skip
+EVERY = {"state", "join", "welcome", "redirect", "refuse", "ping", "pong", "start", "ready", "bye", "pull", "piece", "enter",
+         "poll", "answer", "update", "avatar", "body", "admission", "removal", "leave", "transfer"}  # fmt: skip
 
 
 class Seen:
@@ -154,8 +154,9 @@ def main(options):
             print(f"tcpdump has lost {lost} frames")
         started = time.monotonic()
         seen = compare(path)
-        print(f"{seen.frames} datagrams in {time.monotonic() - started:.1f} s, {seen.values} values as the second decoder has them"
-              f"\n  with {dict(seen.kinds)}\n  dropped by everybody: {dict(seen.drops)}")  # fmt: skip
+        took = time.monotonic() - started
+        print(f"{seen.frames} datagrams in {took:.1f} s, {seen.values} values as the second decoder has them\n"
+              f"  with {dict(seen.kinds)}\n  dropped by everybody: {dict(seen.drops)}")  # fmt: skip
         print(f"found out from other datagrams: {dict(check_passes_agree(path))}")
         if options.exporter:
             print(f"exporter: {compare_export(path, options.exporter)} values the same")

@@ -28,8 +28,8 @@ OTHERS = 150  # of each sort of other traffic
 def vectors(path):
     with open(path, encoding="utf-8") as file:
         blocks = re.findall(r"^```(?:hex|bytes)\n([^`]*)```", file.read(), re.M)
-    text = [re.sub(r"(\w\w)\*(\d+)", lambda found: found[1] * int(found[2]), re.sub(r"#.*", "", block)) for block in blocks]
-    return [bytes.fromhex(each) for each in text]
+    bare = [re.sub(r"#.*", "", block) for block in blocks]
+    return [bytes.fromhex(re.sub(r"(\w\w)\*(\d+)", lambda found: found[1] * int(found[2]), each)) for each in bare]
 
 
 def samples(program):
@@ -51,7 +51,7 @@ def damaged(datagrams, rng):
 
 
 def check(path, datagrams, *arguments):
-    """All that tshark shows of these is what the second decoder reads; gives what came of them, and how many values there were."""
+    """All that tshark shows of these is what the second decoder reads; gives what came of them, and the number of values."""
     outcomes, values = Counter(), 0
     pcap.write(path, [pcap.udp(datagram) for datagram in datagrams])
     shown_of_all = tshark.frames(path, *arguments)
@@ -99,7 +99,9 @@ def main(program, wire_md):
     drawn = samples(program)
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "samples.pcap")
-        for what, datagrams in (("vectors", written), ("limits", list(cases())), ("samples", drawn), ("damaged", list(damaged(written + drawn[::4], rng)))):
+        parts = {"vectors": written, "limits": list(cases()), "samples": drawn}
+        parts["damaged"] = list(damaged(written + drawn[::4], rng))
+        for what, datagrams in parts.items():
             outcomes, values = check(path, datagrams)
             print(f"{what}: {len(datagrams)} datagrams, {values} values as the second decoder has them; {dict(outcomes)}")
             assert outcomes["read"] > 20 and outcomes["malformed"] > 5, outcomes

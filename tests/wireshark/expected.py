@@ -146,8 +146,10 @@ def of_orders(update, raw):
 
 # Nodes of messages, as the decoder calls them: their own name, and the names of what is in them.
 NODES = {
-    ("start", "member"): ("member", ("peer", "address", "port")), ("poll", "lost"): ("lost", ("slot", "incarnation", "have")),
-    ("answer", "lost"): ("lost", ("slot", "incarnation", "have")), ("probe", "member"): ("members", ("slot", "incarnation", "have")),
+    ("start", "member"): ("member", ("peer", "address", "port")),
+    ("poll", "lost"): ("lost", ("slot", "incarnation", "have")),
+    ("answer", "lost"): ("lost", ("slot", "incarnation", "have")),
+    ("probe", "member"): ("members", ("slot", "incarnation", "have")),
 }
 
 

@@ -13,7 +13,8 @@ import pcap  # noqa: E402
 import tshark  # noqa: E402
 from encoder import STATE, block, datagram, fixed32, floats, number, varint  # noqa: E402
 
-NAMES = ("padr.to", "padr.resend.first", "padr.superseded.by", "padr.stale_mark", "padr.duplicate", "padr.lost", "padr.check_differs")
+NAMES = ("padr.to", "padr.resend.first", "padr.superseded.by", "padr.stale_mark", "padr.duplicate", "padr.lost",
+         "padr.check_differs")  # fmt: skip
 FRAMES = ("padr.resend.first", "padr.superseded.by", "padr.duplicate", "padr.check_differs")  # are numbers of frames
 HELD_STATE, REST = 0x19, 0x35  # body flags: contact begin, held, with a state, at rest; at rest, with a state, released
 
@@ -87,7 +88,8 @@ def findings(path, *arguments):
 def check_scripts(found):
     first = 0
     for title, (packets, wanted) in SCRIPTS.items():
-        wanted = {(first + frame, name): str(int(value) + first) if name in FRAMES else value for (frame, name), value in wanted.items()}
+        wanted = {(first + frame, name): str(int(value) + first) if name in FRAMES else value
+                  for (frame, name), value in wanted.items()}  # fmt: skip
         here = {(first + n, name): value for n, of_frame in enumerate(found[first:first + len(packets)], 1)
                 for name, value in of_frame.items() if name != "padr.to"}  # fmt: skip
         assert here == wanted, f"{title}: {here}, not {wanted}"

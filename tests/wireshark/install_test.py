@@ -1,5 +1,5 @@
-"""Doing what tools/wireshark/README.md says: its two lines install the plugin, its filters are ones, its rules colour, and its way
-without Lua shows what it says.
+"""Doing what tools/wireshark/README.md says: its two lines install the plugin, its filters are ones, its rules colour, and its
+way without Lua shows what it says.
 
 Usage: install_test.py REPOSITORY
 """
@@ -100,8 +100,8 @@ def main(repository):
             os.mkdir(home)
         scripted, everything = os.path.join(folder, "scripted.pcap"), os.path.join(folder, "everything.pcap")
         pcap.write(scripted, history_test.all_packets())
-        written = [pcap.udp(datagram) for datagram in vectors(os.path.join(repository, "proto", "WIRE.md")) if datagram[:2] == b"Pd"]
-        pcap.write(everything, history_test.all_packets() + written)
+        written = vectors(os.path.join(repository, "proto", "WIRE.md"))
+        pcap.write(everything, history_test.all_packets() + [pcap.udp(each) for each in written if each[:2] == b"Pd"])
         installed = Installed(homes[0], repository)
         installed.shell(install)
         check_fields(installed)

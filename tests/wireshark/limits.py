@@ -25,7 +25,8 @@ def body(ids=(3,), flags=(0x50,), epoch=(1,), age=(0,), values=(1, 1, 0, 0, 0, 0
 
 
 def admission(slot=1, incarnation=5, first=0, address=ADDRESS, port=7000, have=(0, 0)):
-    return block(11, number(1, slot) + number(2, incarnation) + number(3, first) + block(4, address) + number(5, port) + column(6, have))
+    numbers = number(1, slot) + number(2, incarnation) + number(3, first)
+    return block(11, numbers + block(4, address) + number(5, port) + column(6, have))
 
 
 def removal(slot=1, incarnation=0, count=5):
@@ -51,6 +52,17 @@ def state_cases():
         yield state(number(2, back))
     for first, second in (((1, 1), (0, 0)), ((0, 1), (0, 0)), ((1, 0), (0, 0))):  # order, by number and by tick
         yield state(number(1, first[0]) + number(2, first[1]), number(1, second[0]) + number(2, second[1]))
+
+
+def long_varints():
+    """Keys and lengths may have five bytes, values ten; the shortest form is not asked for."""
+    for pads in (3, 4):
+        pad = b"\x80" * pads + b"\0"
+        yield state(more=bytes([12 << 3 | 0x80]) + pad + b"\x05")
+        yield state(more=bytes([9 << 3 | 2, 0x80]) + pad)
+    for pads in (8, 9):
+        yield state(more=bytes([12 << 3, 0x85]) + b"\x80" * pads + b"\0")
+    yield state(more=bytes([12 << 3]) + b"\x85\x80\x80\x80\x70")  # more than 32 bits: the lower ones count
 
 
 def avatar_cases():
@@ -80,8 +92,8 @@ def body_cases():
         yield state(body(epoch=(epoch,)))
     for age in (100, 101):
         yield state(body(age=(age,)))
-    for values in ((1, 1, 0, 0, 0), (1, 1, 0, 0, 0, 0, 0), (1, 1, 100000, 0, 0, 95), (1, 1, 100001, 0, 0, 0), (1, 1, 0, 0, 0, -95.1),
-                   (1, 1, 0, 90, 90, 0), (float("nan"), 1, 0, 0, 0, 0)):  # fmt: skip
+    for values in ((1, 1, 0, 0, 0), (1, 1, 0, 0, 0, 0, 0), (1, 1, 100000, 0, 0, 95), (1, 1, 100001, 0, 0, 0),
+                   (1, 1, 0, 0, 0, -95.1), (1, 1, 0, 90, 90, 0), (float("nan"), 1, 0, 0, 0, 0)):  # fmt: skip
         yield state(body(values=values))
     yield state(body(flags=(0x50, 0x50)))
     yield state(body(epoch=(1, 1)))
@@ -127,7 +139,8 @@ def session_cases():
     for peer, slots, wanted, running, incarnation in (
             (1, 4, 2, 0, 0), (2, 4, 2, 0, 0), (0, 4, 2, 0, 0), (0, 4, 2, 1, 3), (3, 4, 2, 1, 3), (4, 4, 2, 1, 3), (1, 4, 2, 1, 0),
             (1, 4, 2, 0, 3), (1, 2, 3, 0, 0), (1, 32, 32, 0, 0), (1, 33, 32, 0, 0), (0, 1, 1, 0, 0), (1, 0, 0, 0, 0)):  # fmt: skip
-        yield session(2, nonce + number(2, peer) + number(3, slots) + number(4, wanted) + number(5, running) + number(6, incarnation))
+        numbers = (peer, slots, wanted, running, incarnation)
+        yield session(2, nonce + b"".join(number(field, value) for field, value in enumerate(numbers, 2)))
     for port in (0, 1, 65535, 65536):
         yield session(3, nonce + HERE + number(3, port))
     for most in (400, 401):
@@ -145,6 +158,7 @@ def session_cases():
         yield session(7, block(2, b"") + b"".join(block(2, number(1, n) + HERE + number(3, 7)) for n in range(1, members)))
     yield session(7, b"")
     yield session(7, block(2, b"") + block(2, number(1, 2) + HERE + number(3, 7)))
+    yield session(7, block(2, b"") + block(2, number(1, 1) + number(3, 7)))
     yield session(7, block(2, HERE + number(3, 7)))
     yield datagram(SESSION, b"")
     yield datagram(SESSION, block(8, number(1, 5)) + block(9, b"") + block(8, number(2, 1)))  # the last one counts
@@ -175,5 +189,5 @@ def membership_cases():
 
 
 def cases():
-    for group in (state_cases, avatar_cases, body_cases, order_cases, session_cases, membership_cases):
+    for group in (state_cases, long_varints, avatar_cases, body_cases, order_cases, session_cases, membership_cases):
         yield from group()

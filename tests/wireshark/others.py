@@ -7,7 +7,8 @@ import pcap
 
 def dns_query(rng):
     name = b"".join(bytes([len(part)]) + part for part in (b"www", b"example", b"org"))
-    return struct.pack(">HHHHHH", rng.randrange(65536), 0x0100, 1, 0, 0, 0) + name + b"\0" + struct.pack(">HH", rng.choice((1, 28)), 1)
+    head = struct.pack(">HHHHHH", rng.randrange(65536), 0x0100, 1, 0, 0, 0)
+    return head + name + b"\0" + struct.pack(">HH", rng.choice((1, 28)), 1)
 
 
 def dns_answer(rng):
@@ -48,8 +49,8 @@ def begins_as_ours(rng):
 
 
 # And the ports they are seen on.
-SORTS = {dns_query: (40000, 53), dns_answer: (53, 40000), mdns: (5353, 5353), quic_initial: (50001, 443), quic_short: (50001, 443),
-         rtp: (5004, 5004), anything: (40001, 40002), begins_as_ours: (40001, 40002)}  # fmt: skip
+SORTS = {dns_query: (40000, 53), dns_answer: (53, 40000), mdns: (5353, 5353), quic_initial: (50001, 443),
+         quic_short: (50001, 443), rtp: (5004, 5004), anything: (40001, 40002), begins_as_ours: (40001, 40002)}  # fmt: skip
 
 
 def packets(count, seed):

@@ -122,7 +122,8 @@ def compare(where, expected, shown):
     """The number of values that were compared, all of them as they should be."""
     for n, (name, value) in enumerate(expected):
         if n >= len(shown) or shown[n][0] != name or not is_same(value, shown[n][1]):
-            raise Mismatch(f"{where}: field {n} should be {name} = {value!r}, tshark has {shown[n] if n < len(shown) else 'no more'}")
+            has = shown[n] if n < len(shown) else "no more"
+            raise Mismatch(f"{where}: field {n} should be {name} = {value!r}, tshark has {has}")
     if len(shown) > len(expected):
         raise Mismatch(f"{where}: tshark has more: {shown[len(expected):]}")
     return sum(value is not None for _, value in expected)

@@ -25,6 +25,10 @@ local function entry(table, key, make)
   return value
 end
 
+local function table_of_none()
+  return {}
+end
+
 local LOT_FACTOR = UInt64(0x1E98DF25, 0x9FB21C65)
 
 -- The lot of a claim, proto/WIRE.md section 6.
@@ -52,30 +56,38 @@ local function is_before(claim, tick, peer)
   return claim.tick < tick or claim.tick == tick and claim.peer < peer
 end
 
+local LATER_EPOCHS = 64 -- looked at, at most: they are few, unless somebody makes them up
+
+-- The first claim told, in the order of folding, before `claim` that beats it. `of_body` is what is filed of its body.
+local function better(of_body, claim, body, epoch)
+  for later = of_body.newest, math.max(epoch + 1, of_body.newest - LATER_EPOCHS), -1 do
+    for _, other in ipairs(of_body.by_epoch[later] or {}) do
+      if is_before(other, claim.tick, claim.peer) then return other end
+    end
+  end
+  for _, other in ipairs(of_body.by_epoch[epoch] or {}) do
+    local is_told = other.peer ~= claim.peer and is_before(other, claim.tick, claim.peer)
+    if is_told and history.wins(other, claim, body, epoch) then return other end
+  end
+end
+
 -- Files the claim that a body's state rests on. Gives the frame of a claim that it loses against, if there is one.
 local function file_claim(session, update, body, frame)
-  local of_body = entry(entry(claims, session, function() return {} end), body.id.v, function() return { newest = 0, by_epoch = {} } end)
+  local of_session = entry(claims, session, table_of_none)
+  local of_body = entry(of_session, body.id.v, function() return { newest = 0, by_epoch = {} } end)
   local epoch, claim = body.epoch.v, { peer = update.peer, claimed = body.claimed, tick = update.tick, frame = frame }
-  local loses
-  -- From the newest epoch down; any later epoch wins. Epochs are few as long as nobody makes them up, and bounded if somebody does.
-  for later = of_body.newest, math.max(epoch + 1, of_body.newest - 64), -1 do
-    for _, other in ipairs(of_body.by_epoch[later] or {}) do
-      if is_before(other, update.tick, update.peer) then loses = loses or other.frame end
-    end
-  end
-  local known
-  local of_epoch = entry(of_body.by_epoch, epoch, function() return {} end)
+  local winner = better(of_body, claim, body.id.v, epoch)
+  local of_epoch, known = entry(of_body.by_epoch, epoch, table_of_none), nil
   for _, other in ipairs(of_epoch) do
-    if other.peer == claim.peer and other.claimed == claim.claimed then
-      known = other
-      if update.tick < other.tick then other.tick, other.frame = update.tick, frame end
-    elseif other.peer ~= claim.peer and is_before(other, update.tick, update.peer) and history.wins(other, claim, body.id.v, epoch) then
-      loses = loses or other.frame
-    end
+    if other.peer == claim.peer and other.claimed == claim.claimed then known = other end
   end
-  if not known then of_epoch[#of_epoch + 1] = claim end
+  if not known then
+    of_epoch[#of_epoch + 1] = claim
+  elseif claim.tick < known.tick then
+    known.tick, known.frame = claim.tick, frame
+  end
   of_body.newest = math.max(of_body.newest, epoch)
-  return loses
+  return winner and winner.frame
 end
 
 -- Calls each(body, update, n) of all bodies, those of updates passed on included; n counts from 1.
@@ -115,9 +127,10 @@ end
 
 local function note_check(found, session, state, frame)
   if state.check_hash.v == 0 then return end
-  local tick = state.mark_tick.v - state.check_age.v
-  local first = entry(entry(checks, session, function() return {} end), tick, function() return { hash = state.check_hash.v, frame = frame } end)
-  if first.hash ~= state.check_hash.v then found.check_differs = first.frame end
+  local tick, hash = state.mark_tick.v - state.check_age.v, state.check_hash.v
+  local of_session = entry(checks, session, table_of_none)
+  local first = entry(of_session, tick, function() return { hash = hash, frame = frame } end)
+  if first.hash ~= hash then found.check_differs = first.frame end
 end
 
 local function note_state(found, envelope, from, to, said, frame)

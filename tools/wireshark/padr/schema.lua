@@ -49,7 +49,9 @@ schema.session = {
 
 local seat = { { "slot", "uint32" }, { "incarnation", "uint32" }, { "have", "uint32" } }
 -- Of a Fetched only so much of its State counts.
-local fetched_state = { [2] = { "mark_tick", "uint32" }, [3] = { "mark_count", "uint32" }, [9] = { "updates", many = schema.update } }
+local fetched_state = {
+  [2] = { "mark_tick", "uint32" }, [3] = { "mark_count", "uint32" }, [9] = { "updates", many = schema.update },
+}
 schema.membership = {
   { "pull", one = { { "nonce", "fixed64" }, { "from", "uint32" }, { "wanted", "fixed64" } } },
   { "piece", one = { { "nonce", "fixed64" }, { "index", "uint32" }, { "count", "uint32" }, { "bytes", "bytes" } } },

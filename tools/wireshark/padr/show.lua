@@ -6,7 +6,8 @@ local updates = require("padr.updates")
 local Show = {}
 Show.__index = Show
 
--- `f` is the table of ProtoFields, `labels` that of their names, `expert` that of ProtoExperts, `tvb` the whole datagram or transfer.
+-- `f` is the table of ProtoFields, `labels` that of their names, `expert` that of ProtoExperts, `tvb` the whole datagram or
+-- transfer, `found` what history knows of it.
 function Show.new(f, labels, expert, tvb, found)
   return setmetatable({ f = f, labels = labels, expert = expert, tvb = tvb, found = found, bodies = 0 }, Show)
 end
@@ -166,7 +167,8 @@ function Show:orders(tree, update)
   end
   local passed_on = raw.passed_on
   if passed_on then
-    local node = self:node(tree, "padr.passed_on", ("Passes on, of peer %d"):format(passed_on.slot.v), passed_on._at, passed_on._stop)
+    local label = ("Passes on, of peer %d"):format(passed_on.slot.v)
+    local node = self:node(tree, "padr.passed_on", label, passed_on._at, passed_on._stop)
     self:message(node, "padr.passed_on", schema.update[13].one, passed_on)
     self:update(node, update.inner)
   end
