@@ -141,9 +141,8 @@ local function address_of(address, port)
   return tostring(address) .. " " .. port
 end
 
-function padr.dissector(tvb, pinfo, root)
-  local size, data = tvb:reported_len(), tvb:raw()
-  local envelope = datagram.envelope(data, size)
+local function dissect(tvb, pinfo, root, data, envelope)
+  local size = tvb:reported_len()
   local reason, said, detail = datagram.envelope_drop(envelope, size)
   if not reason and envelope.whole then
     said, reason, detail = datagram.decode(data, envelope)
@@ -176,20 +175,27 @@ function padr.dissector(tvb, pinfo, root)
   return tvb:captured_len()
 end
 
--- Whether these bytes are ours: the magic, and a tag that fits or, for what was damaged or cut off, a header as ours are. Of
--- other traffic that begins with the magic by chance, one in a hundred thousand has such a header.
-local function is_ours(tvb)
-  local size = tvb:reported_len()
-  if tvb:captured_len() < datagram.HEADER or tvb(0, 2):uint() ~= 0x5064 then return false end
-  local envelope = datagram.envelope(tvb:raw(), size)
+-- For Decode As, where nobody has looked at the bytes yet.
+function padr.dissector(tvb, pinfo, root)
+  if tvb:captured_len() < datagram.HEADER then return 0 end
+  local data = tvb:raw()
+  return dissect(tvb, pinfo, root, data, datagram.envelope(data, tvb:reported_len()))
+end
+
+-- Whether what begins with the magic is ours: the tag fits or, for what was damaged or cut off, the header is as ours are. Of
+-- bytes at random that begin so, one in six hundred has such a header.
+local function is_ours(envelope)
   if envelope.tag_good then return true end
   local sender_is_one = envelope.peer < 32 or envelope.peer == datagram.NOBODY
   return envelope.version == datagram.VERSION and datagram.KINDS[envelope.kind] ~= nil and sender_is_one
 end
 
 padr:register_heuristic("udp", function(tvb, pinfo, root)
-  if not is_ours(tvb) then return false end
-  padr.dissector(tvb, pinfo, root)
+  if tvb:captured_len() < datagram.HEADER or tvb(0, 2):uint() ~= datagram.MAGIC then return false end
+  local data = tvb:raw()
+  local envelope = datagram.envelope(data, tvb:reported_len())
+  if not is_ours(envelope) then return false end
+  dissect(tvb, pinfo, root, data, envelope)
   return true
 end)
 DissectorTable.get("udp.port"):add_for_decode_as(padr)

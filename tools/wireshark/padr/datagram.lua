@@ -5,6 +5,7 @@ local updates = require("padr.updates")
 
 local datagram = {}
 
+datagram.MAGIC = 0x5064
 datagram.VERSION = 2
 datagram.KINDS = { [0] = "state", "session", "membership" }
 datagram.HEADER, datagram.TAG = 6, 4
@@ -22,18 +23,21 @@ end
 
 -- CRC-32/ISO-HDLC of the first `size` bytes.
 function datagram.crc(data, size)
-  local crc, bxor, band, rshift, byte = -1, bit.bxor, bit.band, bit.rshift, string.byte
-  for at = 1, size do crc = bxor(CRC[band(bxor(crc, byte(data, at)), 255)], rshift(crc, 8)) end
+  local crc, bxor, rshift, byte = -1, bit.bxor, bit.rshift, string.byte
+  for at = 1, size do crc = bxor(CRC[bxor(crc, byte(data, at)) % 256], rshift(crc, 8)) end
   return bit.bnot(crc) % 4294967296
 end
 
--- The header and the tag of bytes that begin with the magic. `size` is that of the datagram on the wire: what a capture cut
+-- The header and the tag of at least a header's bytes. `size` is that of the datagram on the wire: what a capture cut
 -- off is missing in `data`, and then there is neither tag nor tag_good.
 function datagram.envelope(data, size)
-  local b2, peer, low, high = data:byte(3, 6)
-  local out = { version = math.floor(b2 / 16), kind = b2 % 16, peer = peer, session = low + 256 * high, whole = #data == size }
+  local b0, b1, b2, peer, low, high = data:byte(1, 6)
+  local out = {
+    magic = 256 * b0 + b1, version = math.floor(b2 / 16), kind = b2 % 16, peer = peer, session = low + 256 * high,
+    whole = #data == size,
+  }
   if out.whole and size >= datagram.SHORTEST then
-    out.tag = Struct.unpack("<I4", data:sub(-datagram.TAG))
+    out.tag = Struct.unpack("<I4", data, size - datagram.TAG + 1)
     out.tag_good = out.tag == datagram.crc(data, size - datagram.TAG)
   end
   return out
@@ -43,6 +47,7 @@ end
 function datagram.envelope_drop(envelope, size)
   if size < datagram.SHORTEST then return "short" end
   if size > datagram.LONGEST then return "long" end
+  if envelope.magic ~= datagram.MAGIC then return "magic" end
   if envelope.tag_good == false then return "tag" end
   if envelope.version ~= datagram.VERSION then return "version" end
   if not datagram.KINDS[envelope.kind] then return "kind" end

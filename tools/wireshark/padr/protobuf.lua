@@ -36,13 +36,11 @@ local function zigzag(value)
   return value % 2 == 0 and value / 2 or -(value + 1) / 2
 end
 
-local function unpack_at(format, size)
-  return function(data, at)
-    return (Struct.unpack(format, data:sub(at, at + size - 1)))
-  end
+local function unpack_at(format)
+  return function(data, at) return (Struct.unpack(format, data, at)) end
 end
 
-local read_fixed32, read_float = unpack_at("<I4", 4), unpack_at("<f", 4)
+local read_fixed32, read_float = unpack_at("<I4"), unpack_at("<f")
 
 -- By type of a field: wire type, value if absent, and what makes a value of what was found. 64-bit numbers are kept as their
 -- eight bytes: Lua 5.2 has nothing better, and Wireshark reads them itself.

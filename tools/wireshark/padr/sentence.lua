@@ -81,7 +81,8 @@ local SENTENCES = {
 }
 
 local DROPPED = {
-  short = "shorter than a datagram can be", long = "longer than a datagram may be", tag = "damaged: the CRC does not fit",
+  short = "shorter than a datagram can be", long = "longer than a datagram may be", magic = "none of ours",
+  tag = "damaged: the CRC does not fit",
   malformed = "malformed", order = "updates out of order", value = "a value out of range",
 }
 

@@ -114,14 +114,9 @@ local function check_orders(raw, depth)
 end
 
 local function count_sorts(raw)
-  local count = 0
-  local function add(is) if is then count = count + 1 end end
-  add(raw.leave.v)
-  add(raw.admission)
-  add(#raw.removals > 0)
-  add(raw.passed_on)
-  add(raw.avatar.v ~= 0 or #raw.body > 0)
-  return count
+  local function one(is) return is and 1 or 0 end
+  local entities = raw.avatar.v ~= 0 or #raw.body > 0
+  return one(raw.leave.v) + one(raw.admission) + one(#raw.removals > 0) + one(raw.passed_on) + one(entities)
 end
 
 -- An update of that peer, by the mark that its numbers count back from. Raises `malformed`.
