@@ -133,7 +133,7 @@ def check_passes_agree(path):
 
 def parse(arguments):
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("--datagrams", type=int, default=3000, help="to capture, about [%(default)s]")
+    parser.add_argument("--datagrams", type=int, default=2000, help="to capture, about [%(default)s]")
     parser.add_argument("--capture", help="compare this capture (tcpdump's, of Ethernet) instead of playing")
     parser.add_argument("--keep", help="where to leave the capture")
     parser.add_argument("--exporter", help="compare also what this command prints of the capture: a JSON object a line")

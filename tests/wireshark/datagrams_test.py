@@ -85,6 +85,13 @@ def check_in_icmp(path, datagram):
     assert duplicates == ["3"], duplicates
 
 
+def check_decode_as(path, datagram):
+    """Who says that a port is ours gets everything on it explained, if only that it is none of ours."""
+    pcap.write(path, [pcap.udp(data) for data in (datagram, b"Px" + datagram[2:], b"Pd", b"")])
+    drops = tshark.run("-r", path, "-d", "udp.port==40002,padr", "-T", "fields", "-e", "padr.peer", "-e", "padr.drop")
+    assert drops.splitlines() == [f"{datagram[3]}\t", f"{datagram[3]}\tmagic", "\t", "\t"], drops
+
+
 def check_others(path):
     sent = packets(OTHERS, seed=4)
     pcap.write(path, sent)
@@ -107,7 +114,9 @@ def main(program, wire_md):
             assert outcomes["read"] > 20 and outcomes["malformed"] > 5, outcomes
         check(path, written + drawn[:200], "-2", "-R", "frame")
         check_cut_off(path, written + drawn)
-        check_in_icmp(path, next(datagram for datagram in drawn if dict(fields(datagram)).get("padr.seq")))
+        good = next(datagram for datagram in drawn if dict(fields(datagram)).get("padr.seq"))
+        check_in_icmp(path, good)
+        check_decode_as(path, good)
         print(f"none of {check_others(path)} datagrams of other protocols is claimed")
 
 

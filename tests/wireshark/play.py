@@ -101,7 +101,7 @@ class Play:
         members += [self.join(founder) for _ in range(self.members - 2 - self.chatty)]
         founder.wait_for("peer 1 at .* has joined")
         # Of what the victim sends little gets to the founder: others have to hand it over when the victim is gone.
-        bad = f"127.0.0.1:{self.port_of[founder]}=delay 20ms loss 75%"
+        bad = f"127.0.0.1:{self.port_of[founder]}=delay 20ms loss 60%"
         members.append(self.join(members[1], "--netem-to", bad, "--threshold", "0.05:0.02", "--input", "wander:4"))
         for each in members:
             each.wait_for(PLAYING)
