@@ -26,13 +26,13 @@ def claim(body, epoch, age=0, back=0, index_back=0, flags=HELD_STATE):
 
 
 def state(peer, to, seq, tick, count, *updates, check=(0, 0), incarnation=0, session=1):
-    """Of the number of a script, each with sessions and ports of its own: a packet from that peer to that one."""
+    """Of the number of a script, each with sessions and addresses of its own: a packet from that peer to that one."""
     payload = number(1, seq) + number(2, tick) + number(3, count) + b"".join(block(9, update) for update in updates)
     payload += number(10, check[0]) + fixed32(11, check[1]) + number(13, incarnation)
 
     def packet(script):
         data = datagram(STATE, payload, peer, session=10 * script + session)
-        return pcap.udp(data, 45000 + 10 * script + peer, 45000 + 10 * script + to)
+        return pcap.udp(data, 45000, 45000, (10, 0, script, 1 + peer), (10, 0, script, 1 + to))
 
     return packet
 

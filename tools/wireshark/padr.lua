@@ -137,19 +137,15 @@ local function show_drop(show, tree, reason, detail)
   if detail then item:append_text(" (" .. detail .. ")") end
 end
 
-local function address_of(address, port)
-  return tostring(address) .. " " .. port
-end
-
 local function dissect(tvb, pinfo, root, data, envelope)
   local size = tvb:reported_len()
   local reason, said, detail = datagram.envelope_drop(envelope, size)
   if not reason and envelope.whole then
     said, reason, detail = datagram.decode(data, envelope)
   end
-  local to = address_of(pinfo.dst, pinfo.dst_port)
+  local to = history.place(pinfo.dst, pinfo.dst_port)
   if said and not pinfo.visited and not pinfo.in_error_pkt then
-    history.note(pinfo.number, address_of(pinfo.src, pinfo.src_port), to, envelope, said)
+    history.note(pinfo.number, history.place(pinfo.src, pinfo.src_port), to, envelope, said)
   end
   local found = history.of(pinfo.number)
   found.to = found.to or history.number_of(to)

@@ -4,15 +4,17 @@
 local history = {}
 
 local noted -- by frame number: what was found out about it
-local numbers -- by address: the slot of whose datagrams last came from there
-local links -- directed, by addresses, session and incarnations
+local addresses -- Wireshark's objects
+local by_text -- by what an address was shown as: its index in them
+local numbers -- by place: the slot of whose datagrams last came from there
+local links -- directed, by places, session and incarnations
 local claims -- by session and body: epoch -> array of {peer, claimed, tick, frame}
 local checks -- by session and tick: the first hash told
 local transfers -- by link and nonce: the pieces of one transfer
 
 -- To be called when a capture is opened, or dissected anew.
 function history.reset()
-  noted, numbers, links, claims, checks, transfers = {}, {}, {}, {}, {}, {}
+  noted, addresses, by_text, numbers, links, claims, checks, transfers = {}, {}, {}, {}, {}, {}, {}, {}
 end
 history.reset()
 
@@ -27,6 +29,22 @@ end
 
 local function table_of_none()
   return {}
+end
+
+-- An address is shown as a name as soon as one is found, and two may have the same: what counts is that they are equal.
+local function index_of(address)
+  local text = tostring(address)
+  local index = by_text[text]
+  if index and addresses[index] == address then return index end
+  index = 1
+  while addresses[index] and addresses[index] ~= address do index = index + 1 end
+  addresses[index], by_text[text] = address, index
+  return index
+end
+
+-- A place that datagrams come from and go to, as a key of tables.
+function history.place(address, port)
+  return index_of(address) .. " " .. port
 end
 
 local LOT_FACTOR = UInt64(0x1E98DF25, 0x9FB21C65)
@@ -174,9 +192,9 @@ function history.of(frame)
   return noted[frame] or { resend = {}, superseded = {} }
 end
 
--- The slot of whoever last sent from that address, if anybody has.
-function history.number_of(address)
-  return numbers[address]
+-- The slot of whoever last sent from that place, if anybody has.
+function history.number_of(place)
+  return numbers[place]
 end
 
 return history
