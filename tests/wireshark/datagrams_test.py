@@ -1,0 +1,125 @@
+"""tshark with the plugin against the second decoder, without a network: WIRE.md's test vectors, messages of every kind drawn at
+random, damaged ones, what a capture has cut off, and other protocols' datagrams.
+
+Usage: datagrams_test.py WIRE_SAMPLES WIRE_MD
+"""
+import os
+import random
+import re
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, "..", "conformance"))
+
+import pcap  # noqa: E402
+import tshark  # noqa: E402
+from encoder import tagged  # noqa: E402
+from expected import fields, is_claimed  # noqa: E402
+from limits import cases  # noqa: E402
+from others import packets  # noqa: E402
+
+COUNT = 400  # that the samples' program draws, of each of which there is a damaged copy
+OTHERS = 150  # of each sort of other traffic
+
+
+def vectors(path):
+    with open(path, encoding="utf-8") as file:
+        blocks = re.findall(r"^```(?:hex|bytes)\n([^`]*)```", file.read(), re.M)
+    bare = [re.sub(r"#.*", "", block) for block in blocks]
+    return [bytes.fromhex(re.sub(r"(\w\w)\*(\d+)", lambda found: found[1] * int(found[2]), each)) for each in bare]
+
+
+def samples(program):
+    output = subprocess.run([program, str(COUNT)], stdout=subprocess.PIPE, check=True, text=True).stdout
+    return [bytes.fromhex(line.split(" ")[1]) for line in output.splitlines() if line.startswith("datagram ")]
+
+
+def damaged(datagrams, rng):
+    """Of each: cut off, a bit flipped, a byte changed under a tag that fits, another version, another kind, too long."""
+    for datagram in datagrams:
+        yield datagram[:rng.randrange(len(datagram))]
+        at = rng.randrange(len(datagram))
+        flipped = datagram[:at] + bytes([datagram[at] ^ 1 << rng.randrange(8)]) + datagram[at + 1:]
+        yield flipped
+        yield tagged(flipped[:-4])
+        yield tagged(datagram[:2] + bytes([0x30 | datagram[2] & 15]) + datagram[3:-4])
+        yield tagged(datagram[:2] + bytes([0x2F]) + datagram[3:-4])
+        yield tagged(datagram[:-4] + bytes(1200))
+
+
+def check(path, datagrams, *arguments):
+    """All that tshark shows of these is what the second decoder reads; gives what came of them, and the number of values."""
+    outcomes, values = Counter(), 0
+    pcap.write(path, [pcap.udp(datagram) for datagram in datagrams])
+    shown_of_all = tshark.frames(path, *arguments)
+    for n, (datagram, shown) in enumerate(zip(datagrams, shown_of_all, strict=True)):
+        if shown is None or not is_claimed(datagram):
+            if (shown is None) == is_claimed(datagram):
+                raise tshark.Mismatch(f"claimed or not, wrongly: {datagram.hex(' ')}: {shown}")
+            outcomes["not claimed"] += 1
+            continue
+        wanted = fields(datagram)
+        values += tshark.compare(datagram.hex(" "), wanted, shown)
+        outcomes[dict(wanted).get("padr.drop", "read")] += 1
+    return outcomes, values
+
+
+def check_cut_off(path, datagrams):
+    """A capture of the first bytes only: the envelope as far as it is there, no verdict on the tag, and nothing breaks."""
+    pcap.write(path, [pcap.udp(datagram) for datagram in datagrams], snaplen=14 + 28 + 20)
+    for datagram, shown in zip(datagrams, tshark.frames(path), strict=True):
+        whole = len(datagram) <= 20
+        wanted = fields(datagram) if whole else fields(datagram)[:4]
+        if is_claimed(datagram) and datagram[2] in (0x20, 0x21, 0x22) and len(datagram) <= 1200:
+            tshark.compare(f"cut off: {datagram.hex(' ')}", wanted, shown)
+
+
+def check_in_icmp(path, datagram):
+    """What comes back in an error message is shown, but is no second datagram."""
+    packet = pcap.udp(datagram)
+    pcap.write(path, [packet, pcap.icmp_unreachable(packet), packet])
+    duplicates = tshark.run("-r", path, "-Y", "padr.duplicate", "-T", "fields", "-e", "frame.number").split()
+    assert duplicates == ["3"], duplicates
+
+
+def check_decode_as(path, datagram):
+    """Who says that a port is ours gets everything on it explained, if only that it is none of ours."""
+    pcap.write(path, [pcap.udp(data) for data in (datagram, b"Px" + datagram[2:], b"Pd", b"")])
+    drops = tshark.run("-r", path, "-d", "udp.port==40002,padr", "-T", "fields", "-e", "padr.peer", "-e", "padr.drop")
+    assert drops.splitlines() == [f"{datagram[3]}\t", f"{datagram[3]}\tmagic", "\t", "\t"], drops
+
+
+def check_others(path):
+    sent = packets(OTHERS, seed=4)
+    pcap.write(path, sent)
+    claimed = tshark.run("-r", path, "-Y", "padr", "-T", "fields", "-e", "frame.number").split()
+    assert not claimed, f"other traffic is claimed: frames {claimed}"
+    return len(sent)
+
+
+def main(program, wire_md):
+    rng = random.Random(9)
+    written = [datagram for datagram in vectors(wire_md) if datagram]
+    drawn = samples(program)
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "samples.pcap")
+        parts = {"vectors": written, "limits": list(cases()), "samples": drawn}
+        parts["damaged"] = list(damaged(written + drawn[::4], rng))
+        for what, datagrams in parts.items():
+            outcomes, values = check(path, datagrams)
+            print(f"{what}: {len(datagrams)} datagrams, {values} values as the second decoder has them; {dict(outcomes)}")
+            assert outcomes["read"] > 20 and outcomes["malformed"] > 5, outcomes
+        check(path, written + drawn[:200], "-2", "-R", "frame")
+        check_cut_off(path, written + drawn)
+        good = next(datagram for datagram in drawn if dict(fields(datagram)).get("padr.seq"))
+        check_in_icmp(path, good)
+        check_decode_as(path, good)
+        print(f"none of {check_others(path)} datagrams of other protocols is claimed")
+
+
+if __name__ == "__main__":
+    tshark.or_skip()
+    main(*sys.argv[1:])

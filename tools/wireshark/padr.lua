@@ -1,0 +1,197 @@
+-- Wireshark and tshark learn to read PADR's datagrams: on UDP, on any port. README.md beside this file tells how to install it;
+-- proto/WIRE.md says what the bytes mean, padr/fields.lua lists the filter fields.
+--
+-- This file has what Wireshark calls. padr/datagram.lua decodes, padr/history.lua knows what was before, padr/show.lua fills the
+-- tree, padr/sentence.lua the info column.
+do -- installed, and named on the command line besides: once is enough
+  local ok, there = pcall(Dissector.get, "padr")
+  if ok and there then return end
+end
+
+package.path = (debug.getinfo(1, "S").source:match("^@(.*[/\\])") or "./") .. "?.lua;" .. package.path
+local datagram = require("padr.datagram")
+local fields = require("padr.fields")
+local history = require("padr.history")
+local Show = require("padr.show")
+local sentence = require("padr.sentence")
+
+local padr = Proto("padr", "Physics-Aware Dead Reckoning")
+local f, labels = fields.all()
+padr.fields = f
+local experts = {
+  tag = ProtoExpert.new("padr.expert.tag", "The CRC does not fit", expert.group.CHECKSUM, expert.severity.ERROR),
+  malformed = ProtoExpert.new("padr.expert.malformed", "Everybody drops this", expert.group.MALFORMED, expert.severity.ERROR),
+  cut = ProtoExpert.new("padr.expert.cut", "Cut off by the capture", expert.group.UNDECODED, expert.severity.NOTE),
+  resend = ProtoExpert.new("padr.expert.resend", "Update sent again", expert.group.SEQUENCE, expert.severity.NOTE),
+  superseded = ProtoExpert.new("padr.expert.superseded", "Claim that loses", expert.group.SEQUENCE, expert.severity.WARN),
+  stale = ProtoExpert.new("padr.expert.stale_mark", "Stale mark", expert.group.SEQUENCE, expert.severity.NOTE),
+  duplicate = ProtoExpert.new("padr.expert.duplicate", "Duplicate datagram", expert.group.SEQUENCE, expert.severity.NOTE),
+  lost = ProtoExpert.new("padr.expert.lost", "Datagrams missing", expert.group.SEQUENCE, expert.severity.NOTE),
+  differs = ProtoExpert.new("padr.expert.check_differs", "Confirmed worlds differ", expert.group.SEQUENCE, expert.severity.ERROR),
+  admission = ProtoExpert.new("padr.expert.admission", "A peer comes in", expert.group.SEQUENCE, expert.severity.CHAT),
+  removal = ProtoExpert.new("padr.expert.removal", "A peer is declared gone", expert.group.SEQUENCE, expert.severity.CHAT),
+  refuse = ProtoExpert.new("padr.expert.refuse", "A newcomer is refused", expert.group.RESPONSE_CODE, expert.severity.WARN),
+}
+padr.experts = experts
+
+local NEVER, INSTALLED, ALWAYS = 0, 1, 2
+padr.prefs.protobuf = Pref.enum("Show the payload as protobuf too", INSTALLED,
+  "By Wireshark's own dissector, which knows the fields' names if it has wire.proto (README.md of the plugin)",
+  { { 1, "Never", NEVER }, { 2, "If wire.proto is installed", INSTALLED }, { 3, "Always", ALWAYS } }, false)
+
+local protobuf = Dissector.get("protobuf")
+local MESSAGES = { [0] = "padr.wire.State", "padr.wire.Session", "padr.wire.Membership" }
+
+function padr.init()
+  history.reset()
+end
+
+local function show_envelope(show, tree, envelope, size)
+  local tvb = show.tvb
+  show:add(tree, "padr.version", envelope.version, tvb(2, 1))
+  show:add(tree, "padr.kind", envelope.kind, tvb(2, 1))
+  show:add(tree, "padr.peer", envelope.peer, tvb(3, 1))
+  show:add(tree, "padr.session", envelope.session, tvb(4, 2))
+  if not envelope.tag then return end
+  local range = tvb(size - datagram.TAG, datagram.TAG)
+  show:add(tree, "padr.tag", envelope.tag, range)
+  show:add(tree, "padr.tag_good", envelope.tag_good, range)
+end
+
+local STATE_FIELDS = {
+  { "seq", "seq" }, { "tick", "mark_tick" }, { "mark_count", "mark_count" }, { "have", "have" },
+  { "have_beyond", "have_beyond" }, { "seen_seq", "seen_seq" }, { "seen_age", "seen_age" }, { "transit", "transit" },
+  { "loss", "loss" }, { "incarnation", "incarnation" }, { "to_incarnation", "to_incarnation" },
+}
+
+-- What was found out about the datagram as a whole. The texts of experts are always the same, so that Wireshark counts them
+-- together; particulars are in the fields.
+local FINDINGS = {
+  { "stale_mark", experts.stale }, { "duplicate", experts.duplicate }, { "lost", experts.lost },
+  { "check_differs", experts.differs },
+}
+
+local function show_findings(show, tree, found)
+  for _, finding in ipairs(FINDINGS) do
+    local name, expert = finding[1], finding[2]
+    if found[name] then show:add(tree, "padr." .. name, found[name]):add_proto_expert_info(expert) end
+  end
+end
+
+local function show_state(show, tree, said, found)
+  local state, bodies = said.state, 0
+  history.each_body(said.updates, function() bodies = bodies + 1 end)
+  for _, names in ipairs(STATE_FIELDS) do show:value(tree, "padr." .. names[1], state[names[2]]) end
+  if state.check_hash.v ~= 0 then
+    show:value(tree, "padr.check_age", state.check_age)
+    show:add(tree, "padr.check_tick", state.mark_tick.v - state.check_age.v)
+    show:value(tree, "padr.check_hash", state.check_hash)
+  end
+  show:add(tree, "padr.mark", #said.updates == 0)
+  show:add(tree, "padr.updates", #said.updates)
+  show:add(tree, "padr.bodies", bodies)
+  for n, update in ipairs(said.updates) do show:update(tree, update, found.resend[n]) end
+  show_findings(show, tree, found)
+end
+
+local function show_message(show, tree, said, found)
+  show:add(tree, "padr.message", said.name)
+  show:message(tree, "padr." .. said.name, said.spec, said.message)
+  if said.name == "refuse" then
+    tree:add_proto_expert_info(experts.refuse)
+  elseif said.name == "fetched" then
+    show:value(tree, "padr.fetched.mark_tick", said.message.state.mark_tick)
+    show:value(tree, "padr.fetched.mark_count", said.message.state.mark_count)
+    for _, update in ipairs(said.updates) do show:update(tree, update) end
+  elseif found.transfer then
+    local whole = ByteArray.new(found.transfer, true):tvb("Transfer")
+    Show.new(f, labels, experts, whole, { superseded = {} }):transfer(tree, found.transfer)
+  end
+end
+
+-- Whether Wireshark has wire.proto where it looks without being told.
+local function is_proto_installed()
+  for _, path in ipairs({ Dir.personal_config_path("protobuf/wire.proto"), Dir.global_config_path("protobuf/wire.proto") }) do
+    local file = io.open(path)
+    if file then
+      file:close()
+      return true
+    end
+  end
+  return false
+end
+
+local proto_is_installed = is_proto_installed()
+
+-- Wireshark's own reading of the payload. What goes wrong in it must not spoil ours.
+local function show_protobuf(tvb, pinfo, root, kind)
+  local size, wanted = tvb:len() - datagram.HEADER - datagram.TAG, padr.prefs.protobuf
+  if not protobuf or size < 1 or wanted == NEVER or wanted == INSTALLED and not proto_is_installed then return end
+  pinfo.private["pb_msg_type"] = "message," .. MESSAGES[kind]
+  pcall(Dissector.call, protobuf, tvb(datagram.HEADER, size):tvb(), pinfo, root)
+end
+
+local function show_drop(show, tree, reason, detail)
+  local item = show:add(tree, "padr.drop", reason)
+  item:add_proto_expert_info(reason == "tag" and experts.tag or experts.malformed)
+  if detail then item:append_text(" (" .. detail .. ")") end
+end
+
+local function dissect(tvb, pinfo, root, data, envelope)
+  local size = tvb:reported_len()
+  local reason, said, detail = datagram.envelope_drop(envelope, size)
+  if not reason and envelope.whole then
+    said, reason, detail = datagram.decode(data, envelope)
+  end
+  local to = history.place(pinfo.dst, pinfo.dst_port)
+  if said and not pinfo.visited and not pinfo.in_error_pkt then
+    history.note(pinfo.number, history.place(pinfo.src, pinfo.src_port), to, envelope, said)
+  end
+  local found = history.of(pinfo.number)
+  found.to = found.to or history.number_of(to)
+
+  local tree = root:add(padr, tvb())
+  local show = Show.new(f, labels, experts, tvb, found)
+  show_envelope(show, tree, envelope, size)
+  if found.to then show:add(tree, "padr.to", found.to) end
+  if reason then
+    show_drop(show, tree, reason, detail)
+  elseif not envelope.whole then
+    tree:add_proto_expert_info(experts.cut)
+  elseif said.name == "state" then
+    show_state(show, tree, said, found)
+  else
+    show_message(show, tree, said, found)
+  end
+  if said then show_protobuf(tvb, pinfo, root, envelope.kind) end
+  pinfo.cols.protocol:set("PADR")
+  local info = sentence.of(envelope, said, found, reason)
+  pinfo.cols.info:set(info)
+  tree:append_text(", " .. info)
+  return tvb:captured_len()
+end
+
+-- For Decode As, where nobody has looked at the bytes yet.
+function padr.dissector(tvb, pinfo, root)
+  if tvb:captured_len() < datagram.HEADER then return 0 end
+  local data = tvb:raw()
+  return dissect(tvb, pinfo, root, data, datagram.envelope(data, tvb:reported_len()))
+end
+
+-- Whether what begins with the magic is ours: the tag fits or, for what was damaged or cut off, the header is as ours are. Of
+-- bytes at random that begin so, one in six hundred has such a header.
+local function is_ours(envelope)
+  if envelope.tag_good then return true end
+  local sender_is_one = envelope.peer < 32 or envelope.peer == datagram.NOBODY
+  return envelope.version == datagram.VERSION and datagram.KINDS[envelope.kind] ~= nil and sender_is_one
+end
+
+padr:register_heuristic("udp", function(tvb, pinfo, root)
+  if tvb:captured_len() < datagram.HEADER or tvb(0, 2):uint() ~= datagram.MAGIC then return false end
+  local data = tvb:raw()
+  local envelope = datagram.envelope(data, tvb:reported_len())
+  if not is_ours(envelope) then return false end
+  dissect(tvb, pinfo, root, data, envelope)
+  return true
+end)
+DissectorTable.get("udp.port"):add_for_decode_as(padr)

@@ -1,0 +1,104 @@
+-- The info column: what a datagram says, as a sentence.
+local datagram = require("padr.datagram")
+
+local function count(n, one, many)
+  return ("%d %s"):format(n, n == 1 and one or many)
+end
+
+local function peers(list)
+  local names = {}
+  for n, seat in ipairs(list) do names[n] = seat.slot.v end
+  return table.concat(names, ", ")
+end
+
+-- What an update tells besides avatar and bodies; nil if nothing.
+local function order(update)
+  if update.leave then return "leaves" end
+  if update.admission then return ("admits peer %d"):format(update.admission.slot.v) end
+  if #update.removals > 0 then return "removes peer " .. peers(update.removals) end
+  if update.inner then
+    return ("passes on %d of peer %d"):format(update.inner.index, update.inner.peer)
+  end
+end
+
+local function state(said, found)
+  local s, parts, bodies, resent, orders = said.state, {}, 0, 0, {}
+  for n, update in ipairs(said.updates) do
+    bodies = bodies + #update.bodies
+    if found.resend[n] then resent = resent + 1 end
+    orders[#orders + 1] = order(update)
+  end
+  parts[1] = ("tick %d"):format(s.mark_tick.v)
+  if #said.updates == 0 then
+    parts[2] = "mark"
+  else
+    parts[2] = count(#said.updates, "update", "updates")
+    if resent > 0 then parts[2] = parts[2] .. (" (%d again)"):format(resent) end
+    if bodies > 0 then parts[#parts + 1] = count(bodies, "body", "bodies") end
+    for _, each in ipairs(orders) do parts[#parts + 1] = each end
+  end
+  if s.check_hash.v ~= 0 then
+    parts[#parts + 1] = ("confirms %d: %08x"):format(s.mark_tick.v - s.check_age.v, s.check_hash.v)
+  end
+  if found.lost then parts[#parts + 1] = ("%d missing before this"):format(found.lost) end
+  if found.stale_mark then parts[#parts + 1] = "late" end
+  if found.duplicate then parts[#parts + 1] = "duplicate" end
+  if next(found.superseded) then parts[#parts + 1] = "claims what it loses" end
+  return table.concat(parts, ", ")
+end
+
+local SENTENCES = {
+  join = function(m) return "wants to join, " .. m.scenario.v end,
+  welcome = function(m)
+    if m.running.v then return ("welcomes peer %d to the running session"):format(m.peer.v) end
+    return ("welcomes peer %d of %d"):format(m.peer.v, m.wanted.v)
+  end,
+  redirect = function(m) return ("knows who to ask: port %d"):format(m.port.v) end,
+  refuse = function(m) return "refuses: " .. m.reason.v end,
+  ping = function() return "ping" end,
+  pong = function(m) return "pong, " .. count(m.present.v, "peer", "peers") .. " there" end,
+  start = function(m) return ("starts the session of %s"):format(count(#m.member, "peer", "peers")) end,
+  ready = function(m)
+    return (m.started.v and "has the start" or "is ready") .. (", round trip %.1f ms"):format(m.round_trip_us.v / 1000)
+  end,
+  bye = function(m) return "goes: " .. m.reason.v end,
+  pull = function(m) return ("asks for pieces from %d on"):format(m.from.v) end,
+  piece = function(m, found)
+    return ("piece %d of %d%s"):format(m.index.v + 1, m.count.v, found.transfer and ", the last one missing" or "")
+  end,
+  enter = function() return "asks to be let in" end,
+  poll = function(m) return "asks about the silent: peer " .. peers(m.lost) end,
+  answer = function(m)
+    local parts = {}
+    for n, seat in ipairs(m.lost) do parts[n] = ("has %d of peer %d"):format(seat.have.v, seat.slot.v) end
+    return table.concat(parts, ", ")
+  end,
+  fetch = function(m) return ("asks for updates of peer %d from %d on"):format(m.slot.v, m.from.v) end,
+  fetched = function(m, _, said)
+    return ("hands over %s of peer %d"):format(count(#said.updates, "update", "updates"), m.slot.v)
+  end,
+  probe = function(m) return ("is incarnation %d, hears peer %s"):format(m.incarnation.v, peers(m.members)) end,
+}
+
+local DROPPED = {
+  short = "shorter than a datagram can be", long = "longer than a datagram may be", magic = "none of ours",
+  tag = "damaged: the CRC does not fit",
+  malformed = "malformed", order = "updates out of order", value = "a value out of range",
+}
+
+local sentence = {}
+
+-- `said` is nil if everybody drops the datagram, and `reason` says why.
+function sentence.of(envelope, said, found, reason)
+  local from = envelope.peer == datagram.NOBODY and "newcomer" or "peer " .. envelope.peer
+  if found.to then from = from .. " → " .. found.to end
+  if not said then
+    if reason == "version" then return ("%s: protocol version %d"):format(from, envelope.version) end
+    if reason == "kind" then return ("%s: kind %d, which is none"):format(from, envelope.kind) end
+    return ("%s: %s"):format(from, DROPPED[reason] or "cut off by the capture")
+  end
+  if said.name == "state" then return from .. ": " .. state(said, found) end
+  return from .. ": " .. SENTENCES[said.name](said.message, found, said)
+end
+
+return sentence

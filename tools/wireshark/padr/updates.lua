@@ -1,0 +1,193 @@
+-- What an update says: flags, columns and differences worked out, and checked as sections 3 and 4 of proto/WIRE.md have it.
+-- Values stay tables {v, at, stop} where Wireshark is to show their bytes.
+local protobuf = require("padr.protobuf")
+
+local updates = {}
+
+updates.CAUSES = {
+  [0] = "threshold", "contact_begin", "contact_end", "proxy", "body_threshold", "at_rest", "leave",
+}
+updates.MODELS = { [0] = "static", "first", "second", "input" }
+updates.MOST_TICK = 2147483646
+updates.MOST_PEERS = 32
+
+local MOST_BODIES, FIRST_BAD_BODY, MOST_PASSING = 27, 65535, 3
+local MOST_SPEED, MOST_SPIN, MOST_ANGLE, MOST_CONTROL = 121, 95, 100000, 10000
+local MOST_EPOCH, MOST_NUMBER = 1073741824, 1073741823
+
+local require_that = protobuf.require
+
+local function require_value(condition, detail)
+  if not condition then protobuf.drop("value", detail) end
+end
+
+-- Whether a bit of flags is set, by its value.
+local function has(flags, bit)
+  return flags % (2 * bit) >= bit
+end
+
+function updates.require_ascending(list, value_of, what)
+  for n = 2, #list do
+    require_that(value_of(list[n - 1]) < value_of(list[n]), what .. " do not ascend")
+  end
+end
+
+function updates.require_place(message)
+  local address, port = message.address.v, message.port.v
+  require_that(#address == 16 and address ~= ("\0"):rep(16), "an address that is none")
+  require_that(port >= 1 and port <= 65535, "a port that is none")
+end
+
+local function avatar_of(raw)
+  local flags, state = raw.avatar.v, raw.avatar_state
+  if flags == 0 then
+    require_that(#state == 0, "the state of no avatar")
+    return nil
+  end
+  require_that(flags < 128 and has(flags, 64), "flags of an avatar")
+  local model = math.floor(flags / 8) % 4
+  require_that(#state == (model >= 2 and 6 or 4), "an avatar's state has another length")
+  require_that(updates.CAUSES[flags % 8], "a cause that is none")
+  return {
+    flags = raw.avatar, cause = flags % 8, model = model, awake = has(flags, 32), x = state[1], y = state[2], vx = state[3],
+    vy = state[4], control_x = state[5], control_y = state[6],
+  }
+end
+
+-- Gives the next value of a column at every call.
+local function taker(column)
+  local n = 0
+  return function()
+    n = n + 1
+    require_that(column[n], "a column is too short")
+    return column[n]
+  end, function() return n == #column end
+end
+
+local function body_state(body, take, tick)
+  body.epoch, body.claim_age = take.epoch(), take.claim_age()
+  require_that(body.claim_age.v <= tick, "a claim of before the start")
+  body.claimed = tick - body.claim_age.v
+  body.x, body.y, body.angle = take.body_state(), take.body_state(), take.body_state()
+  if body.awake then body.vx, body.vy, body.spin = take.body_state(), take.body_state(), take.body_state() end
+end
+
+local function body_of(id, flags, take, tick)
+  local v = flags.v
+  require_that(v < 128, "flags of a body")
+  require_that(updates.CAUSES[v % 8], "a cause that is none")
+  local body = {
+    id = id, flags = flags, cause = v % 8, hold = has(v, 8), state = has(v, 16), release = has(v, 32), awake = has(v, 64),
+  }
+  require_that(body.state or not body.awake, "awake without a state")
+  if body.state then body_state(body, take, tick) end
+  return body
+end
+
+local function bodies_of(raw, tick)
+  local ids, bodies, take, used_up = raw.body, {}, {}, {}
+  require_that(#ids <= MOST_BODIES, "too many bodies")
+  require_that(#ids == #raw.body_flags, "not one column of flags per body")
+  updates.require_ascending(ids, function(id) return id.v end, "bodies")
+  require_that(#ids == 0 or ids[#ids].v < FIRST_BAD_BODY, "a body id that is none")
+  for _, column in ipairs({ "epoch", "claim_age", "body_state" }) do
+    take[column], used_up[column] = taker(raw[column])
+  end
+  for n, id in ipairs(ids) do bodies[n] = body_of(id, raw.body_flags[n], take, tick) end
+  for _, is_used_up in pairs(used_up) do require_that(is_used_up(), "values that belong to no body") end
+  return bodies
+end
+
+local function check_orders(raw, depth)
+  local admission, passed_on = raw.admission, raw.passed_on
+  if admission then
+    require_that(admission.slot.v < updates.MOST_PEERS and #admission.have <= updates.MOST_PEERS, "more slots than there may be")
+    updates.require_place(admission)
+  end
+  for _, removal in ipairs(raw.removals) do require_that(removal.slot.v < updates.MOST_PEERS, "a slot that is none") end
+  updates.require_ascending(raw.removals, function(removal) return removal.slot.v end, "removals")
+  if passed_on then
+    require_that(depth < MOST_PASSING, "updates that lie too deep")
+    require_that(passed_on.slot.v < updates.MOST_PEERS, "a slot that is none")
+    require_that(passed_on.tick.v <= updates.MOST_TICK and passed_on.index.v < 4294967295, "a tick or number that is none")
+  end
+end
+
+local function count_sorts(raw)
+  local function one(is) return is and 1 or 0 end
+  local entities = raw.avatar.v ~= 0 or #raw.body > 0
+  return one(raw.leave.v) + one(raw.admission) + one(#raw.removals > 0) + one(raw.passed_on) + one(entities)
+end
+
+-- An update of that peer, by the mark that its numbers count back from. Raises `malformed`.
+function updates.decode(raw, peer, mark_tick, mark_count, depth)
+  depth = depth or 0
+  require_that(count_sorts(raw) <= 1, "an update of two sorts")
+  require_that(raw.index_back.v < mark_count, "a number below 0")
+  require_that(raw.tick_back.v <= mark_tick, "a tick before the start")
+  check_orders(raw, depth)
+  local update = {
+    raw = raw, peer = peer, index = mark_count - 1 - raw.index_back.v, tick = mark_tick - raw.tick_back.v, leave = raw.leave.v,
+    avatar = avatar_of(raw), admission = raw.admission, removals = raw.removals,
+  }
+  update.bodies = bodies_of(raw, update.tick)
+  local passed_on = raw.passed_on
+  if passed_on then
+    local inner = passed_on.update or protobuf.message("", 1, 1, require("padr.schema").update)
+    update.passed_on = passed_on
+    update.inner = updates.decode(inner, passed_on.slot.v, passed_on.tick.v, passed_on.index.v + 1, depth + 1)
+  end
+  return update
+end
+
+local function finite_within(value, most)
+  return value.v == value.v and math.abs(value.v) <= most
+end
+
+local function check_vector(x, y, most)
+  require_value(finite_within(x, math.huge) and finite_within(y, math.huge), "a number that is none")
+  require_value(math.abs(x.v) ~= math.huge and math.abs(y.v) ~= math.huge, "a number that is not finite")
+  require_value(not most or math.sqrt(x.v * x.v + y.v * y.v) <= most, "a vector that is too long")
+end
+
+local function check_body(body)
+  require_value(body.epoch.v >= 1 and body.epoch.v <= MOST_EPOCH, "an epoch that is none")
+  check_vector(body.x, body.y)
+  require_value(finite_within(body.angle, MOST_ANGLE), "an angle out of range")
+  if body.awake then
+    check_vector(body.vx, body.vy, MOST_SPEED)
+    require_value(finite_within(body.spin, MOST_SPIN), "a spin out of range")
+  end
+end
+
+local function check_avatar(avatar)
+  check_vector(avatar.x, avatar.y)
+  check_vector(avatar.vx, avatar.vy, MOST_SPEED)
+  if avatar.control_x then check_vector(avatar.control_x, avatar.control_y, MOST_CONTROL) end
+  require_value(avatar.awake or (avatar.vx.v == 0 and avatar.vy.v == 0), "an avatar at rest that moves")
+end
+
+-- The ranges of section 4, but for those that hang on the session or the scenario. Raises `value`.
+function updates.check_values(update, sender)
+  local admission, passed_on = update.admission, update.passed_on
+  if admission then
+    require_value(admission.slot.v ~= sender and admission.incarnation.v > 0, "an admission of oneself or nobody")
+    require_value(admission.incarnation.v <= MOST_NUMBER and admission.first.v <= MOST_NUMBER, "numbers of an admission")
+    for _, have in ipairs(admission.have) do require_value(have.v <= MOST_NUMBER, "numbers of an admission") end
+  end
+  for _, removal in ipairs(update.removals) do
+    require_value(removal.slot.v ~= sender, "a removal of oneself")
+    require_value(removal.incarnation.v <= MOST_NUMBER and removal.count.v <= MOST_NUMBER, "numbers of a removal")
+  end
+  for _, body in ipairs(update.bodies) do
+    if body.state then check_body(body) end
+  end
+  if update.avatar then check_avatar(update.avatar) end
+  if passed_on then
+    require_value(passed_on.slot.v ~= sender, "passes on its own")
+    require_value(update.inner.index <= MOST_NUMBER and update.inner.tick <= update.tick, "passes on what is not yet")
+    updates.check_values(update.inner, passed_on.slot.v)
+  end
+end
+
+return updates
