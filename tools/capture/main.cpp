@@ -33,6 +33,8 @@ int capture(int argc, char** argv) {
   };
   constexpr Command kCommands[] = {
       {"summary", "peers, links, delays, losses and where the bytes went", capture::declare_summary},
+      {"rebuild", "the confirmed world out of the packets, and whether the peers' hashes agree with it",
+       capture::declare_rebuild},
       {"export", "every datagram with every field, for programs", capture::declare_export},
       {"follow", "a sentence for every datagram of a capture that is being written", capture::declare_follow},
   };
