@@ -35,6 +35,7 @@ int capture(int argc, char** argv) {
       {"summary", "peers, links, delays, losses and where the bytes went", capture::declare_summary},
       {"rebuild", "the confirmed world out of the packets, and whether the peers' hashes agree with it",
        capture::declare_rebuild},
+      {"compare", "a capture against the peers' own traces", capture::declare_compare},
       {"export", "every datagram with every field, for programs", capture::declare_export},
       {"follow", "a sentence for every datagram of a capture that is being written", capture::declare_follow},
   };
