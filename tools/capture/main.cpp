@@ -33,6 +33,7 @@ int capture(int argc, char** argv) {
   };
   constexpr Command kCommands[] = {
       {"summary", "peers, links, delays, losses and where the bytes went", capture::declare_summary},
+      {"timeline", "who came, went, touched, owned and repeated what, when", capture::declare_timeline},
       {"rebuild", "the confirmed world out of the packets, and whether the peers' hashes agree with it",
        capture::declare_rebuild},
       {"compare", "a capture against the peers' own traces", capture::declare_compare},
