@@ -26,25 +26,32 @@ class Rebuilder {
 
   Rebuilt run() {
     Tick reached = -1;
-    if (setting_.peers > 0) {
-      Chronicle c(ledger_, setting_.scene, setting_.slots);
-      c.begin(setting_.peers);
+    Chronicle c(ledger_, setting_.scene, setting_.slots);
+    c.begin(setting_.peers);
+    // Of a capture that begins later a transfer may know more.
+    if (setting_.peers > 0 && (transfers_.empty() || begins_at_0(c))) {
       sync::Fold fold(setting_.scene, setting_.slots, setting_.peers, setting_.authority);
       reached = follow(c, fold, {0, false, 0, "", false});
     }
     for (auto next = transfers_.upper_bound(reached); next != transfers_.end();
          next = transfers_.upper_bound(reached)) {
-      Chronicle c(ledger_, setting_.scene, setting_.slots);
-      c.begin(next->second);
+      Chronicle later(ledger_, setting_.scene, setting_.slots);
+      later.begin(next->second);
       sync::Fold fold(setting_.scene, setting_.slots, 0, setting_.authority);
       fold.restore(next->second.state);
-      reached = follow(c, fold, {next->first, true, 0, "", false});
+      reached = follow(later, fold, {next->first, true, 0, "", false});
     }
     out_.unreached = ledger_.checks.size() - compared_;
     return std::move(out_);
   }
 
  private:
+  bool begins_at_0(const Chronicle& c) const {
+    for (PeerId p = 0; p < setting_.peers; ++p)
+      if (c.complete({p, 0}) < 0) return false;
+    return true;
+  }
+
   /// Folds as far as the log is known; the last tick reached.
   Tick follow(const Chronicle& c, sync::Fold& fold, Stretch stretch) {
     sync::FoldState state;

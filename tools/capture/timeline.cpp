@@ -94,12 +94,31 @@ void Timeline::update(Event e, std::uint16_t session, const sync::Bundle& b) {
     told.detail = std::move(detail);
     events_[session].push_back(std::move(told));
   };
-  if (b.leave) say("leave", -1);
+  if (b.leave) {
+    say("leave", -1);
+    let_go(e, session, e.by.slot);
+  }
   if (b.admission) say("admission", b.admission->slot, "incarnation " + std::to_string(b.admission->incarnation));
-  for (const sync::Removal& r : b.removals) say("removal", r.slot, "from update " + std::to_string(r.count) + " on");
+  for (const sync::Removal& r : b.removals) {
+    say("removal", r.slot, "incarnation " + std::to_string(r.incarnation) + " from update " + std::to_string(r.count));
+    let_go(e, session, r.slot);
+  }
   if (b.avatar && (b.avatar->cause == sync::Cause::kContactBegin || b.avatar->cause == sync::Cause::kContactEnd))
     say(sync::kCauseNames[static_cast<std::size_t>(b.avatar->cause)], -1);
   for (const sync::BodyUpdate& u : b.bodies) body(e, session, u);
+}
+
+/// What the owner had is nobody's.
+void Timeline::let_go(const Event& e, std::uint16_t session, PeerId owner) {
+  for (auto& [entity, record] : authority_[session]) {
+    if (record.holder() != owner) continue;
+    record.released = true;
+    Event told = e;
+    told.what = "release";
+    told.entity = entity;
+    told.other = owner;
+    events_[session].push_back(std::move(told));
+  }
 }
 
 void Timeline::body(Event e, std::uint16_t session, const sync::BodyUpdate& u) {

@@ -36,6 +36,7 @@ class Timeline {
  private:
   void state(const Datagram& d, std::uint16_t session, const sync::StatePacket& p, PeerId sender);
   void update(Event e, std::uint16_t session, const sync::Bundle& b);
+  void let_go(const Event& e, std::uint16_t session, PeerId owner);
   void body(Event e, std::uint16_t session, const sync::BodyUpdate& u);
   void message(Event e, std::uint16_t session, const wire::SessionMessage& m);
 

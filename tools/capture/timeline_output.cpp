@@ -111,7 +111,7 @@ class Picture {
     if (e.what == "leave") letter("O");
     if (e.what != "removal") return;
     for (const auto& [life, top] : lanes_)
-      if (life.slot == e.other && life < Life{life.slot, ~0U})
+      if (life.slot == e.other && e.detail.starts_with("incarnation " + std::to_string(life.incarnation) + " "))
         svg.text(at, top + 21, "X", {.size = 13, .colour = "#000000", .anchor = plot::Anchor::kMiddle, .bold = true});
   }
 
