@@ -10,9 +10,13 @@ import os
 import shutil
 import subprocess
 import sys
+import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "e2e"))
 CAPTURE = sys.argv.pop(2)
+SPEED = "--speed" in sys.argv  # only an optimised build without sanitizers is held to it
+if SPEED:
+    sys.argv.remove("--speed")
 
 import pcap  # noqa: E402
 from peers import PLAYING, Case, main, signal, time  # noqa: E402
@@ -44,9 +48,29 @@ class Tcpdump:
     def stop(self):
         time.sleep(0.5)  # what is still in the kernel's buffer
         self.process.send_signal(signal.SIGINT)
-        said = self.process.stderr.read()
+        with self.process.stderr as log:
+            said = log.read()
         self.process.wait()
         return said
+
+
+def repeat(path, datagrams, size):
+    pcap.write(path, datagrams)
+    with open(path, "rb") as file:
+        head, body = file.read(24), file.read()
+    with open(path, "wb") as file:
+        file.write(head)
+        for _ in range(-(-size // len(datagrams))):
+            file.write(body)
+
+
+def cpu_and_memory(*command):
+    """Seconds of processor time, and the most memory in KB."""
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    assert process.returncode == 0, command
+    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss
 
 
 class Captures(Case):
@@ -144,6 +168,25 @@ class Captures(Case):
         pcap.write(begin, [d for d in pcap.read(files[0]) if d[0] > came - 10**9])
         self.check_rebuilt(begin, least=3)
 
+    @unittest.skipUnless(SPEED, "for optimised builds")
+    def test_speed_and_memory(self):
+        peers = self.session(2, "--duration", 2, "--netem", "delay 20ms 10ms", own=[self.own(0), self.own(1)])
+        self.assertEqual([p.end() for p in peers], [0, 0])
+        recorded = pcap.read(self.path("0.pcapng"))
+        sizes = (50_000, 500_000)
+        cost = {}
+        for size in sizes:
+            path = self.path(f"{size}.pcap")
+            repeat(path, recorded, size)
+            cost[size] = cpu_and_memory(CAPTURE, "summary", path)
+        rate = sizes[1] / cost[sizes[1]][0]
+        print(f"summary: {rate / 1e6:.2f} million datagrams a second of one core, {cost[sizes[1]][1]} KB")
+        self.assertGreater(rate, 500_000)
+        self.assertLess(cost[sizes[1]][1] - cost[sizes[0]][1], 2048)
+        if shutil.which("tshark"):
+            theirs, memory = cpu_and_memory("tshark", "-r", self.path(f"{sizes[0]}.pcap"), "-q", "-z", "io,stat,0")
+            print(f"tshark -q -z io,stat,0: {sizes[0] / theirs / 1e6:.3f} million, {memory} KB for a tenth of it")
+
     def check_timeline(self, files, killed):
         events = json.loads(self.capture("timeline", *files, "--json", "-"))["events"]
         names = collections.Counter(e["event"] for e in events)
@@ -162,7 +205,7 @@ class Captures(Case):
         datagrams = pcap.read(file)
         self.assertEqual(len(records), len(datagrams))
         carries = [
-            any(zip_ == (1, 5) for zip_ in zip(r.get("padr.update.peer", []), r.get("padr.update.index", [])))
+            (1, 5) in zip(r.get("padr.update.peer", []), r.get("padr.update.index", []))
             for r in records
         ]
         self.assertIn(True, carries)
