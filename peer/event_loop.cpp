@@ -101,8 +101,8 @@ std::vector<std::string> EventLoop::shape_links() {
     }
     lines.push_back("link to " + where + ": " + support::describe(n.spec));
   }
-  egress_ = std::make_unique<Egress>(
-      std::move(specs), [this](const Endpoint& to, std::span<const std::byte> bytes) { send(to, bytes); });
+  egress_ = std::make_unique<Egress>(std::move(specs),
+                                     [this](const Endpoint& to, std::span<const std::byte> bytes) { send(to, bytes); });
   return lines;
 }
 

@@ -20,7 +20,8 @@ capture::PcapngWriter::About about(const Options& o, const Endpoint& local) {
   capture::PcapngWriter::About a;
   a.comment = support::shell_line(o.command) + "\nscenario " + o.scenario.label + " seed " +
               std::to_string(o.scenario.seed) + ", netem seed " + std::to_string(o.netem_seed);
-  a.application = "padr-peer " + std::string(support::version()) + " (revision " + std::string(support::revision()) + ")";
+  a.application =
+      "padr-peer " + std::string(support::version()) + " (revision " + std::string(support::revision()) + ")";
   a.interface = to_string(local);
   return a;
 }

@@ -14,8 +14,8 @@ ByteQueue::ByteQueue(ByteSource source) : source_(std::move(source)), buffer_(kB
 
 ByteView ByteQueue::peek(std::size_t n) {
   if (end_ - begin_ < n && buffer_.size() - begin_ < n) {
-    std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(begin_), buffer_.begin() + static_cast<std::ptrdiff_t>(end_),
-              buffer_.begin());
+    std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(begin_),
+              buffer_.begin() + static_cast<std::ptrdiff_t>(end_), buffer_.begin());
     end_ -= begin_;
     begin_ = 0;
     if (buffer_.size() < n) buffer_.resize(n);

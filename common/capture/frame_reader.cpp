@@ -5,8 +5,7 @@
 
 namespace padr::capture {
 
-FrameReader::FrameReader(ByteSource source, std::string label)
-    : label_(std::move(label)), queue_(std::move(source)) {}
+FrameReader::FrameReader(ByteSource source, std::string label) : label_(std::move(label)), queue_(std::move(source)) {}
 
 FrameReader::~FrameReader() = default;
 

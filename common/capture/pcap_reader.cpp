@@ -36,8 +36,8 @@ class PcapReader : public FrameFormat {
       return halt(Stop::kDamaged, "captured length " + std::to_string(captured) + " is not allowed; at most " +
                                       std::to_string(kMostCaptured));
     Frame f;
-    f.time_ns = kind_.order.u32(head, 0) * kNanos +
-                std::int64_t{kind_.order.u32(head, 4)} * (kind_.nanoseconds ? 1 : 1000);
+    f.time_ns =
+        kind_.order.u32(head, 0) * kNanos + std::int64_t{kind_.order.u32(head, 4)} * (kind_.nanoseconds ? 1 : 1000);
     f.original = std::max(kind_.order.u32(head, 12), captured);
     const ByteView all = queue_.peek(kRecordHeader + captured);
     if (all.size() < kRecordHeader + captured) return halt(Stop::kCut);

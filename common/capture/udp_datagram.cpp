@@ -70,7 +70,8 @@ Content take_v6(ByteView ip, UdpDatagram& out) {
   ByteView rest = ip.subspan(kIpv6Header, std::min(total, ip.size()) - kIpv6Header);
   std::uint32_t kind = u8(ip, 6);
   while (kind != kUdp) {
-    if (rest.size() < 8) return cut || kind == 59 ? Content::kOther : rest.empty() ? Content::kOther : Content::kMalformed;
+    if (rest.size() < 8)
+      return cut || kind == 59 ? Content::kOther : rest.empty() ? Content::kOther : Content::kMalformed;
     if (kind == 44 && (be16(rest, 2) & 0xFFF9U) != 0) return Content::kFragment;
     const std::size_t length = extension(kind, rest);
     if (length == 0) return Content::kOther;

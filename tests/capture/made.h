@@ -52,19 +52,46 @@ inline std::string text_of(std::span<const std::byte> bytes) {
 }
 
 inline Data udp(const std::string& payload) {
-  return Maker().u16(4001).u16(4002).u16(static_cast<std::uint32_t>(8 + payload.size())).u16(0).add(bytes_of(payload)).data;
+  return Maker()
+      .u16(4001)
+      .u16(4002)
+      .u16(static_cast<std::uint32_t>(8 + payload.size()))
+      .u16(0)
+      .add(bytes_of(payload))
+      .data;
 }
 /// 192.0.2.1 to 192.0.2.2. `fragment`: flags and offset.
 inline Data ipv4(const Data& rest, std::uint32_t protocol = 17, std::uint32_t fragment = 0) {
   return Maker()
-      .u16(0x4500).u16(static_cast<std::uint32_t>(20 + rest.size())).u16(7).u16(fragment).u8(64).u8(protocol).u16(0)
-      .u32(0xC0000201).u32(0xC0000202).add(rest).data;
+      .u16(0x4500)
+      .u16(static_cast<std::uint32_t>(20 + rest.size()))
+      .u16(7)
+      .u16(fragment)
+      .u8(64)
+      .u8(protocol)
+      .u16(0)
+      .u32(0xC0000201)
+      .u32(0xC0000202)
+      .add(rest)
+      .data;
 }
 /// 2001:db8::1 to 2001:db8::2. `next`: of the first header.
 inline Data ipv6(const Data& rest, std::uint32_t next = 17) {
   return Maker()
-      .u32(0x60000000).u16(static_cast<std::uint32_t>(rest.size())).u8(next).u8(64)
-      .u32(0x20010DB8).u32(0).u32(0).u32(1).u32(0x20010DB8).u32(0).u32(0).u32(2).add(rest).data;
+      .u32(0x60000000)
+      .u16(static_cast<std::uint32_t>(rest.size()))
+      .u8(next)
+      .u8(64)
+      .u32(0x20010DB8)
+      .u32(0)
+      .u32(0)
+      .u32(1)
+      .u32(0x20010DB8)
+      .u32(0)
+      .u32(0)
+      .u32(2)
+      .add(rest)
+      .data;
 }
 inline Data ethernet(const Data& ip, std::initializer_list<std::uint32_t> tags = {}) {
   Maker m;
@@ -108,8 +135,14 @@ inline Data interface(bool big, std::uint32_t link, std::uint32_t resolution = 6
 inline Data packet(bool big, std::uint32_t interface, std::uint64_t time, const Data& frame) {
   const auto size = static_cast<std::uint32_t>(frame.size());
   return block(big, 6,
-               Maker(big).u32(interface).u32(static_cast<std::uint32_t>(time >> 32U))
-                   .u32(static_cast<std::uint32_t>(time & 0xFFFFFFFFU)).u32(size).u32(size).add(frame).data);
+               Maker(big)
+                   .u32(interface)
+                   .u32(static_cast<std::uint32_t>(time >> 32U))
+                   .u32(static_cast<std::uint32_t>(time & 0xFFFFFFFFU))
+                   .u32(size)
+                   .u32(size)
+                   .add(frame)
+                   .data);
 }
 
 /// Gives what is there, at most `step` bytes at a time; more can be added.
@@ -141,8 +174,8 @@ inline std::vector<std::string> reading(const Data& file, std::size_t step = 1U 
   while (const auto f = reader.next()) {
     capture::UdpDatagram d;
     const auto content = capture::udp_of(*f, d);
-    std::string line = std::to_string(f->number) + " " + std::to_string(f->time_ns) + " " +
-                       kNames[static_cast<std::size_t>(content)];
+    std::string line =
+        std::to_string(f->number) + " " + std::to_string(f->time_ns) + " " + kNames[static_cast<std::size_t>(content)];
     if (content == capture::Content::kUdp || content == capture::Content::kCutUdp)
       line += " " + to_string(d.from) + " " + to_string(d.to) + " " + text_of(d.payload);
     lines.push_back(line);

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "common/capture/pcapng_writer.h"
 #include "common/capture/ip_packet.h"
+#include "common/capture/pcapng_writer.h"
 #include "common/model/rng.h"
 #include "common/model/user_error.h"
 #include "tests/capture/made.h"
@@ -78,8 +78,8 @@ TEST(Reader, LinkTypesInBothFormatsByteOrdersAndResolutions) {
         const Lines wanted{"1 1000000005000 " + c.content, ""};
         EXPECT_EQ(reading(pcap({big, nano, c.link}, {c.frame})), wanted) << c.what << " big " << big;
         Data file = section(big);
-        for (const Data& more : {interface(big, c.link, nano ? 9 : 6),
-                                 packet(big, 0, nano ? 1000000005000 : 1000000005, c.frame)})
+        for (const Data& more :
+             {interface(big, c.link, nano ? 9 : 6), packet(big, 0, nano ? 1000000005000 : 1000000005, c.frame)})
           file.insert(file.end(), more.begin(), more.end());
         EXPECT_EQ(reading(file), wanted) << c.what << " pcapng, big " << big;
         EXPECT_EQ(reading(file, 7), wanted) << c.what << " in small pieces";
@@ -116,9 +116,8 @@ TEST(Reader, SimpleAndObsoletePackets) {
   const Data ip = ipv4(udp("x"));
   const auto size = static_cast<std::uint32_t>(ip.size());
   Data file = section(false);
-  for (const Data& more :
-       {interface(false, 101), block(false, 3, Maker(false).u32(size).add(ip).data),
-        block(false, 2, Maker(false).u16(0).u16(0).u32(0).u32(9).u32(size).u32(size).add(ip).data)})
+  for (const Data& more : {interface(false, 101), block(false, 3, Maker(false).u32(size).add(ip).data),
+                           block(false, 2, Maker(false).u16(0).u16(0).u32(0).u32(9).u32(size).u32(size).add(ip).data)})
     file.insert(file.end(), more.begin(), more.end());
   EXPECT_EQ(reading(file), (Lines{std::string("1 0 udp ") + kV4 + "x", std::string("2 9000 udp ") + kV4 + "x", ""}));
 }
@@ -130,8 +129,7 @@ TEST(Reader, DamageIsNamedWithPacketAndByte) {
   Data absurd = good;
   absurd[second + 8 + 3] = std::byte{0x7F};
   EXPECT_EQ(reading(absurd).back(), "made: packet 2 at byte " + std::to_string(second) + ": captured length " +
-                                        std::to_string(0x7F000000U + frame.size()) +
-                                        " is not allowed; at most 262144");
+                                        std::to_string(0x7F000000U + frame.size()) + " is not allowed; at most 262144");
   EXPECT_EQ(reading(absurd).size(), 2U) << "the first packet is still there";
   const std::size_t begin = section(false).size();
   const auto ng = [](std::initializer_list<Data> parts) {
@@ -149,7 +147,8 @@ TEST(Reader, DamageIsNamedWithPacketAndByte) {
   EXPECT_EQ(reading(ng({packet(false, 0, 1, frame)})).back(), at + "interface 0, and 0 are described");
   EXPECT_EQ(reading(ng({block(false, 1, Maker(false).u32(1).data)})).back(),
             at + "an interface description of 4 bytes; at least 8");
-  EXPECT_EQ(reading(ng({interface(false, 1, 0xFF)})).back(), at + "an interface whose time resolution does not fit 64 bits");
+  EXPECT_EQ(reading(ng({interface(false, 1, 0xFF)})).back(),
+            at + "an interface whose time resolution does not fit 64 bits");
 }
 
 TEST(Reader, WhatIsNoCaptureIsRefused) {
@@ -210,7 +209,8 @@ TEST(Reader, TurnedBitsSpoilNothingBefore) {
     for (std::size_t bit = 0; bit < 8 * file.size(); ++bit) {
       Data bad = file;
       bad[bit / 8] ^= static_cast<std::byte>(1U << bit % 8);
-      if (rng.chance(0.3)) bad[rng.below(static_cast<std::uint32_t>(bad.size() - bit / 8)) + bit / 8] ^= std::byte{0x80};
+      if (rng.chance(0.3))
+        bad[rng.below(static_cast<std::uint32_t>(bad.size() - bit / 8)) + bit / 8] ^= std::byte{0x80};
       try {
         const Lines lines = reading(bad);
         for (std::size_t i = 0; i < ends.size() && ends[i] <= bit / 8; ++i) EXPECT_EQ(lines[i], whole[i]) << bit;
@@ -223,9 +223,8 @@ TEST(Reader, TurnedBitsSpoilNothingBefore) {
 
 TEST(Writer, IsReadBackAndChecksumsAreRight) {
   Data file;
-  capture::PcapngWriter w({"a comment", "a test", "lo", ""}, [&file](std::span<const std::byte> b) {
-    file.insert(file.end(), b.begin(), b.end());
-  });
+  capture::PcapngWriter w({"a comment", "a test", "lo", ""},
+                          [&file](std::span<const std::byte> b) { file.insert(file.end(), b.begin(), b.end()); });
   const Data v4 = udp("");  // any bytes
   Endpoint a, b;
   a.address[10] = a.address[11] = b.address[10] = b.address[11] = 0xFF;

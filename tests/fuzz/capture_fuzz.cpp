@@ -24,8 +24,9 @@ wire::Bytes capture_of(Rng& rng) {
   a.port = 1;
   b.port = 2;
   wire::Bytes out;
-  capture::PcapngWriter writer({"good", "fuzz", "lo", ""},
-                               [&out](std::span<const std::byte> block) { out.insert(out.end(), block.begin(), block.end()); });
+  capture::PcapngWriter writer({"good", "fuzz", "lo", ""}, [&out](std::span<const std::byte> block) {
+    out.insert(out.end(), block.begin(), block.end());
+  });
   for (std::uint64_t i = 0; i < 3; ++i) {
     const bool state = rng.chance(0.7);
     const wire::Bytes payload =

@@ -18,7 +18,8 @@ namespace {
 constexpr const char* kFooter =
     "Traces are those of padr-peer --trace; give one or all peers of a session. Each state datagram that a trace says\n"
     "was sent or received is looked for in the capture, and the other way round. What was sent and is not in the\n"
-    "capture was lost before it came there (by --netem, or on the way); what is in the capture and was not received was\n"
+    "capture was lost before it came there (by --netem, or on the way); what is in the capture and was not received "
+    "was\n"
     "lost behind it, or came when its receiver was not there. The confirmed world is rebuilt from the capture and\n"
     "compared with the traces' at every tick.\n"
     "\n"
@@ -54,8 +55,8 @@ bool is_trace(const std::string& file) {
 Setting setting_of(const std::vector<TraceStory>& traces) {
   const trace::Header& h = traces.front().header;
   Setting s;
-  s.scene = scenarios::load(h.scenario_text, traces.front().label + " (its scenario " + h.scenario + ")",
-                            h.scenario_seed);
+  s.scene =
+      scenarios::load(h.scenario_text, traces.front().label + " (its scenario " + h.scenario + ")", h.scenario_seed);
   s.slots = h.slots;
   s.authority = h.technique.authority;
   for (const TraceStory& t : traces)
@@ -104,8 +105,8 @@ std::string named(const std::vector<Passage>& list, std::size_t most) {
 }
 
 std::string links_text(const std::vector<LinkStory>& links, bool all) {
-  Table table({"link", "sent", "captured", "received", "lost before", "lost behind", "duplicates", "outside",
-               "contradict"});
+  Table table(
+      {"link", "sent", "captured", "received", "lost before", "lost behind", "duplicates", "outside", "contradict"});
   std::string names;
   std::string unseen;
   const auto count = [](std::uint64_t n, bool known) { return known ? std::to_string(n) : std::string("-"); };

@@ -54,6 +54,8 @@ void Comparison::from_trace(std::span<const std::byte> datagram, const TraceStor
     if (!sent) ++damaged_received_;
     return;
   }
+  // While a peer begins another life, the old one hears what is for the new one, too, and drops it.
+  if (!sent && scan.to_incarnation != story.header.incarnation) return;
   Key key;
   key.from = {o->header.sender, scan.incarnation};
   key.to = sent ? Life{to, scan.to_incarnation} : story.life();
@@ -100,7 +102,11 @@ void Comparison::add(const Datagram& d) {
   if (o->header.kind != wire::Kind::kState || traces_.empty() || o->header.session != traces_[0].header.session) return;
   if (!wire::scan_state(o->payload, scan)) return;
   who_[{d.from, scan.incarnation}] = o->header.sender;
-  captured_.push_back({{o->header.sender, scan.incarnation}, d.to, scan.to_incarnation, content_of(d.payload), scan.seq,
+  captured_.push_back({{o->header.sender, scan.incarnation},
+                       d.to,
+                       scan.to_incarnation,
+                       content_of(d.payload),
+                       scan.seq,
                        static_cast<Tick>(scan.mark_tick)});
 }
 

@@ -27,7 +27,7 @@ struct TraceStory {
 struct Passage {
   std::uint32_t seq = 0;
   Tick tick = 0;
-  std::uint32_t sent = 0;      ///< by the sender's trace
+  std::uint32_t sent = 0;  ///< by the sender's trace
   std::uint32_t captured = 0;
   std::uint32_t received = 0;  ///< by the receiver's trace
 };
@@ -37,10 +37,10 @@ struct LinkStory {
   bool sender_told = false;    ///< there is a trace of it
   bool receiver_told = false;  ///< likewise
   std::uint64_t sent = 0, captured = 0, received = 0, duplicates = 0;
-  std::uint64_t outside = 0;           ///< before the first or after the last datagram that the capture has of it
-  std::vector<Passage> lost_before;    ///< sent, and not in the capture: lost before it came there
-  std::vector<Passage> lost_after;     ///< in the capture and not received
-  std::vector<Passage> after_trace;    ///< in the capture, sent after the sender's trace broke off
+  std::uint64_t outside = 0;            ///< before the first or after the last datagram that the capture has of it
+  std::vector<Passage> lost_before;     ///< sent, and not in the capture: lost before it came there
+  std::vector<Passage> lost_after;      ///< in the capture and not received
+  std::vector<Passage> after_trace;     ///< in the capture, sent after the sender's trace broke off
   std::vector<Passage> contradictions;  ///< what loss cannot explain
 };
 

@@ -9,15 +9,18 @@ namespace padr::capture {
 namespace {
 
 constexpr const char* kFooter =
-    "Fields have the names of the Wireshark dissector, and tshark's for what is around (frame.number, frame.time_epoch,\n"
-    "ip.src, udp.srcport, ...). A field that can come several times in a datagram is a list: of what is in updates all\n"
+    "Fields have the names of the Wireshark dissector, and tshark's for what is around (frame.number, "
+    "frame.time_epoch,\n"
+    "ip.src, udp.srcport, ...). A field that can come several times in a datagram is a list: of what is in updates "
+    "all\n"
     "are, in the order of the datagram, what is passed on in its place. padr.cause has first the avatar's cause, then\n"
     "those of the bodies, update by update. hex fields are text without 0x; floats read back exactly. A datagram that\n"
     "receivers drop has its envelope and padr.drop with the reason; one that the capture cut off ends after the\n"
     "envelope. In CSV lists are joined by ';'.\n"
     "\n"
     "Examples:\n"
-    "  padr-capture export lo.pcap --json | jq -c 'select(.[\"padr.kind\"] == \"state\") | [.\"padr.tick\", .\"padr.entity\"]'\n"
+    "  padr-capture export lo.pcap --json | jq -c 'select(.[\"padr.kind\"] == \"state\") | [.\"padr.tick\", "
+    ".\"padr.entity\"]'\n"
     "  padr-capture export lo.pcap --csv --out lo.csv";
 
 struct Options {

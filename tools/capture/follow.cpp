@@ -17,7 +17,8 @@ constexpr const char* kFooter =
     "  padr-capture follow peer0.pcapng\n"
     "  tcpdump -U -i any -w - udp | padr-capture follow -\n"
     "\n"
-    "Standard input is read to its end; a file is watched until the program is stopped, or by --idle. Exit code: 0, or\n"
+    "Standard input is read to its end; a file is watched until the program is stopped, or by --idle. Exit code: 0, "
+    "or\n"
     "1 if the capture is damaged.";
 
 struct Options {

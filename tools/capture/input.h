@@ -17,10 +17,10 @@ namespace padr::capture {
 
 /// A UDP datagram of a capture that may be one of ours: it begins as all of ours do.
 struct Datagram : UdpDatagram {
-  std::int64_t time_ns = 0;   ///< since 1970
-  std::uint64_t packet = 0;   ///< its number in the file
-  std::size_t file = 0;       ///< index of the file
-  bool cut = false;           ///< the capture has not all of it
+  std::int64_t time_ns = 0;  ///< since 1970
+  std::uint64_t packet = 0;  ///< its number in the file
+  std::size_t file = 0;      ///< index of the file
+  bool cut = false;          ///< the capture has not all of it
 };
 
 /// What the files held.

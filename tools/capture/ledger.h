@@ -27,10 +27,10 @@ std::string to_string(const Life& life);
 struct Ledger {
   struct Voice {
     Endpoint at;
-    std::int64_t last_ns = 0;                    ///< when it was heard last
-    Tick last_tick = 0;                          ///< the latest mark
+    std::int64_t last_ns = 0;                       ///< when it was heard last
+    Tick last_tick = 0;                             ///< the latest mark
     std::map<std::uint32_t, sync::Bundle> updates;  ///< by number
-    std::map<std::uint32_t, Tick> marks;         ///< latest tick by count
+    std::map<std::uint32_t, Tick> marks;            ///< latest tick by count
   };
   struct Check {
     Tick tick = 0;
@@ -53,7 +53,7 @@ struct Ledger {
   std::map<Life, Voice> voices;
   /// Updates that others tell of a slot's log: passed on, fetched.
   std::map<std::pair<PeerId, std::uint32_t>, sync::Bundle> retold;
-  std::vector<Check> checks;  ///< each of (tick, life) once
+  std::vector<Check> checks;                                       ///< each of (tick, life) once
   std::map<std::pair<Endpoint, std::uint64_t>, Pieces> transfers;  ///< by receiver and nonce
   Tick newest = 0;                                                 ///< the latest mark of anybody
 };

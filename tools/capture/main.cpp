@@ -8,16 +8,22 @@ namespace {
 
 constexpr const char* kDescription =
     "The story of a session from its packets alone: pcap and pcapng files of tcpdump, Wireshark or padr-peer --pcap.\n"
-    "Any port; Ethernet with VLAN tags, Linux cooked (-i any), loopback and raw IP; IPv4 and IPv6; files that are still\n"
+    "Any port; Ethernet with VLAN tags, Linux cooked (-i any), loopback and raw IP; IPv4 and IPv6; files that are "
+    "still\n"
     "being written.";
 
 constexpr const char* kFooter =
     "Examples:\n"
-    "  padr-capture summary out/demo/peer0.pcapng\n"
-    "  tcpdump -i lo -w lo.pcap udp & ... ; padr-capture summary lo.pcap\n"
+    "  padr-capture summary peer*.pcapng\n"
+    "  padr-capture rebuild peer0.pcapng --svg world.svg\n"
+    "  padr-capture compare peer0.pcapng peer*.trace\n"
+    "  tcpdump -U -i any -w - udp | padr-capture follow -\n"
+    "Each command explains itself with --help.\n"
     "\n"
-    "Exit code: 0 if all is well; 1 if a capture is damaged or breaks off, in which case the result is of what could be\n"
-    "read and is marked so, or if something that should agree does not; 2 if the command line is wrong or a file cannot\n"
+    "Exit code: 0 if all is well; 1 if a capture is damaged or breaks off, in which case the result is of what could "
+    "be\n"
+    "read and is marked so, or if something that should agree does not; 2 if the command line is wrong or a file "
+    "cannot\n"
     "be used.";
 
 int capture(int argc, char** argv) {

@@ -110,7 +110,8 @@ class Rebuilder {
 }  // namespace
 
 std::uint64_t Rebuilt::agreeing() const {
-  return static_cast<std::uint64_t>(std::count_if(hashes.begin(), hashes.end(), [](const Hash& h) { return h.agrees; }));
+  return static_cast<std::uint64_t>(
+      std::count_if(hashes.begin(), hashes.end(), [](const Hash& h) { return h.agrees; }));
 }
 
 Rebuilt rebuild(const Ledger& ledger, const Setting& setting, Tick until, const WorldSink& sink) {

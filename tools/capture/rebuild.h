@@ -14,10 +14,10 @@ namespace padr::capture {
 /// What a capture of a session must have told, or the user.
 struct Setting {
   Scene scene;
-  std::string label;      ///< of the scenario, for people
-  bool checked = false;   ///< its hash is that of a Join in the capture
+  std::string label;     ///< of the scenario, for people
+  bool checked = false;  ///< its hash is that of a Join in the capture
   int slots = 0;
-  int peers = 0;          ///< at tick 0; 0: not known
+  int peers = 0;  ///< at tick 0; 0: not known
   bool authority = true;
 };
 
@@ -36,11 +36,11 @@ struct Rebuilt {
     bool agrees = false;
   };
   std::vector<Stretch> stretches;
-  std::vector<Hash> hashes;              ///< those of ticks that were reached
-  std::uint64_t unreached = 0;           ///< hashes told of others
-  std::uint64_t given_up = 0;            ///< hashes told by a side that a partition left behind, not compared
-  std::uint64_t unbelievable = 0;        ///< updates that no receiver takes
-  std::uint64_t bad_transfers = 0;       ///< that do not decode
+  std::vector<Hash> hashes;         ///< those of ticks that were reached
+  std::uint64_t unreached = 0;      ///< hashes told of others
+  std::uint64_t given_up = 0;       ///< hashes told by a side that a partition left behind, not compared
+  std::uint64_t unbelievable = 0;   ///< updates that no receiver takes
+  std::uint64_t bad_transfers = 0;  ///< that do not decode
   std::uint64_t agreeing() const;
 };
 

@@ -8,15 +8,18 @@ namespace padr::capture {
 namespace {
 
 constexpr const char* kFooter =
-    "Every update that the packets carry is folded into the confirmed world as every peer folds it, and the hashes that\n"
-    "peers told are compared with it: proof that the packets alone carry the whole story. It begins with the session's\n"
+    "Every update that the packets carry is folded into the confirmed world as every peer folds it, and the hashes "
+    "that\n"
+    "peers told are compared with it: proof that the packets alone carry the whole story. It begins with the "
+    "session's\n"
     "start or, if that is not in the capture or something is missing later on, with the transfer to a newcomer.\n"
     "\n"
     "Examples:\n"
     "  padr-capture rebuild peer0.pcapng --csv states.csv --svg world.svg\n"
     "  padr-capture rebuild late.pcap --scenario arena --seed 7 --slots 16\n"
     "\n"
-    "Exit code: 0 if all hashes agree; 1 if one does not, something is missing in between, nothing could be rebuilt, or\n"
+    "Exit code: 0 if all hashes agree; 1 if one does not, something is missing in between, nothing could be rebuilt, "
+    "or\n"
     "a capture is damaged; 2 for a wrong command line.";
 
 struct Options {

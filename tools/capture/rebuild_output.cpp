@@ -27,9 +27,11 @@ std::string begin_of(const Stretch& s) {
 std::string rebuilt_text(const Setting& setting, const Ledger& ledger, const Rebuilt& r, std::uint64_t last_hash) {
   std::string out = "session " + std::to_string(ledger.session) + ": " + setting.label +
                     (setting.authority ? ", dynamic authority" : ", avatar-only") +
-                    (setting.checked ? ", the scene is the one of the Join" : ", as said: the capture has no Join") + "\n";
+                    (setting.checked ? ", the scene is the one of the Join" : ", as said: the capture has no Join") +
+                    "\n";
   if (r.stretches.empty())
-    return out + "nothing to begin with: neither who was there at tick 0 (--peers) nor a whole transfer is in the capture\n";
+    return out +
+           "nothing to begin with: neither who was there at tick 0 (--peers) nor a whole transfer is in the capture\n";
   for (const Stretch& s : r.stretches)
     out += begin_of(s) + " to tick " + std::to_string(s.to) + (s.gap ? ", GAP: " : ": ") + s.why + "\n";
   out += std::to_string(r.agreeing()) + " of " + std::to_string(r.hashes.size()) + " hashes agree, to tick " +

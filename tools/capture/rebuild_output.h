@@ -37,10 +37,10 @@ class WorldPicture {
  private:
   struct Moment {
     Tick tick = 0;
-    std::vector<bool> present;      ///< by slot
-    std::vector<Vec2> positions;    ///< by entity
+    std::vector<bool> present;    ///< by slot
+    std::vector<Vec2> positions;  ///< by entity
     std::vector<float> angles;
-    std::vector<bool> owned;        ///< by body
+    std::vector<bool> owned;  ///< by body
   };
   plot::Frame frame(const Setting& setting, std::size_t at) const;
 

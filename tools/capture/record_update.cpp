@@ -34,7 +34,8 @@ void put_body(Record& r, const sync::BodyUpdate& u, PeerId peer, Tick tick) {
   const bool awake = u.has_state && u.state.awake;
   r.number("padr.entity", u.body);
   r.number("padr.body.flags", static_cast<unsigned>(u.cause) | (u.held ? 1U << 3U : 0U) |
-                                  (u.has_state ? 1U << 4U : 0U) | (u.release ? 1U << 5U : 0U) | (awake ? 1U << 6U : 0U));
+                                  (u.has_state ? 1U << 4U : 0U) | (u.release ? 1U << 5U : 0U) |
+                                  (awake ? 1U << 6U : 0U));
   r.text("padr.cause", name_of(u.cause));
   r.flag("padr.hold", u.held);
   r.flag("padr.release", u.release);

@@ -24,9 +24,9 @@ std::string plural(std::size_t n, const std::string& what) {
 std::string who(const Record& r) {
   const std::string from = first(r, "padr.peer");
   const std::string to = first(r, "padr.to");
-  const std::string address =
-      first(r, "ip.dst") + (first(r, "ipv6.dst").empty() ? "" : "[" + first(r, "ipv6.dst") + "]") + ":" +
-      first(r, "udp.dstport");
+  const std::string address = first(r, "ip.dst") +
+                              (first(r, "ipv6.dst").empty() ? "" : "[" + first(r, "ipv6.dst") + "]") + ":" +
+                              first(r, "udp.dstport");
   return (from == "255" || from.empty() ? "newcomer" : "peer " + from) + " -> " + (to.empty() ? address : to) + ": ";
 }
 

@@ -79,7 +79,8 @@ Setting SettingFlags::setting(const Ledger& ledger) const {
     const std::uint64_t ours = scene_hash(s.scene);
     if (ours != ledger.join->scene_hash)
       throw UserError("--scenario: the session was played in '" + ledger.join->scenario + "' (hash " +
-                      hex(ledger.join->scene_hash) + "), and '" + s.label + "' is another here (hash " + hex(ours) + ")");
+                      hex(ledger.join->scene_hash) + "), and '" + s.label + "' is another here (hash " + hex(ours) +
+                      ")");
     s.checked = true;
   }
   const int most = static_cast<int>(s.scene.avatar.spawns.size());

@@ -60,16 +60,16 @@ std::string lives_text(const Tally& t, std::uint16_t session) {
     const Traffic& f = life.traffic;
     std::uint64_t updates = 0;
     for (const std::uint64_t n : life.updates) updates += n;
-    std::vector<std::string> row{life_name(key),
-                                 to_string(life.at),
-                                 fixed(f.seconds(), 1),
-                                 count(f.datagrams),
-                                 fixed(per_second(f.datagrams, f.seconds()), 1),
-                                 fixed(per_second(f.bytes * 8, f.seconds()) / 1000, 1),
-                                 fixed(static_cast<double>(f.bytes - f.header_bytes) /
-                                           static_cast<double>(f.datagrams), 0),
-                                 count(f.most_size),
-                                 fixed(per_second(updates, f.seconds()), 1)};
+    std::vector<std::string> row{
+        life_name(key),
+        to_string(life.at),
+        fixed(f.seconds(), 1),
+        count(f.datagrams),
+        fixed(per_second(f.datagrams, f.seconds()), 1),
+        fixed(per_second(f.bytes * 8, f.seconds()) / 1000, 1),
+        fixed(static_cast<double>(f.bytes - f.header_bytes) / static_cast<double>(f.datagrams), 0),
+        count(f.most_size),
+        fixed(per_second(updates, f.seconds()), 1)};
     for (std::size_t c = 0; c < 6; ++c) row.push_back(count(life.updates[c]));
     row.emplace_back(life.left ? "yes" : "no");
     table.row(std::move(row));
@@ -85,17 +85,20 @@ std::string links_text(const Tally& t, std::uint16_t session, const SessionTally
     const DelayFigures d = delays_of(link, s);
     table.row({link_name(t, key), count(link.traffic.datagrams), count(link.seqs.missing()), count(link.duplicates),
                count(link.reordered),
-               link.losses_told == 0 ? "-"
-                                     : fixed(static_cast<double>(link.loss_told) /
-                                                 static_cast<double>(link.losses_told), 1),
+               link.losses_told == 0
+                   ? "-"
+                   : fixed(static_cast<double>(link.loss_told) / static_cast<double>(link.losses_told), 1),
                fixed(link.gaps.mean_us() / 1000, 1), fixed(link.gaps.percentile_us(0.95) / 1000, 1),
-               fixed(d.mean_ms, 1), fixed(d.p50_ms, 1), fixed(d.p95_ms, 1), fixed(d.least_ms, 1),
-               fixed(d.jitter_ms, 1), link.transit ? fixed(*link.transit / 10.0, 1) : "-", count(link.marks),
-               count(link.repeats), link.acks.count() == 0 ? "-" : fixed(link.acks.mean_us() / 1000, 1)});
+               fixed(d.mean_ms, 1), fixed(d.p50_ms, 1), fixed(d.p95_ms, 1), fixed(d.least_ms, 1), fixed(d.jitter_ms, 1),
+               link.transit ? fixed(*link.transit / 10.0, 1) : "-", count(link.marks), count(link.repeats),
+               link.acks.count() == 0 ? "-" : fixed(link.acks.mean_us() / 1000, 1)});
   }
-  std::string out = "\nLinks. Missing: numbers that are not in the capture. Delay: from the begin of the tick of sending, by ";
-  out += s.tick0().second ? "the session's clock as Pongs tell it" : "the fastest datagram, which counts as 0";
-  out += ",\nto the capture; peers' least: to the receiver, as it tells itself. Ack: until an update is acknowledged.\n";
+  std::string out =
+      "\nLinks. Missing: numbers that are not in the capture. Delay: from the begin of the tick of sending, by ";
+  out +=
+      s.tick0().second ? "the session's clock as Pings and Pongs tell it" : "the fastest datagram, which counts as 0";
+  out +=
+      ",\nto the capture; peers' least: to the receiver, as it tells itself. Ack: until an update is acknowledged.\n";
   return out + table.text();
 }
 
@@ -129,8 +132,7 @@ std::string life_name(const LifeKey& life) {
 
 std::string link_name(const Tally& tally, const LinkKey& link) {
   const PeerId to = tally.receiver(link);
-  const std::string who =
-      to == kNoPeer ? to_string(link.to) : life_name({link.from.session, to, link.to_incarnation});
+  const std::string who = to == kNoPeer ? to_string(link.to) : life_name({link.from.session, to, link.to_incarnation});
   return life_name(link.from) + " -> " + who;
 }
 

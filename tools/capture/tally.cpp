@@ -14,10 +14,11 @@ constexpr std::size_t kMostSessions = 64;
 constexpr std::size_t kMostLives = 1024;
 constexpr std::size_t kMostLinks = 2048;
 constexpr std::size_t kMostUnacked = 256;
+constexpr std::size_t kMostPings = 65536;
 constexpr std::size_t kEnvelope = wire::kHeaderBytes + wire::kTagBytes;
 
-void keep_least(std::optional<std::int64_t>& least, std::int64_t v) {
-  least = least ? std::min(*least, v) : v;
+void keep_greatest(std::optional<std::int64_t>& greatest, std::int64_t v) {
+  greatest = greatest ? std::max(*greatest, v) : v;
 }
 
 /// The entry of this key, made if there is none and room for it; null otherwise.
@@ -194,8 +195,12 @@ void Tally::session(const Datagram& d, const wire::Opened& o) {
       s->authority = asked.authority;
       s->join_seen = true;
     }
+  } else if (const auto* ping = std::get_if<wire::Ping>(&*message)) {
+    if (pings_.size() < kMostPings) pings_.try_emplace({d.from, ping->sent}, d.time_ns / 1000);
   } else if (const auto* pong = std::get_if<wire::Pong>(&*message)) {
-    keep_least(s->states > 0 ? s->session_us : s->founder_us, d.time_ns / 1000 - pong->founder);
+    const auto asked = pings_.find({d.to, pong->sent});
+    if (asked != pings_.end())
+      keep_greatest(s->states > 0 ? s->session_us : s->founder_us, asked->second - pong->founder);
   } else if (const auto* start = std::get_if<wire::Start>(&*message)) {
     s->tick0_us = start->tick0;
   }

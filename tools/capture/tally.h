@@ -27,8 +27,8 @@ struct LifeKey {
 /// What is counted of datagrams that go the same way.
 struct Traffic {
   std::uint64_t datagrams = 0;
-  std::uint64_t bytes = 0;          ///< on the wire, IP and UDP headers included
-  std::uint64_t header_bytes = 0;   ///< of these: IP and UDP
+  std::uint64_t bytes = 0;           ///< on the wire, IP and UDP headers included
+  std::uint64_t header_bytes = 0;    ///< of these: IP and UDP
   std::uint64_t envelope_bytes = 0;  ///< magic, kind, sender, session, checksum
   std::uint64_t update_bytes = 0;    ///< updates, the first time on their link
   std::uint64_t repeat_bytes = 0;    ///< updates that the link has carried before
@@ -84,13 +84,15 @@ struct SessionTally {
   std::uint64_t states = 0;
   std::uint32_t first_tick = 0;
   std::uint32_t last_tick = 0;
-  std::optional<std::int64_t> founder_us;  ///< capture time less the founder's clock, least
-  std::optional<std::int64_t> session_us;  ///< capture time less session time, least, by Pongs of a running session
+  /// Capture time of a Ping less the founder's clock when it answered, the greatest: as if the way from the capture to
+  /// the founder took no time, which on one machine is so.
+  std::optional<std::int64_t> founder_us;
+  std::optional<std::int64_t> session_us;  ///< the same of a running session, whose Pongs tell session time
   std::optional<std::int64_t> tick0_us;    ///< on the founder's clock
   std::int64_t least_us = 0;               ///< capture time less tick time, least of all state datagrams
   std::uint64_t hashes = 0;                ///< told
-  /// Capture time of tick 0, us, and whether that is known from Pongs; otherwise the fastest datagram counts as
-  /// having taken no time.
+  /// Capture time of tick 0, us, and whether that is known from Pings and Pongs; otherwise the fastest datagram counts
+  /// as having taken no time.
   std::pair<std::int64_t, bool> tick0() const;
 };
 
@@ -130,6 +132,7 @@ class Tally {
   std::map<std::string, std::uint64_t> dropped_;
   std::uint64_t beyond_ = 0;
   std::map<std::pair<Endpoint, std::uint32_t>, LifeKey> who_;  ///< by address and incarnation
+  std::map<std::pair<Endpoint, Micros>, std::int64_t> pings_;  ///< capture time, us, by asker and its clock
   wire::StateScan scan_;
 };
 

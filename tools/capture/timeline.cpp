@@ -8,7 +8,8 @@ const char* const kEventsHelp =
     "  join, welcome, refuse, start    before a peer plays; refuse has the reason\n"
     "  heard                           the first state datagram of a peer\n"
     "  admission, leave, removal       peers come and go; `other` is who comes or is declared gone\n"
-    "  contact_begin, contact_end      of the peer's avatar, with a body (`entity`) or, without one, told of the avatar\n"
+    "  contact_begin, contact_end      of the peer's avatar, with a body (`entity`) or, without one, told of the "
+    "avatar\n"
     "  proxy                           a body joins or leaves the chain that the avatar moves\n"
     "  claim, release                  authority over a body; `other` is who had it\n"
     "  claim_lost                      a claim that loses against one told earlier\n"
@@ -143,7 +144,8 @@ void Timeline::body(Event e, std::uint16_t session, const sync::BodyUpdate& u) {
   }
   const sync::Authority claim{e.by.slot, u.release, u.epoch, u.claimed};
   if (!sync::wins(claim, record, u.body)) return say("claim_lost", record.owner, "epoch " + std::to_string(u.epoch));
-  if (claim.epoch != record.epoch || claim.owner != record.owner) say("claim", before, "epoch " + std::to_string(u.epoch));
+  if (claim.epoch != record.epoch || claim.owner != record.owner)
+    say("claim", before, "epoch " + std::to_string(u.epoch));
   if (u.release && !(record.released && record.epoch == claim.epoch)) say("release", -1);
   record = claim;
 }

@@ -66,8 +66,10 @@ class Picture {
     plot::Svg svg(kWidth, height_);
     svg.rect(0, 0, kWidth, height_, {.fill = "#FFFFFF"});
     svg.text(kLeft, 22, title_, {.size = 16, .bold = true});
-    svg.text(kLeft, 42, "above the line: contact begins; below: it ends; on it: resends (grey); I comes, O leaves, X declared gone",
-             {.size = 12, .colour = kGrey});
+    svg.text(
+        kLeft, 42,
+        "above the line: contact begins; below: it ends; on it: resends (grey); I comes, O leaves, X declared gone",
+        {.size = 12, .colour = kGrey});
     axis(svg);
     for (const auto& [life, y] : lanes_) {
       svg.text(kLeft - 8, y + 20, "peer " + to_string(life), {.size = 12, .anchor = plot::Anchor::kEnd});
@@ -88,7 +90,8 @@ class Picture {
       if (end_ / step > 12) step *= factor;
     for (int i = 0; i * step <= end_; ++i) {
       svg.line({{x(i * step), kTop - 6}, {x(i * step), height_ - 34}}, {.stroke = "#E4E4E4"});
-      svg.text(x(i * step), height_ - 18, fixed(i * step, step < 1 ? 1 : 0), {.size = 11, .anchor = plot::Anchor::kMiddle});
+      svg.text(x(i * step), height_ - 18, fixed(i * step, step < 1 ? 1 : 0),
+               {.size = 11, .anchor = plot::Anchor::kMiddle});
     }
     svg.text(kWidth - kRight, height_ - 4, "s since the first event", {.size = 11, .anchor = plot::Anchor::kEnd});
   }
@@ -102,7 +105,8 @@ class Picture {
       svg.line({{at, y + from}, {at, y + to}}, {.stroke = c, .width = 1.5});
     };
     const auto letter = [&](const char* what) {
-      svg.text(at, y - 5, what, {.size = 13, .colour = colour(e.by.slot), .anchor = plot::Anchor::kMiddle, .bold = true});
+      svg.text(at, y - 5, what,
+               {.size = 13, .colour = colour(e.by.slot), .anchor = plot::Anchor::kMiddle, .bold = true});
     };
     if (e.what == "contact_begin") stroke(-12, 0, colour(e.by.slot));
     if (e.what == "contact_end") stroke(0, 12, colour(e.by.slot));
@@ -157,8 +161,7 @@ std::string timeline_json(std::uint16_t session, const std::vector<Event>& event
   for (const Event& e : events) {
     j.begin_object().field("time_s", seconds(e, events)).field("event", e.what);
     if (e.tick >= 0) j.field("tick", e.tick);
-    if (e.by.slot != kNoPeer)
-      j.field("peer", static_cast<int>(e.by.slot)).field("incarnation", e.by.incarnation);
+    if (e.by.slot != kNoPeer) j.field("peer", static_cast<int>(e.by.slot)).field("incarnation", e.by.incarnation);
     if (e.entity >= 0) j.field("entity", e.entity);
     if (e.other >= 0) j.field("other", e.other);
     if (!e.detail.empty()) j.field("detail", report::valid_utf8(e.detail));
