@@ -36,7 +36,6 @@ class BackgroundFile {
 
   support::OutputFile file_;  ///< the thread's alone, while it runs
   std::chrono::milliseconds interval_;
-  std::size_t most_;
   std::mutex mutex_;  ///< of what follows
   std::condition_variable wake_;
   std::vector<std::byte> waiting_;

@@ -79,9 +79,11 @@ void Chronicle::admit() {
     more = false;
     std::vector<std::pair<Life, Span>> found;
     for (const auto& [life, span] : spans_) {
-      const auto look = [&](const sync::Bundle& b) {
-        const auto end = ends_.find(life);
-        if (!b.admission || b.index < span.first || (end != ends_.end() && b.index >= end->second)) return;
+      const auto end = ends_.find(life);
+      const auto look = [this, &found, end, first = span.first](const sync::Bundle& b) {
+        if (!b.admission || b.admission->slot >= slots_ || b.index < first ||
+            (end != ends_.end() && b.index >= end->second))
+          return;
         Span s;
         s.first = b.admission->first;
         found.push_back({{b.admission->slot, b.admission->incarnation}, s});

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <span>
 #include <string_view>
-#include <vector>
 
 namespace padr::capture {
 
@@ -11,6 +11,6 @@ struct FieldName {
 };
 
 /// Every field of a record, in the order of CSV's columns.
-const std::vector<FieldName>& field_names();
+std::span<const FieldName> field_names();
 
 }  // namespace padr::capture
