@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "common/model/user_error.h"
+#include "common/wire/seal.h"
 
 namespace padr::capture {
 namespace {
@@ -44,8 +45,17 @@ std::uint64_t size_of(const std::vector<std::string>& files) {
   return all;
 }
 
+/// By the magic and either a header as this version's are, or a checksum that fits. Others' datagrams hardly ever are
+/// so.
 bool is_ours(std::span<const std::byte> payload) {
-  return payload.size() >= 2 && payload[0] == std::byte{'P'} && payload[1] == std::byte{'d'};
+  if (payload.size() < wire::kHeaderBytes || payload[0] != std::byte{'P'} || payload[1] != std::byte{'d'}) return false;
+  const auto kind = std::to_integer<std::uint32_t>(payload[2]);
+  const auto sender = std::to_integer<std::uint32_t>(payload[3]);
+  const bool usual =
+      kind >> 4U == wire::kProtocolVersion && (kind & 15U) <= static_cast<std::uint32_t>(wire::Kind::kMembership);
+  if (usual && (sender < kMaxPeers || sender == kNoPeer)) return true;
+  wire::SealError error = wire::SealError::kNone;
+  return wire::open(payload, error) || error == wire::SealError::kVersion || error == wire::SealError::kKind;
 }
 
 std::uint64_t hash_of(const Datagram& d) {

@@ -15,7 +15,7 @@
 
 namespace padr::capture {
 
-/// A UDP datagram of a capture that may be one of ours: it begins as all of ours do.
+/// A UDP datagram of a capture that may be one of ours: by its first bytes or its checksum.
 struct Datagram : UdpDatagram {
   std::int64_t time_ns = 0;  ///< since 1970
   std::uint64_t packet = 0;  ///< its number in the file
