@@ -107,7 +107,7 @@ void Tally::state(const Datagram& d, const wire::Opened& o) {
     life->at = d.from;
     if (who_.size() < 4 * kMostLives) who_[{d.from, from.incarnation}] = from;
   }
-  acknowledge(d, from, *life);
+  acknowledge(d, from);
   state_of_life(d, *life);
   link->delays.add(ahead);
   const std::uint64_t repeated = state_of_link(d, *link);
@@ -151,10 +151,10 @@ std::uint64_t Tally::state_of_link(const Datagram& d, LinkTally& link) {
 }
 
 /// What the datagram says of the link the other way.
-void Tally::acknowledge(const Datagram& d, const LifeKey& from, const LifeTally& life) {
+void Tally::acknowledge(const Datagram& d, const LifeKey& from) {
   const auto other = who_.find({d.to, scan_.to_incarnation});
   if (other == who_.end()) return;
-  const auto found = links_.find({other->second, life.at, from.incarnation});
+  const auto found = links_.find({other->second, d.from, from.incarnation});
   if (found == links_.end()) return;
   LinkTally& back = found->second;
   if (scan_.transit != 0 && (!back.transit || scan_.transit < *back.transit)) back.transit = scan_.transit;

@@ -119,7 +119,7 @@ class Tally {
   void state(const Datagram& d, const wire::Opened& o);
   void state_of_life(const Datagram& d, LifeTally& life);
   std::uint64_t state_of_link(const Datagram& d, LinkTally& link);
-  void acknowledge(const Datagram& d, const LifeKey& from, const LifeTally& life);
+  void acknowledge(const Datagram& d, const LifeKey& from);
   void session(const Datagram& d, const wire::Opened& o);
   void membership(const wire::Opened& o);
 
