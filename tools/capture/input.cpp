@@ -135,7 +135,9 @@ const Datagram* Captures::next() {
     for (const auto& f : files_)
       if (!f->done && (given_ == nullptr || f->datagram.time_ns < given_->datagram.time_ns)) given_ = f.get();
     if (given_ == nullptr) return nullptr;
-    if (files_.size() == 1) progress_.at(given_->reader.offset());
+    std::uint64_t done = 0;
+    for (const auto& f : files_) done += f->reader.offset();
+    progress_.at(done);
     if (files_.size() == 1 || !seen_elsewhere(given_->datagram)) break;
     ++contents_.seen_again;
     advance(*given_);
