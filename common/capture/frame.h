@@ -23,7 +23,7 @@ inline constexpr std::uint32_t kLinkCooked2 = 276;  ///< Linux cooked, version 2
 struct Frame {
   std::uint64_t number = 0;     ///< 1, 2, ... in the file
   std::uint64_t offset = 0;     ///< bytes before its record or block
-  std::int64_t time_ns = 0;     ///< since 1970, UTC; 0 if the capture does not say
+  std::int64_t time_ns = 0;     ///< since 1970, UTC, not negative; 0 if the capture does not say
   std::uint32_t interface = 0;  ///< counted from 0 through all sections of the file
   std::uint32_t link_type = 0;  ///< see above
   std::uint32_t original = 0;   ///< bytes of the packet on the wire; more than `bytes` has if it was cut (snaplen)

@@ -45,7 +45,7 @@ struct Interface {
     constexpr std::int64_t kMostSeconds = 9'000'000'000;  // what fits 64 bits of nanoseconds
     const auto whole = static_cast<std::int64_t>(std::min<std::uint64_t>(seconds, kMostSeconds));
     const std::int64_t shift = std::clamp(offset_s, -kMostSeconds, kMostSeconds);
-    return std::clamp(whole + shift, -kMostSeconds, kMostSeconds) * static_cast<std::int64_t>(kNanos) +
+    return std::clamp<std::int64_t>(whole + shift, 0, kMostSeconds) * static_cast<std::int64_t>(kNanos) +
            static_cast<std::int64_t>(std::min(ns, kNanos - 1));
   }
 };

@@ -86,8 +86,7 @@ class Picture {
 
   void axis(plot::Svg& svg) const {
     double step = 0.1;
-    for (const double factor : {2.0, 2.5, 2.0, 2.0, 2.5, 2.0, 2.0, 2.5, 2.0, 2.0, 2.5, 2.0})
-      if (end_ / step > 12) step *= factor;
+    for (int i = 0; end_ / step > 12; ++i) step *= i % 3 == 1 ? 2.5 : 2.0;  // 0.1, 0.2, 0.5, 1, ...
     for (int i = 0; i * step <= end_; ++i) {
       svg.line({{x(i * step), kTop - 6}, {x(i * step), height_ - 34}}, {.stroke = "#E4E4E4"});
       svg.text(x(i * step), height_ - 18, fixed(i * step, step < 1 ? 1 : 0),
