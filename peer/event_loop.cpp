@@ -101,17 +101,15 @@ std::vector<std::string> EventLoop::shape_links() {
     }
     lines.push_back("link to " + where + ": " + support::describe(n.spec));
   }
-  egress_ = std::make_unique<Egress>(std::move(specs), [this](const Endpoint& to, std::span<const std::byte> bytes) {
-    if (!socket_->send(to, bytes) && net_limit_.pass(clock_.now()))
-      log_.net->warn("cannot send to {}: {} ({} such messages held back)", to_string(to), socket_->last_error(),
-                     net_limit_.take_suppressed());
-  });
+  egress_ = std::make_unique<Egress>(std::move(specs),
+                                     [this](const Endpoint& to, std::span<const std::byte> bytes) { send(to, bytes); });
   return lines;
 }
 
 // Only once the port is ours: whoever has it may be writing to these very files.
 void EventLoop::open_files() {
   recordings_ = std::make_unique<Recordings>(options_, log_);
+  if (!options_.pcap.empty()) packets_ = std::make_unique<PacketLog>(options_, *socket_);
   if (!options_.json.empty() && options_.json != "-")
     json_ = std::make_unique<support::OutputFile>("--json", options_.json);
 }
@@ -126,6 +124,11 @@ int EventLoop::run() {
   io_.run();
   player_->finish();
   recordings_->close();
+  if (packets_) {
+    packets_->close();
+    if (packets_->dropped() > 0)
+      log_.net->error("--pcap: {} datagrams are not in it, the disk was too slow", packets_->dropped());
+  }
   write_summary();
   if (exit_code_ == 0) {
     log_.session->info("ended: {}", reason_);
@@ -135,7 +138,19 @@ int EventLoop::run() {
   return exit_code_;
 }
 
+void EventLoop::send(const Endpoint& to, std::span<const std::byte> datagram) {
+  // Before it goes: nobody must seem to have received it earlier.
+  const std::int64_t time = packets_ ? PacketLog::now() : 0;
+  if (socket_->send(to, datagram)) {
+    if (packets_) packets_->sent(to, datagram, time);
+  } else if (net_limit_.pass(clock_.now())) {
+    log_.net->warn("cannot send to {}: {} ({} such messages held back)", to_string(to), socket_->last_error(),
+                   net_limit_.take_suppressed());
+  }
+}
+
 void EventLoop::receive(const Endpoint& from, std::span<const std::byte> datagram) {
+  if (packets_) packets_->received(from, datagram, PacketLog::now());
   if (drain_until_) return;
   log_.net->trace("{} bytes from {}", datagram.size(), to_string(from));
   player_->receive(from, datagram, clock_.now());

@@ -13,6 +13,7 @@
 #include "peer/egress.h"
 #include "peer/log.h"
 #include "peer/options.h"
+#include "peer/packet_log.h"
 #include "peer/player.h"
 #include "peer/recordings.h"
 #include "peer/status.h"
@@ -38,6 +39,7 @@ class EventLoop {
   std::vector<std::string> shape_links();
   void open_files();
   void wake();
+  void send(const Endpoint& to, std::span<const std::byte> datagram);
   void receive(const Endpoint& from, std::span<const std::byte> datagram);
   void advance(Micros now);
   void send_out(Micros now);
@@ -57,6 +59,7 @@ class EventLoop {
   std::unique_ptr<Recordings> recordings_;
   std::unique_ptr<support::OutputFile> json_;  ///< null for standard output, too
   std::unique_ptr<UdpSocket> socket_;
+  std::unique_ptr<PacketLog> packets_;  ///< null: none is kept
   std::unique_ptr<Egress> egress_;
   std::unique_ptr<Player> player_;
   Endpoint local_;

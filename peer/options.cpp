@@ -50,7 +50,7 @@ constexpr const char* kFooterEnd =
 
 /// What CLI11 fills in, before anything is checked.
 struct Raw {
-  std::string listen, join, json, trace, log_level = "info", log;
+  std::string listen, join, json, trace, pcap, log_level = "info", log;
   std::vector<std::string> netem_to;
   std::optional<int> wait_peers, slots;
   support::ScenarioFlags scenario;
@@ -104,6 +104,11 @@ void declare_output(CLI::App& app, Raw& raw, Options& o) {
   app.add_option("--trace", raw.trace,
                  "Record everything, for padr-report and padr-lab; who comes back after having been\n"
                  "declared gone goes on in NAME.2.trace, and so on")
+      ->type_name("FILE")
+      ->group(group);
+  app.add_option("--pcap", raw.pcap,
+                 "Write every datagram that is sent and received, after --netem, to a packet capture\n"
+                 "(pcapng), for Wireshark and padr-capture")
       ->type_name("FILE")
       ->group(group);
   app.add_option("--json", raw.json, "Summary at the end; - is standard output")->type_name("FILE")->group(group);
@@ -217,6 +222,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   // Which avatar it will drive is not known yet, but what is wrong with it is the same for all.
   support::load_input(o.input, o.scenario.scene, 0, o.scenario.seed);
   o.trace = raw.trace;
+  o.pcap = raw.pcap;
   o.json = raw.json;
   o.command = support::command_of(argc, argv);
   return o;

@@ -43,6 +43,7 @@ struct Options {
   std::uint64_t netem_seed = 1;
 
   std::string trace;  ///< file; empty: none
+  std::string pcap;   ///< file; empty: none
   std::string json;   ///< file, or - for standard output; empty: none
   spdlog::level::level_enum log_level = spdlog::level::info;
   std::map<std::string, spdlog::level::level_enum> log_levels;  ///< by subsystem

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/v6_only.hpp>
 #include <system_error>
 
@@ -100,6 +101,20 @@ void UdpSocket::read() {
       each_(to_endpoint(from), std::span(buffer_).first(size));
     }
   }
+}
+
+Endpoint UdpSocket::local_towards(const Endpoint& to) const {
+  Endpoint own = to_endpoint(local());
+  if (v4_ && !to.is_v4()) return own;
+  // Connecting a UDP socket sends nothing, but lets the system choose an address.
+  asio::io_context io(1);
+  const Udp::endpoint where = to_asio(to, to.is_v4());
+  Udp::socket probe(io);
+  error_code error;
+  probe.open(where.protocol(), error);
+  if (!error) probe.connect(where, error);
+  if (!error) own.address = to_endpoint(probe.local_endpoint(error)).address;
+  return own;
 }
 
 bool UdpSocket::send(const Endpoint& to, std::span<const std::byte> datagram) {

@@ -50,6 +50,8 @@ class UdpSocket {
   bool send(const Endpoint& to, std::span<const std::byte> datagram);
 
   Udp::endpoint local() const { return socket_.local_endpoint(); }
+  /// The address that the system would send from to there; where that cannot be told, the one that it is bound to.
+  Endpoint local_towards(const Endpoint& to) const;
   const SocketStats& stats() const { return stats_; }
   std::string last_error() const { return last_error_; }
 

@@ -124,7 +124,7 @@ class Usage(Case):
 
     def test_files_that_cannot_be_written(self):
         nowhere = os.path.join(self.folder.name, "no", "such", "folder.trace")
-        for flag in ("--trace", "--json"):
+        for flag in ("--trace", "--json", "--pcap"):
             self.check_wrong([flag, nowhere, "--wait-peers", 1, "--duration", 0.1], flag, nowhere)
 
     def test_help_and_version(self):

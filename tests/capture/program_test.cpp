@@ -1,0 +1,97 @@
+#include "common/wire/codec.h"
+#include "common/wire/seal.h"
+#include "tests/capture/made.h"
+#include "tests/shell.h"
+
+// What a user of padr-capture sees.
+namespace padr {
+namespace {
+
+using namespace test;
+
+class Program : public Shell {
+ protected:
+  Outcome capture(const std::string& arguments) const { return shell(std::string(PADR_CAPTURE) + " " + arguments); }
+  void write(const std::string& name, const Data& data) const { Shell::write(name, text_of(data)); }
+  /// A state datagram in a frame.
+  static Data state(std::uint32_t seq) {
+    sync::StatePacket p;
+    p.seq = seq;
+    p.mark_tick = static_cast<Tick>(seq);
+    return ethernet(ipv4(udp(text_of(wire::seal({wire::Kind::kState, 1, 5}, wire::encode(p))))));
+  }
+};
+
+TEST_F(Program, SaysWhatIsWrongWithTheCommandLine) {
+  for (const auto& [arguments, line] : std::vector<std::pair<std::string, std::string>>{
+           {"", "A subcommand is required"},
+           {"summary", "CAPTURE is required"},
+           {"summary nothing.pcap", "cannot read 'nothing.pcap': No such file or directory"},
+           {"summary .", "it is a directory"},
+           {"export x", "give one of --json and --csv"},
+           {"export x --json --csv", "give one of --json and --csv"},
+           {"rebuild x --peers 33", "--peers"},
+           {"compare x", "at least one capture and one trace"}}) {
+    Shell::write("x", "");
+    const Outcome o = capture(arguments);
+    EXPECT_EQ(o.status, 2) << arguments;
+    EXPECT_NE(o.err.find(line), std::string::npos) << arguments << ": " << o.err;
+    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+  }
+  Shell::write("text", "no capture at all");
+  EXPECT_EQ(capture("summary text").status, 2);
+  EXPECT_NE(capture("summary text").err.find("text: not a capture"), std::string::npos);
+  for (const std::string command : {"", "summary", "timeline", "rebuild", "compare", "export", "follow"})
+    EXPECT_EQ(capture(command + " --help").status, 0);
+}
+
+TEST_F(Program, NothingOfOursIsNoError) {
+  write("other.pcap", pcap({}, {ethernet(ipv4(udp("a DNS query"))), ethernet(ipv4(udp("x"), 6))}));
+  const Outcome o = capture("summary other.pcap");
+  EXPECT_EQ(o.status, 0);
+  EXPECT_EQ(o.out, "other.pcap: 2 packets, 0 datagrams of PADR in 0.0 s, 1 of other UDP, 1 without UDP\n");
+  EXPECT_EQ(capture("rebuild other.pcap").status, 2);
+  EXPECT_EQ(capture("timeline other.pcap").status, 2);
+  EXPECT_EQ(capture("export other.pcap --json").out, "");
+}
+
+TEST_F(Program, WhatIsCutIsMarkedAsSuch) {
+  Data file = pcap({}, {state(1), state(2)});
+  file.resize(file.size() - 3);
+  write("cut.pcap", file);
+  const Outcome o = capture("summary cut.pcap");
+  EXPECT_EQ(o.status, 1);
+  EXPECT_NE(o.out.find("1 datagram of PADR"), std::string::npos) << o.out;
+  EXPECT_NE(o.out.find("Incomplete: cut.pcap: packet 2 at byte"), std::string::npos) << o.out;
+  EXPECT_NE(o.err.find("padr-capture: incomplete: cut.pcap: packet 2"), std::string::npos) << o.err;
+  EXPECT_NE(capture("summary cut.pcap --json -").out.find("\"complete\": false"), std::string::npos);
+}
+
+TEST_F(Program, SeveralCapturesCountADatagramOnce) {
+  // Peer 1 sent 1, 2, 2 (a duplicate) and 3; a has seen the first three, b all but the first.
+  write("a.pcap", pcap({}, {state(1), state(2), state(2)}));
+  write("b.pcap", pcap({}, {state(2), state(2), state(3)}));
+  const Outcome o = capture("export --json a.pcap b.pcap");
+  EXPECT_EQ(o.status, 0) << o.err;
+  std::vector<std::string> seqs;
+  for (std::size_t at = 0; (at = o.out.find("\"padr.seq\":", at)) != std::string::npos; at += 11)
+    seqs.push_back(o.out.substr(at + 11, 1));
+  std::sort(seqs.begin(), seqs.end());
+  EXPECT_EQ(seqs, (std::vector<std::string>{"1", "2", "2", "3"}));
+  EXPECT_NE(capture("summary a.pcap b.pcap").out.find("4 datagrams of PADR"), std::string::npos);
+  EXPECT_NE(capture("summary a.pcap b.pcap").out.find("2 seen in another file, too"), std::string::npos);
+}
+
+TEST_F(Program, FollowsAPipeAndAFileThatGrows) {
+  write("a.pcap", pcap({}, {state(1), state(2)}));
+  const Outcome piped = capture("follow - <a.pcap");
+  EXPECT_EQ(piped.status, 0);
+  EXPECT_NE(piped.out.find("peer 1 -> 192.0.2.2:4002: tick 2, mark"), std::string::npos) << piped.out;
+  const Outcome grown = shell("head -c 150 a.pcap >b.pcap; (sleep 0.3; tail -c +151 a.pcap >>b.pcap) & " +
+                              std::string(PADR_CAPTURE) + " follow b.pcap --idle 1.5");
+  EXPECT_EQ(grown.status, 0) << grown.err;
+  EXPECT_EQ(grown.out, piped.out);
+}
+
+}  // namespace
+}  // namespace padr

@@ -1,0 +1,182 @@
+#include <gtest/gtest.h>
+
+#include "common/wire/codec.h"
+#include "tools/capture/record.h"
+#include "tools/capture/tally.h"
+
+namespace padr::capture {
+namespace {
+
+TEST(NumberWindow, CountsNewLateAgainAndMissing) {
+  using Seen = NumberWindow::Seen;
+  NumberWindow w;
+  EXPECT_EQ(w.missing(), 0U);
+  EXPECT_EQ(w.add(10), Seen::kNew);
+  EXPECT_EQ(w.add(12), Seen::kNew);
+  EXPECT_EQ(w.missing(), 1U);
+  EXPECT_EQ(w.add(12), Seen::kAgain);
+  EXPECT_EQ(w.add(11), Seen::kNewLate);
+  EXPECT_EQ(w.add(8), Seen::kNewLate) << "before the first seen";
+  EXPECT_EQ(w.missing(), 1U) << "9";
+  EXPECT_EQ(w.add(12 + 4095), Seen::kNew);
+  EXPECT_EQ(w.add(12), Seen::kAgain) << "just within reach";
+  EXPECT_EQ(w.add(13), Seen::kNewLate);
+  EXPECT_EQ(w.add(11), Seen::kAgain) << "too old to tell";
+  EXPECT_EQ(w.add(100000), Seen::kNew);
+  EXPECT_EQ(w.add(100000 - 4095), Seen::kNewLate) << "a leap leaves nothing of before behind";
+  EXPECT_EQ(w.distinct(), 8U);
+  EXPECT_EQ(w.missing(), 100000U - 8 + 1 - 8);
+}
+
+TEST(Gaps, PercentilesAreWithinThreePercent) {
+  Gaps g;
+  for (std::int64_t us = 1; us <= 100000; ++us) g.add(us);
+  EXPECT_NEAR(g.percentile_us(0.5), 50000, 1500);
+  EXPECT_NEAR(g.percentile_us(0.95), 95000, 2850);
+  EXPECT_DOUBLE_EQ(g.mean_us(), 50000.5);
+  Gaps small;
+  for (std::int64_t us : {0, 3, 63, 64, 65}) small.add(us);
+  EXPECT_EQ(small.percentile_us(0.5), 63);
+  EXPECT_EQ(small.percentile_us(0.2), 0);
+  Gaps huge;
+  huge.add(std::int64_t{1} << 60U);
+  EXPECT_GT(huge.percentile_us(0.5), 5e11) << "all that is longer than a week counts as that";
+}
+
+/// One peer's datagrams to another, as a capture has them.
+class Talk {
+ public:
+  Talk() {
+    for (Endpoint* e : {&a_, &b_}) e->address[10] = e->address[11] = 0xFF;
+    a_.port = 1;
+    b_.port = 2;
+  }
+  sync::StatePacket packet(std::uint32_t seq, Tick tick, std::uint32_t count) const {
+    sync::StatePacket p;
+    p.seq = seq;
+    p.mark_tick = tick;
+    p.mark_count = count;
+    return p;
+  }
+  static sync::Bundle bundle(std::uint32_t index, Tick tick) {
+    sync::Bundle b;
+    b.index = index;
+    b.tick = tick;
+    b.avatar.emplace();
+    sync::BodyUpdate u;
+    u.body = 7;
+    u.cause = sync::Cause::kContactBegin;
+    b.bodies = {u};
+    return b;
+  }
+  void say(PeerId from, const sync::StatePacket& p, std::int64_t at_us) {
+    bytes_ = wire::seal({wire::Kind::kState, from, 77}, wire::encode(p));
+    hear(from, at_us);
+  }
+  void hear(PeerId from, std::int64_t at_us) {
+    Datagram d;
+    d.from = from == 0 ? a_ : b_;
+    d.to = from == 0 ? b_ : a_;
+    d.time_ns = at_us * 1000;
+    d.payload = bytes_;
+    d.wire_bytes = bytes_.size() + 28;
+    tally.take(d);
+    if (from == 0) wire_bytes += d.wire_bytes;
+  }
+  const LinkTally& link(PeerId from) const {
+    for (const auto& [key, l] : tally.links())
+      if (key.from.slot == from) return l;
+    throw std::logic_error("no such link");
+  }
+  Tally tally;
+  std::size_t wire_bytes = 0;
+  wire::Bytes bytes_;
+
+ private:
+  Endpoint a_, b_;
+};
+
+TEST(Tally, LossDuplicatesReorderingResendsAndAcks) {
+  Talk t;
+  auto p = t.packet(1, 60, 1);
+  p.updates = {Talk::bundle(0, 60)};
+  t.say(0, p, 1'000'000 + 5'000);
+  t.say(0, t.packet(3, 90, 1), 1'500'000 + 9'000);  // 2 is late
+  p.seq = 2;
+  p.mark_tick = 75;
+  t.say(0, p, 1'510'000);  // carries the update again
+  t.say(0, p, 1'511'000);  // and is duplicated
+  t.say(0, t.packet(6, 120, 1), 2'000'000 + 5'000);
+  auto ack = t.packet(1, 121, 0);
+  ack.have = 1;
+  ack.transit = 432;
+  ack.loss = 7;
+  t.say(1, ack, 2'105'000);
+
+  const LinkTally& l = t.link(0);
+  EXPECT_EQ(l.traffic.datagrams, 5U);
+  EXPECT_EQ(l.seqs.missing(), 2U) << "4 and 5";
+  EXPECT_EQ(l.duplicates, 1U);
+  EXPECT_EQ(l.reordered, 1U);
+  EXPECT_EQ(l.marks, 2U);
+  EXPECT_EQ(l.repeats, 1U) << "what a duplicate carries is not sent again";
+  EXPECT_EQ(l.transit, 432);
+  EXPECT_EQ(l.loss_told, 7U);
+  EXPECT_EQ(l.acks.count(), 1U);
+  EXPECT_NEAR(l.acks.mean_us(), 1'100'000, 1);
+  EXPECT_EQ(t.tally.lives().at({77, 0, 0}).updates[static_cast<std::size_t>(sync::Cause::kContactBegin)], 1U);
+  EXPECT_EQ(t.tally.lives().at({77, 0, 0}).updates[static_cast<std::size_t>(sync::Cause::kThreshold)], 1U);
+  const Traffic& f = l.traffic;
+  EXPECT_EQ(f.bytes, t.wire_bytes);
+  EXPECT_EQ(f.bytes, f.header_bytes + f.envelope_bytes + f.update_bytes + f.repeat_bytes + f.mark_bytes);
+  EXPECT_EQ(f.header_bytes, 5U * 28);
+  EXPECT_EQ(f.repeat_bytes, 2 * (f.update_bytes + 2)) << "how far back its tick lies takes two bytes";
+  // Without Pongs the fastest datagram has taken no time: that is 4 to 6 ms after the beginning of its tick.
+  const SessionTally& s = t.tally.sessions().at(77);
+  EXPECT_FALSE(s.tick0().second);
+  EXPECT_EQ(s.tick0().first, 5'000);
+  EXPECT_EQ(l.delays.least_us(), 5'000);
+}
+
+TEST(Tally, DamagedIsCountedByReason) {
+  Talk t;
+  t.say(0, t.packet(1, 60, 0), 1);
+  t.bytes_[8] ^= std::byte{1};
+  t.hear(0, 2);
+  t.bytes_.resize(7);
+  t.hear(0, 3);
+  t.bytes_ = wire::seal({wire::Kind::kState, 0, 77}, {});
+  t.hear(0, 4);
+  EXPECT_EQ(t.tally.dropped(), (std::map<std::string, std::uint64_t>{{"malformed", 1}, {"short", 1}, {"tag", 1}}));
+  EXPECT_EQ(t.tally.all().datagrams, 4U);
+}
+
+TEST(Record, EveryFieldHasAPlaceInTheTable) {
+  // A record whose name is missing from the table would be left out of CSV.
+  Talk t;
+  auto p = t.packet(1, 60, 1);
+  p.check_tick = 30;
+  p.check_hash = 0xABCDEF01;
+  p.updates = {Talk::bundle(0, 60)};
+  p.updates[0].bodies[0].has_state = true;
+  p.updates[0].bodies[0].epoch = 1;
+  t.say(0, p, 5);
+  Datagram d;
+  d.payload = t.bytes_;
+  for (Endpoint* e : {&d.from, &d.to}) e->address[10] = e->address[11] = 0xFF;
+  d.time_ns = 1'000'000'007;
+  Recorder recorder;
+  const Record r = recorder.record(d);
+  const std::string json = r.json();
+  EXPECT_NE(json.find("\"frame.time_epoch\":\"1.000000007\""), std::string::npos) << json;
+  EXPECT_NE(json.find("\"padr.cause\":[\"threshold\",\"contact_begin\"]"), std::string::npos) << json;
+  EXPECT_NE(json.find("\"padr.check_hash\":\"abcdef01\""), std::string::npos) << json;
+  std::size_t names = 0;
+  for (std::size_t at = 0; (at = json.find("\":", at)) != std::string::npos; ++at) ++names;
+  std::size_t found = 0;
+  for (const std::string_view name : all_fields()) found += r.find(name) != nullptr ? 1U : 0U;
+  EXPECT_EQ(names, found) << json;
+}
+
+}  // namespace
+}  // namespace padr::capture

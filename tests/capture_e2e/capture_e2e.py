@@ -1,0 +1,239 @@
+#!/usr/bin/env python3
+"""End to end: real peers with --pcap and --trace, tcpdump beside them where that is permitted, and padr-capture.
+
+Usage: capture_e2e.py PATH_TO_PADR_PEER PATH_TO_PADR_CAPTURE [unittest arguments]
+"""
+
+import collections
+import json
+import os
+import shutil
+import subprocess
+import sys
+import unittest
+import zlib
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "e2e"))
+CAPTURE = sys.argv.pop(2)
+SPEED = "--speed" in sys.argv  # only an optimised build without sanitizers is held to it
+if SPEED:
+    sys.argv.remove("--speed")
+
+import pcap  # noqa: E402
+from peers import PLAYING, Case, main, signal, time  # noqa: E402
+
+LINK = "delay 30ms 15ms loss 8% duplicate 2% corrupt 1%"
+
+
+class Tcpdump:
+    """tcpdump on the loopback device; `started` is false where that is not permitted."""
+
+    def __init__(self, path):
+        self.process = None
+        if shutil.which("tcpdump") is None:
+            return
+        self.process = subprocess.Popen(
+            ["tcpdump", "-i", "lo", "-U", "--immediate-mode", "-B", "8192", "-w", path, "udp"],
+            stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        for line in self.process.stderr:
+            if "listening on" in line:
+                return
+        self.process.wait()
+        self.process = None
+
+    @property
+    def started(self):
+        return self.process is not None
+
+    def stop(self):
+        time.sleep(0.5)  # what is still in the kernel's buffer
+        self.process.send_signal(signal.SIGINT)
+        with self.process.stderr as log:
+            said = log.read()
+        self.process.wait()
+        return said
+
+
+def is_claimed(datagram):
+    """One whose first bytes were corrupted is taken for somebody else's."""
+    if datagram[:2] != b"Pd" or len(datagram) < 6:
+        return False
+    good = len(datagram) >= 10 and zlib.crc32(datagram[:-4]) == int.from_bytes(datagram[-4:], "little")
+    return good or datagram[2] in (0x20, 0x21, 0x22) and (datagram[3] < 32 or datagram[3] == 255)
+
+
+def repeat(path, datagrams, size):
+    pcap.write(path, datagrams)
+    with open(path, "rb") as file:
+        head, body = file.read(24), file.read()
+    with open(path, "wb") as file:
+        file.write(head)
+        for _ in range(-(-size // len(datagrams))):
+            file.write(body)
+
+
+def cpu_and_memory(*command):
+    """Seconds of processor time, and the most memory in KB."""
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    assert process.returncode == 0, command
+    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss
+
+
+class Captures(Case):
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def own(self, i):
+        return ["--pcap", self.path(f"{i}.pcapng"), "--trace", self.path(f"{i}.trace"), "--netem-seed", i + 1]
+
+    def capture(self, *arguments, code=0):
+        done = subprocess.run([CAPTURE, *map(str, arguments)], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, code, f"{arguments}\n{done.stdout}\n{done.stderr}")
+        return done.stdout
+
+    def as_json(self, *arguments, code=0):
+        return json.loads(self.capture(*arguments, "--json", "-", code=code))
+
+    def check_rebuilt(self, *arguments, least):
+        r = self.as_json("rebuild", *arguments)
+        self.assertEqual(r["agreeing"], r["hashes"])
+        self.assertGreaterEqual(r["hashes"], least)
+        self.assertEqual([s["gap"] for s in r["stretches"]], [False] * len(r["stretches"]))
+        return r
+
+    def check_worlds(self, captures, traces):
+        c = self.as_json("compare", *captures, *traces)
+        self.assertTrue(c["agree"])
+        for world in c["confirmed"]:
+            self.assertEqual(world["alike"], world["compared"])
+            self.assertEqual(world["not_rebuilt"], 0, world)  # to the last tick that the peer has confirmed
+            self.assertGreater(world["compared"], 60)
+        return c
+
+    def test_everybody_has_seen_the_same(self):
+        tcpdump = Tcpdump(self.path("lo.pcap"))
+        peers = self.session(2, "--netem", LINK, "--duration", 6, own=[self.own(0), self.own(1)])
+        self.assertEqual([p.end() for p in peers], [0, 0])
+        files = [self.path("0.pcapng"), self.path("1.pcapng")]
+        traces = [self.path("0.trace"), self.path("1.trace")]
+        seen = [collections.Counter(d[1:] for d in pcap.read(f)) for f in files]
+        # Whoever ends first sees no more of what the other one sends.
+        self.assertLessEqual((seen[0] - seen[1]).total() + (seen[1] - seen[0]).total(), 40)
+        if tcpdump.started:
+            said = tcpdump.stop()
+            self.assertIn("0 packets dropped by kernel", said)
+            ports = {end[1] for s in seen for d in s for end in d[:2]}
+            on_lo = collections.Counter(
+                d[1:] for d in pcap.read(self.path("lo.pcap")) if {d[1][1], d[2][1]} <= ports
+            )
+            self.assertEqual(on_lo, seen[0] | seen[1])
+            self.check_worlds([self.path("lo.pcap")], traces)
+            print(f"tcpdump and both peers: the same {on_lo.total()} datagrams")
+        else:
+            print("tcpdump cannot capture here: only the peers' own captures are compared")
+        for captures in ([files[0]], [files[1]], files):
+            c = self.check_worlds(captures, traces)
+            self.assertTrue(any(link["lost_before"] for link in c["links"]), "nothing was lost at 8 %")
+        ours = [collections.Counter({d: n for d, n in s.items() if is_claimed(d[2])}) for s in seen]
+        both = self.as_json("summary", *files)
+        self.assertEqual(both["datagrams"], (ours[0] | ours[1]).total())
+        self.assertEqual(both["seen_in_another_file"], (ours[0] & ours[1]).total())
+        links = [link for s in both["sessions"] for link in s["links"]]
+        self.assertEqual([s["delays_by"] for s in both["sessions"]], ["session clock"])
+        for link in links:  # delay 30ms 15ms; a loaded machine adds to it
+            self.assertGreater(link["delay_least_ms"], 14)
+            self.assertTrue(25 < link["delay_mean_ms"] < 300, link)
+        self.check_rebuilt(files[0], least=6)
+
+    def test_killed_and_late(self):
+        own = [self.own(i) for i in range(4)]
+        peers = self.session(3, "--netem", "delay 20ms 5ms loss 3%", "--slots", 6, own=own[:3])
+        peers[0].wait_for(r"status:    2.0 s")
+        numbers = {p: 0 if p is peers[0] else int(p.wait_for(r"this is peer (\d+)")[1]) for p in peers}
+        peers[2].process.kill()
+        peers[1].wait_for(f"peer {numbers[peers[2]]} is lost: out from tick", 15)
+        late = self.peer("--join", f"127.0.0.1:{peers[1].port()}", "--netem", "delay 20ms", "--duration", 2.5, *own[3])
+        late.wait_for(PLAYING)
+        came = time.time_ns()
+        self.assertEqual(late.end(), 0)
+        for p in peers[:2]:
+            p.process.send_signal(signal.SIGINT)
+        self.assertEqual([p.end() for p in peers[:2]], [0, 0])
+
+        files = [self.path(f"{i}.pcapng") for i in range(4)]
+        traces = [self.path(f"{i}.trace") for i in range(4)]
+        # The one who was killed has written what happened until then, but for the last moment.
+        self.assertGreater(len(pcap.read(files[2])), 50)
+        for captures in (files, [files[1]], [files[0]]):
+            self.check_worlds(captures, traces)
+        r = self.check_rebuilt(*files, least=12)
+        self.assertEqual([s["begins_with"] for s in r["stretches"]], ["session"])
+        # Who came late has the world that it was given, and the start not.
+        r = self.check_rebuilt(files[3], "--scenario", "arena", least=3)
+        self.assertEqual(r["stretches"][-1]["begins_with"], "transfer")
+        self.check_timeline(files, numbers[peers[2]])
+        self.check_gap(files[0])  # of the founder, who gave the transfer
+        # The middle of the session alone: from the transfer on.
+        begin = self.path("middle.pcap")
+        pcap.write(begin, [d for d in pcap.read(files[0]) if d[0] > came - 10**9])
+        self.check_rebuilt(begin, least=3)
+
+    @unittest.skipUnless(SPEED, "for optimised builds")
+    def test_speed_and_memory(self):
+        peers = self.session(2, "--duration", 2, "--netem", "delay 20ms 10ms", own=[self.own(0), self.own(1)])
+        self.assertEqual([p.end() for p in peers], [0, 0])
+        recorded = pcap.read(self.path("0.pcapng"))
+        sizes = (50_000, 500_000)
+        cost = {}
+        for size in sizes:
+            path = self.path(f"{size}.pcap")
+            repeat(path, recorded, size)
+            cost[size] = cpu_and_memory(CAPTURE, "summary", path)
+        rate = sizes[1] / cost[sizes[1]][0]
+        print(f"summary: {rate / 1e6:.2f} million datagrams a second of one core, {cost[sizes[1]][1]} KB")
+        self.assertGreater(rate, 500_000)
+        self.assertLess(cost[sizes[1]][1] - cost[sizes[0]][1], 2048)
+        if shutil.which("tshark"):
+            theirs, memory = cpu_and_memory("tshark", "-r", self.path(f"{sizes[0]}.pcap"), "-q", "-z", "io,stat,0")
+            print(f"tshark -q -z io,stat,0: {sizes[0] / theirs / 1e6:.3f} million, {memory} KB for a tenth of it")
+
+    def check_timeline(self, files, killed):
+        events = json.loads(self.capture("timeline", *files, "--json", "-"))["events"]
+        names = collections.Counter(e["event"] for e in events)
+        self.assertEqual(names["admission"], 1)
+        self.assertEqual([e["other"] for e in events if e["event"] == "removal"], [killed])
+        self.assertEqual(names["leave"], 3)
+        self.assertGreater(names["claim"], 3)
+        self.capture("timeline", *files, "--svg", self.path("t.svg"))
+        with open(self.path("t.svg"), encoding="utf-8") as f:
+            self.assertIn("</svg>", f.read())
+
+    def check_gap(self, file):
+        """Without the datagrams that carry one certain update, the world ends there, and it is said why."""
+        lines = self.capture("export", file, "--json").splitlines()
+        records = [json.loads(line) for line in lines]
+        datagrams = pcap.read(file)
+        self.assertEqual(len(records), len(datagrams))
+        carries = [
+            (1, 5) in zip(r.get("padr.update.peer", []), r.get("padr.update.index", []))
+            for r in records
+        ]
+        self.assertIn(True, carries)
+        tick = next(t for r in records for p, i, t in zip(
+            r.get("padr.update.peer", []), r.get("padr.update.index", []), r.get("padr.update.tick", [])) if (p, i) == (1, 5))
+        holed = self.path("holed.pcap")
+        pcap.write(holed, [d for d, c in zip(datagrams, carries) if not c])
+        r = self.as_json("rebuild", holed, code=1)
+        self.assertTrue(r["stretches"][0]["gap"])
+        self.assertIn("update 5 of peer 1 is not in the capture", r["stretches"][0]["why"])
+        self.assertLessEqual(r["stretches"][0]["to"], tick)
+        self.assertEqual(r["agreeing"], r["hashes"])
+        # A transfer begins another stretch behind the gap.
+        self.assertEqual(r["stretches"][-1]["begins_with"], "transfer")
+
+
+if __name__ == "__main__":
+    main()

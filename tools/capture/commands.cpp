@@ -1,0 +1,55 @@
+#include "tools/capture/commands.h"
+
+#include <cstdio>
+
+#include "tools/capture/summary.h"
+#include "tools/support/files.h"
+#include "tools/support/run_main.h"
+
+namespace padr::capture {
+
+void declare_captures(CLI::App& app, std::vector<std::string>& files) {
+  app.add_option("CAPTURE", files,
+                 "pcap or pcapng; - is standard input. Several of one session count as one: in the order of time,\n"
+                 "and what more than one of them has seen counts once")
+      ->required()
+      ->type_name("FILE");
+}
+
+void write_text(const std::string& flag, const std::string& file, const std::string& text) {
+  if (file == "-") {
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    std::fflush(stdout);
+    return;
+  }
+  support::OutputFile out(flag, file);
+  out.write(text);
+  out.close();
+}
+
+int warn_incomplete(const std::vector<std::string>& troubles) {
+  for (const std::string& t : troubles) std::fprintf(stderr, "padr-capture: incomplete: %s\n", t.c_str());
+  return troubles.empty() ? support::kExitFine : support::kExitFailure;
+}
+
+Run declare_summary(CLI::App& app) {
+  struct Options {
+    std::vector<std::string> files;
+    std::string json;
+  };
+  const auto o = std::make_shared<Options>();
+  declare_captures(app, o->files);
+  app.add_option("--json", o->json, "Write everything as JSON; - for standard output, in place of the tables")
+      ->type_name("FILE|-");
+  return [o](const std::vector<std::string>& command) {
+    Captures captures(o->files);
+    Tally tally;
+    while (const Datagram* d = captures.next()) tally.take(*d);
+    const Source source{o->files, captures.contents(), captures.troubles()};
+    if (o->json != "-") write_text("", "-", summary_text(source, tally));
+    if (!o->json.empty()) write_text("--json", o->json, summary_json(source, tally, command));
+    return warn_incomplete(source.troubles);
+  };
+}
+
+}  // namespace padr::capture

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace padr::capture {
+
+/// A subcommand: declares its flags, and runs if it was asked for. Returns the exit code; throws UserError.
+using Run = std::function<int(const std::vector<std::string>& command)>;
+
+Run declare_summary(CLI::App& app);
+Run declare_timeline(CLI::App& app);
+Run declare_rebuild(CLI::App& app);
+Run declare_compare(CLI::App& app);
+Run declare_export(CLI::App& app);
+Run declare_follow(CLI::App& app);
+
+/// The captures to read, one or more.
+void declare_captures(CLI::App& app, std::vector<std::string>& files);
+/// To a file, or standard output if it is "-". `flag` is for messages. Throws UserError, on a full disk
+/// std::system_error.
+void write_text(const std::string& flag, const std::string& file, const std::string& text);
+/// Says on standard error what of the captures could not be read; the exit code: failure if there is any.
+int warn_incomplete(const std::vector<std::string>& troubles);
+
+}  // namespace padr::capture

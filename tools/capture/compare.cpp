@@ -1,0 +1,230 @@
+#include <array>
+#include <cstdio>
+#include <fstream>
+
+#include "common/model/user_error.h"
+#include "common/scenarios/scenarios.h"
+#include "tools/capture/commands.h"
+#include "tools/capture/comparison.h"
+#include "tools/capture/names.h"
+#include "tools/capture/rebuild.h"
+#include "tools/report/utf8.h"
+#include "tools/support/json.h"
+#include "tools/support/run_main.h"
+
+namespace padr::capture {
+namespace {
+
+constexpr const char* kFooter =
+    "Traces are those of padr-peer --trace; give one or all peers of a session. Each state datagram that a trace says\n"
+    "was sent or received is looked for in the capture, and the other way round. What was sent and is not in the\n"
+    "capture was lost before it came there (by --netem, or on the way); what is in the capture and was not received "
+    "was\n"
+    "lost behind it, or came when its receiver was not there. The confirmed world is rebuilt from the capture and\n"
+    "compared with the traces' at every tick.\n"
+    "\n"
+    "Example:\n"
+    "  padr-capture compare lo.pcap out/demo/peer*.trace\n"
+    "\n"
+    "Exit code: 0 if capture and traces agree but for what was lost; 1 if not, or if a file is damaged; 2 for a wrong\n"
+    "command line.";
+
+struct Options {
+  std::vector<std::string> files;
+  std::string json;
+  bool losses = false;
+};
+
+struct WorldCheck {
+  std::string label;
+  std::uint64_t compared = 0;
+  std::uint64_t alike = 0;
+  std::uint64_t beyond = 0;  ///< ticks that could not be rebuilt
+  bool superseded = false;
+  Tick first_difference = -1;
+};
+
+bool is_trace(const std::string& file) {
+  std::array<char, trace::kMagic.size()> head{};
+  std::ifstream in(file, std::ios::binary);
+  in.read(head.data(), head.size());
+  return in && std::string_view(head.data(), head.size()) == trace::kMagic;
+}
+
+/// A trace has it all, the scenario's text too.
+Setting setting_of(const std::vector<TraceStory>& traces) {
+  const trace::Header& h = traces.front().header;
+  Setting s;
+  s.scene =
+      scenarios::load(h.scenario_text, traces.front().label + " (its scenario " + h.scenario + ")", h.scenario_seed);
+  s.slots = h.slots;
+  s.authority = h.technique.authority;
+  for (const TraceStory& t : traces)
+    if (t.header.incarnation == 0) s.peers = t.header.peers;
+  return s;
+}
+
+std::vector<WorldCheck> compare_worlds(const Bookkeeper& books, const std::vector<TraceStory>& traces) {
+  const Ledger& ledger = books.choose(traces.front().header.session);
+  Setting setting = setting_of(traces);
+  if (setting.peers == 0) setting.peers = ledger.peers;
+  Tick until = 0;
+  for (const TraceStory& t : traces)
+    if (!t.confirmed.empty()) until = std::max(until, t.confirmed.rbegin()->first);
+  std::map<Tick, std::uint64_t> rebuilt;
+  rebuild(ledger, setting, until, [&](const sync::FoldState& s, std::uint64_t hash) { rebuilt[s.tick] = hash; });
+  std::vector<WorldCheck> checks;
+  for (const TraceStory& t : traces) {
+    WorldCheck c;
+    c.label = t.label;
+    c.superseded = t.superseded;
+    for (const auto& [tick, hash] : t.confirmed) {
+      const auto ours = rebuilt.find(tick);
+      if (ours == rebuilt.end()) {
+        ++c.beyond;
+        continue;
+      }
+      ++c.compared;
+      if (ours->second == hash) {
+        ++c.alike;
+      } else if (c.first_difference < 0) {
+        c.first_difference = tick;
+      }
+    }
+    checks.push_back(c);
+  }
+  return checks;
+}
+
+std::string named(const std::vector<Passage>& list, std::size_t most) {
+  std::string out;
+  for (std::size_t i = 0; i < std::min(list.size(), most); ++i)
+    out += (out.empty() ? "" : ", ") + std::to_string(list[i].seq) + " (tick " + std::to_string(list[i].tick) + ")";
+  if (list.size() > most) out += ", ... (" + std::to_string(list.size()) + " in all; --losses names them)";
+  return out;
+}
+
+std::string links_text(const std::vector<LinkStory>& links, bool all) {
+  Table table(
+      {"link", "sent", "captured", "received", "lost before", "lost behind", "duplicates", "outside", "contradict"});
+  std::string names;
+  std::string unseen;
+  const auto count = [](std::uint64_t n, bool known) { return known ? std::to_string(n) : std::string("-"); };
+  for (const LinkStory& l : links) {
+    const std::string link = to_string(l.from) + " -> " + to_string(l.to);
+    if (l.captured == 0) {
+      unseen += (unseen.empty() ? "" : ", ") + link;
+      continue;
+    }
+    table.row({link, count(l.sent, l.sender_told), std::to_string(l.captured), count(l.received, l.receiver_told),
+               count(l.lost_before.size(), l.sender_told), count(l.lost_after.size(), l.receiver_told),
+               std::to_string(l.duplicates), std::to_string(l.outside), std::to_string(l.contradictions.size())});
+    const std::size_t most = all ? l.captured + l.sent + 1 : 8;
+    const auto say = [&](const std::string& what, const std::vector<Passage>& list) {
+      if (!list.empty()) names += link + " " + what + ": " + named(list, most) + "\n";
+    };
+    say("lost before the capture", l.lost_before);
+    say("lost behind it", l.lost_after);
+    say("sent after the trace breaks off", l.after_trace);
+    say("CONTRADICTION", l.contradictions);
+  }
+  std::string out = table.text() + names;
+  if (!unseen.empty()) out += "not seen by the capture: " + unseen + "\n";
+  return out;
+}
+
+std::string worlds_text(const std::vector<WorldCheck>& checks) {
+  std::string out = "confirmed worlds, rebuilt from the capture:\n";
+  for (const WorldCheck& c : checks) {
+    out += "  " + c.label + ": ";
+    if (c.superseded) out += "given up for another life, ";
+    out += std::to_string(c.alike) + " of " + std::to_string(c.compared) + " ticks are the same";
+    if (c.beyond > 0) out += ", " + std::to_string(c.beyond) + " could not be rebuilt";
+    if (c.first_difference >= 0) out += ", the first that differs is tick " + std::to_string(c.first_difference);
+    out += '\n';
+  }
+  return out;
+}
+
+void put(support::Json& j, const char* name, const std::vector<Passage>& list) {
+  j.key(name).begin_array();
+  for (const Passage& p : list) j.begin_object().field("seq", p.seq).field("tick", p.tick).end_object();
+  j.end_array();
+}
+
+std::string as_json(const Comparison& c, const std::vector<LinkStory>& links, const std::vector<WorldCheck>& worlds,
+                    bool agree) {
+  support::Json j;
+  j.begin_object().field("agree", agree).field("damaged_captured", c.damaged());
+  j.field("damaged_received", c.damaged_received()).key("links").begin_array();
+  for (const LinkStory& l : links) {
+    j.begin_object().field("from", to_string(l.from)).field("to", to_string(l.to)).field("captured", l.captured);
+    j.field("sender_told", l.sender_told).field("receiver_told", l.receiver_told);
+    j.field("sent", l.sent).field("received", l.received).field("duplicates", l.duplicates);
+    j.field("outside", l.outside);
+    put(j, "lost_before", l.lost_before);
+    put(j, "lost_behind", l.lost_after);
+    put(j, "after_trace", l.after_trace);
+    put(j, "contradictions", l.contradictions);
+    j.end_object();
+  }
+  j.end_array().key("confirmed").begin_array();
+  for (const WorldCheck& w : worlds) {
+    j.begin_object().field("trace", report::valid_utf8(w.label)).field("compared", w.compared).field("alike", w.alike);
+    j.field("not_rebuilt", w.beyond).field("superseded", w.superseded).end_object();
+  }
+  j.end_array().end_object();
+  return j.text();
+}
+
+int run(const Options& o) {
+  Comparison comparison;
+  std::vector<std::string> captures_files;
+  for (const std::string& f : o.files) {
+    if (is_trace(f)) {
+      comparison.add_trace(f);
+    } else {
+      captures_files.push_back(f);
+    }
+  }
+  if (captures_files.empty() || comparison.traces().empty())
+    throw UserError("compare: give at least one capture and one trace of padr-peer --trace");
+  Captures captures(captures_files);
+  Bookkeeper books;
+  while (const Datagram* d = captures.next()) {
+    comparison.add(*d);
+    books.take(*d);
+  }
+  const std::vector<LinkStory> links = comparison.links();
+  const std::vector<WorldCheck> worlds = compare_worlds(books, comparison.traces());
+  bool agree = true;
+  for (const LinkStory& l : links) agree = agree && (l.captured == 0 || l.contradictions.empty());
+  for (const WorldCheck& w : worlds) agree = agree && (w.superseded || w.alike == w.compared);
+  if (o.json != "-") {
+    std::string text = links_text(links, o.losses) + worlds_text(worlds);
+    if (comparison.damaged() + comparison.damaged_received() > 0)
+      text += "damaged on the way: " + std::to_string(comparison.damaged()) + " in the capture, " +
+              std::to_string(comparison.damaged_received()) + " received\n";
+    text += agree ? "capture and traces agree but for what was lost\n" : "CAPTURE AND TRACES DISAGREE\n";
+    write_text("", "-", text);
+  }
+  if (!o.json.empty()) write_text("--json", o.json, as_json(comparison, links, worlds, agree));
+  const int read = warn_incomplete(captures.troubles());
+  return agree ? read : support::kExitFailure;
+}
+
+}  // namespace
+
+Run declare_compare(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  app.footer(kFooter);
+  app.add_option("FILE", o->files, "Captures and traces in any order; the files say which they are")
+      ->required()
+      ->type_name("CAPTURE|TRACE");
+  app.add_flag("--losses", o->losses, "Name every datagram that was lost, not only the first of each link");
+  app.add_option("--json", o->json, "Everything as JSON; - for standard output, in place of the text")
+      ->type_name("FILE|-");
+  return [o](const std::vector<std::string>&) { return run(*o); };
+}
+
+}  // namespace padr::capture

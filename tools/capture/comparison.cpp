@@ -1,0 +1,161 @@
+#include "tools/capture/comparison.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <string_view>
+
+#include "common/model/user_error.h"
+#include "common/trace/trace_reader.h"
+#include "common/wire/state_scan.h"
+#include "tools/support/files.h"
+
+namespace padr::capture {
+namespace {
+
+// Hours of a busy session.
+constexpr std::size_t kMostBytes = std::size_t{4} << 30U;
+
+std::uint64_t content_of(std::span<const std::byte> b) {
+  return std::hash<std::string_view>()({reinterpret_cast<const char*>(b.data()), b.size()});
+}
+
+void judge(const Passage& p, Tick first, Tick last, bool sender_clean, Tick sender_end, LinkStory& l) {
+  l.sent += p.sent;
+  l.captured += p.captured;
+  l.received += p.received;
+  const bool within = p.tick >= first && p.tick <= last;
+  if (p.captured > std::max(p.sent, 1U)) l.duplicates += p.captured - std::max(p.sent, 1U);
+  if (l.sender_told && p.sent == 0) {
+    if (!sender_clean && p.tick >= sender_end) {
+      l.after_trace.push_back(p);
+    } else {
+      l.contradictions.push_back(p);
+    }
+  } else if (p.captured == 0 && !within) {
+    ++l.outside;
+  } else if (p.received > p.captured) {
+    l.contradictions.push_back(p);
+  } else if (p.captured == 0) {
+    l.lost_before.push_back(p);
+  } else if (l.receiver_told && p.received == 0) {
+    l.lost_after.push_back(p);
+  }
+}
+
+}  // namespace
+
+void Comparison::from_trace(std::span<const std::byte> datagram, const TraceStory& story, PeerId to) {
+  wire::SealError error = wire::SealError::kNone;
+  wire::StateScan scan;
+  const auto o = wire::open(datagram, error);
+  const bool sent = to != kNoPeer;
+  if (!o || !wire::scan_state(o->payload, scan)) {
+    if (!sent) ++damaged_received_;
+    return;
+  }
+  // While a peer begins another life, the old one hears what is for the new one, too, and drops it.
+  if (!sent && scan.to_incarnation != story.header.incarnation) return;
+  Key key;
+  key.from = {o->header.sender, scan.incarnation};
+  key.to = sent ? Life{to, scan.to_incarnation} : story.life();
+  key.content = content_of(datagram);
+  Passage& p = told_[key];
+  p.seq = scan.seq;
+  p.tick = static_cast<Tick>(scan.mark_tick);
+  ++(sent ? p.sent : p.received);
+}
+
+void Comparison::add_trace(const std::string& file) {
+  const std::string text = support::read_file("TRACE", file, kMostBytes);
+  trace::TraceReader reader(std::as_bytes(std::span(text)), file);
+  TraceStory story;
+  story.label = file;
+  story.header = reader.header();
+  while (const auto event = reader.next()) {
+    if (const auto* s = std::get_if<trace::Sent>(&*event)) {
+      story.last_tick = s->tick;
+      from_trace(s->datagram, story, s->to);
+    } else if (const auto* r = std::get_if<trace::Received>(&*event)) {
+      from_trace(r->datagram, story, kNoPeer);
+    } else if (const auto* c = std::get_if<trace::Confirmed>(&*event)) {
+      story.confirmed[c->tick] = c->hash;
+    } else if (const auto* f = std::get_if<trace::Footer>(&*event)) {
+      story.superseded = f->superseded;
+    }
+  }
+  story.clean = reader.clean();
+  if (!traces_.empty() && traces_.front().header.session != story.header.session)
+    throw UserError(file + ": is of session " + std::to_string(story.header.session) + ", " + traces_.front().label +
+                    " of session " + std::to_string(traces_.front().header.session));
+  traces_.push_back(std::move(story));
+}
+
+void Comparison::add(const Datagram& d) {
+  wire::SealError error = wire::SealError::kNone;
+  wire::StateScan scan;
+  const auto o = wire::open(d.payload, error);
+  if (!o) {
+    ++damaged_;
+    return;
+  }
+  if (o->header.kind != wire::Kind::kState || traces_.empty() || o->header.session != traces_[0].header.session) return;
+  if (!wire::scan_state(o->payload, scan)) return;
+  who_[{d.from, scan.incarnation}] = o->header.sender;
+  captured_.push_back({{o->header.sender, scan.incarnation},
+                       d.to,
+                       scan.to_incarnation,
+                       content_of(d.payload),
+                       scan.seq,
+                       static_cast<Tick>(scan.mark_tick)});
+}
+
+std::vector<LinkStory> Comparison::links() const {
+  std::map<Key, Passage> all = told_;
+  struct Range {
+    Tick first = std::numeric_limits<Tick>::max();
+    Tick last = -1;
+  };
+  std::map<std::pair<Life, Life>, Range> ranges;
+  for (const Captured& c : captured_) {
+    const auto found = who_.find({c.to, c.to_incarnation});
+    const Life to{found == who_.end() ? kNoPeer : found->second, c.to_incarnation};
+    Passage& p = all[{c.from, to, c.content}];
+    p.seq = c.seq;
+    p.tick = c.tick;
+    ++p.captured;
+    Range& r = ranges[{c.from, to}];
+    r.first = std::min(r.first, c.tick);
+    r.last = std::max(r.last, c.tick);
+  }
+  const auto trace_of = [this](const Life& life) {
+    const auto found = std::find_if(traces_.begin(), traces_.end(), [&](const auto& t) { return t.life() == life; });
+    return found == traces_.end() ? nullptr : &*found;
+  };
+  std::map<std::pair<Life, Life>, LinkStory> links;
+  for (const auto& [key, p] : all) {
+    LinkStory& l = links[{key.from, key.to}];
+    l.from = key.from;
+    l.to = key.to;
+    const TraceStory* sender = trace_of(key.from);
+    l.sender_told = sender != nullptr;
+    l.receiver_told = trace_of(key.to) != nullptr;
+    const auto range = ranges.find({key.from, key.to});
+    if (range == ranges.end()) {
+      l.sent += p.sent;
+      l.received += p.received;
+      continue;
+    }
+    judge(p, range->second.first, range->second.last, sender == nullptr || sender->clean,
+          sender == nullptr ? 0 : sender->last_tick, l);
+  }
+  std::vector<LinkStory> out;
+  for (auto& [key, l] : links) {
+    for (auto* list : {&l.lost_before, &l.lost_after, &l.after_trace, &l.contradictions})
+      std::sort(list->begin(), list->end(), [](const Passage& a, const Passage& b) { return a.seq < b.seq; });
+    out.push_back(std::move(l));
+  }
+  return out;
+}
+
+}  // namespace padr::capture

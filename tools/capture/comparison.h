@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "common/trace/events.h"
+#include "tools/capture/input.h"
+#include "tools/capture/ledger.h"
+
+namespace padr::capture {
+
+/// What one peer's trace says of state datagrams and of the confirmed world.
+struct TraceStory {
+  std::string label;
+  trace::Header header;
+  bool clean = false;       ///< it ends as it should
+  bool superseded = false;  ///< the peer gave this life up for another one
+  Tick last_tick = -1;      ///< of what it says it sent
+  std::map<Tick, std::uint64_t> confirmed;
+  Life life() const { return {header.peer, header.incarnation}; }
+};
+
+/// One state datagram of a link, wherever it was seen.
+struct Passage {
+  std::uint32_t seq = 0;
+  Tick tick = 0;
+  std::uint32_t sent = 0;  ///< by the sender's trace
+  std::uint32_t captured = 0;
+  std::uint32_t received = 0;  ///< by the receiver's trace
+};
+
+struct LinkStory {
+  Life from, to;
+  bool sender_told = false;    ///< there is a trace of it
+  bool receiver_told = false;  ///< likewise
+  std::uint64_t sent = 0, captured = 0, received = 0, duplicates = 0;
+  std::uint64_t outside = 0;            ///< before the first or after the last datagram that the capture has of it
+  std::vector<Passage> lost_before;     ///< sent, and not in the capture: lost before it came there
+  std::vector<Passage> lost_after;      ///< in the capture and not received
+  std::vector<Passage> after_trace;     ///< in the capture, sent after the sender's trace broke off
+  std::vector<Passage> contradictions;  ///< what loss cannot explain
+};
+
+/// Capture against traces, datagram by datagram.
+class Comparison {
+ public:
+  /// Throws UserError if the trace is damaged.
+  void add_trace(const std::string& file);
+  void add(const Datagram& d);
+
+  const std::vector<TraceStory>& traces() const { return traces_; }
+  /// Links of the traces' session, by sender and receiver. Those of which the capture has nothing have captured == 0.
+  std::vector<LinkStory> links() const;
+  /// Datagrams of which some bits were turned on the way: in the capture, received, and received but not captured.
+  std::uint64_t damaged() const { return damaged_; }
+  std::uint64_t damaged_received() const { return damaged_received_; }
+
+ private:
+  struct Key {
+    Life from, to;
+    std::uint64_t content = 0;
+    friend auto operator<=>(const Key&, const Key&) = default;
+  };
+  struct Captured {
+    Life from;
+    Endpoint to;
+    std::uint32_t to_incarnation = 0;
+    std::uint64_t content = 0;
+    std::uint32_t seq = 0;
+    Tick tick = 0;
+  };
+  void from_trace(std::span<const std::byte> datagram, const TraceStory& story, PeerId to);
+
+  std::vector<TraceStory> traces_;
+  std::map<Key, Passage> told_;  ///< by the traces
+  std::vector<Captured> captured_;
+  std::map<std::pair<Endpoint, std::uint32_t>, PeerId> who_;
+  std::uint64_t damaged_ = 0;
+  std::uint64_t damaged_received_ = 0;
+};
+
+}  // namespace padr::capture

@@ -1,0 +1,95 @@
+#include "tools/capture/distribution.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace padr::capture {
+namespace {
+
+/// The bin in which the value of that rank lies.
+std::size_t bin_of_rank(const std::vector<std::uint32_t>& bins, std::uint64_t count, double share) {
+  const auto rank = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(count)));
+  std::uint64_t below = 0;
+  for (std::size_t i = 0; i < bins.size(); ++i) {
+    below += bins[i];
+    if (below >= std::max<std::uint64_t>(rank, 1)) return i;
+  }
+  return 0;
+}
+
+}  // namespace
+
+NumberWindow::Seen NumberWindow::add(std::uint32_t n) {
+  if (distinct_ == 0) {
+    lowest_ = highest_ = n;
+    set(n);
+    distinct_ = 1;
+    return Seen::kNew;
+  }
+  if (n > highest_) {
+    if (n - highest_ >= kSize) {
+      bits_.fill(0);
+    } else {
+      for (std::uint32_t i = highest_ + 1; i < n; ++i) clear(i);
+    }
+    highest_ = n;
+    set(n);
+    ++distinct_;
+    return Seen::kNew;
+  }
+  if (highest_ - n >= kSize || bit(n)) return Seen::kAgain;
+  set(n);
+  ++distinct_;
+  lowest_ = std::min(lowest_, n);
+  return Seen::kNewLate;
+}
+
+std::size_t Gaps::bin(std::uint64_t us) {
+  const unsigned width = static_cast<unsigned>(std::bit_width(us));
+  if (width <= kFine + 1) return us;
+  const unsigned shift = width - kFine - 1;
+  return std::min<std::size_t>((std::size_t{shift} << kFine) + (us >> shift), kBins - 1);
+}
+
+double Gaps::middle(std::size_t bin) {
+  if (bin < (2U << kFine)) return static_cast<double>(bin);
+  const std::size_t shift = (bin >> kFine) - 1;
+  const std::size_t top = bin - (shift << kFine);
+  return (static_cast<double>(top) + 0.5) * static_cast<double>(std::uint64_t{1} << shift);
+}
+
+void Gaps::add(std::int64_t us) {
+  const std::int64_t v = std::max<std::int64_t>(us, 0);
+  ++bins_[bin(static_cast<std::uint64_t>(v))];
+  ++count_;
+  sum_ += static_cast<double>(v);
+}
+
+double Gaps::percentile_us(double share) const {
+  return count_ == 0 ? 0 : middle(bin_of_rank(bins_, count_, share));
+}
+
+void Delays::add(std::int64_t us) {
+  if (count_ == 0) {
+    bins_.resize(kBins);
+    base_ = us - kBelow;
+    least_ = us;
+  } else {
+    differences_ += std::abs(static_cast<double>(us - last_));
+  }
+  const std::int64_t at = std::clamp<std::int64_t>((us - base_) / kStep, 0, kBins - 1);
+  ++bins_[static_cast<std::size_t>(at)];
+  ++count_;
+  sum_ += static_cast<double>(us);
+  least_ = std::min(least_, us);
+  last_ = us;
+}
+
+double Delays::percentile_us(double share) const {
+  if (count_ == 0) return 0;
+  const auto bin = static_cast<double>(bin_of_rank(bins_, count_, share));
+  return static_cast<double>(base_) + (bin + 0.5) * static_cast<double>(kStep);
+}
+
+}  // namespace padr::capture

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace padr::capture {
+
+/// Which of ascending numbers have been seen, in constant memory: exact for the latest 4096, which is far more than any
+/// network puts out of order.
+class NumberWindow {
+ public:
+  enum class Seen : std::uint8_t { kNew, kNewLate, kAgain };
+  /// kNewLate: new, but a higher number has been seen before. What is too old to tell counts as seen.
+  Seen add(std::uint32_t n);
+  std::uint64_t distinct() const { return distinct_; }
+  std::uint32_t highest() const { return highest_; }
+  /// Numbers between the lowest and the highest seen that have not been.
+  std::uint64_t missing() const { return distinct_ == 0 ? 0 : std::uint64_t{highest_} - lowest_ + 1 - distinct_; }
+
+ private:
+  static constexpr std::uint32_t kSize = 4096;
+  bool bit(std::uint32_t n) const { return (bits_[n % kSize / 64] >> (n % 64) & 1U) != 0; }
+  void set(std::uint32_t n) { bits_[n % kSize / 64] |= std::uint64_t{1} << (n % 64); }
+  void clear(std::uint32_t n) { bits_[n % kSize / 64] &= ~(std::uint64_t{1} << (n % 64)); }
+
+  std::array<std::uint64_t, kSize / 64> bits_{};
+  std::uint32_t lowest_ = 0;
+  std::uint32_t highest_ = 0;
+  std::uint64_t distinct_ = 0;
+};
+
+/// Times between two events: mean exactly, percentiles to 3 %.
+class Gaps {
+ public:
+  void add(std::int64_t us);
+  std::uint64_t count() const { return count_; }
+  double mean_us() const { return count_ == 0 ? 0 : sum_ / static_cast<double>(count_); }
+  /// `share`: 0 .. 1.
+  double percentile_us(double share) const;
+
+ private:
+  static constexpr unsigned kFine = 5;  ///< bits behind the leading one that count
+  static constexpr std::size_t kBins = (40 - kFine) << kFine;
+  static std::size_t bin(std::uint64_t us);
+  static double middle(std::size_t bin);
+
+  std::vector<std::uint32_t> bins_ = std::vector<std::uint32_t>(kBins);
+  std::uint64_t count_ = 0;
+  double sum_ = 0;
+};
+
+/// Values around the first one, in steps of 0.25 ms from 0.5 s below it to 1.5 s above; what is beyond counts as these.
+/// Shifting all of them afterwards shifts the percentiles.
+class Delays {
+ public:
+  void add(std::int64_t us);
+  std::uint64_t count() const { return count_; }
+  double mean_us() const { return count_ == 0 ? 0 : sum_ / static_cast<double>(count_); }
+  double percentile_us(double share) const;
+  std::int64_t least_us() const { return least_; }
+  /// Mean difference between successive values (RFC 3550, without its smoothing).
+  double jitter_us() const { return count_ < 2 ? 0 : differences_ / static_cast<double>(count_ - 1); }
+
+ private:
+  static constexpr std::int64_t kStep = 250;
+  static constexpr std::int64_t kBelow = 500'000;
+  static constexpr std::size_t kBins = 8000;
+
+  std::vector<std::uint32_t> bins_;
+  std::int64_t base_ = 0;
+  std::int64_t last_ = 0;
+  std::int64_t least_ = 0;
+  std::uint64_t count_ = 0;
+  double sum_ = 0;
+  double differences_ = 0;
+};
+
+}  // namespace padr::capture

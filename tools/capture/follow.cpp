@@ -1,0 +1,71 @@
+#include <chrono>
+#include <cstdio>
+#include <thread>
+
+#include "common/capture/frame_reader.h"
+#include "tools/capture/commands.h"
+#include "tools/capture/sentence.h"
+#include "tools/support/command_line.h"
+
+namespace padr::capture {
+namespace {
+
+using Steady = std::chrono::steady_clock;
+
+constexpr const char* kFooter =
+    "Examples:\n"
+    "  padr-capture follow peer0.pcapng\n"
+    "  tcpdump -U -i any -w - udp | padr-capture follow -\n"
+    "\n"
+    "Standard input is read to its end; a file is watched until the program is stopped, or by --idle. Exit code: 0, "
+    "or\n"
+    "1 if the capture is damaged.";
+
+struct Options {
+  std::string file;
+  bool json = false;
+  double idle = 0;
+};
+
+void say(Recorder& recorder, const Datagram& d, bool json) {
+  const Record r = recorder.record(d);
+  const std::string line = (json ? r.json() : sentence(r)) + "\n";
+  std::fwrite(line.data(), 1, line.size(), stdout);
+}
+
+int run(const Options& o) {
+  constexpr auto kLook = std::chrono::milliseconds(50);
+  // One file, which is asked again at its end: a pipe has none before the last writer is gone.
+  Captures captures({o.file});
+  Recorder recorder;
+  auto heard = Steady::now();
+  while (true) {
+    while (const Datagram* d = captures.next()) {
+      say(recorder, *d, o.json);
+      heard = Steady::now();
+    }
+    if (std::fflush(stdout) != 0 || o.file == "-" || captures.damaged()) break;
+    if (o.idle > 0 && Steady::now() - heard > std::chrono::duration<double>(o.idle)) break;
+    std::this_thread::sleep_for(kLook);
+    captures.look_again();
+  }
+  return warn_incomplete(captures.troubles());
+}
+
+}  // namespace
+
+Run declare_follow(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  app.footer(kFooter);
+  app.add_option("CAPTURE", o->file, "pcap or pcapng that is being written; - is standard input")
+      ->required()
+      ->type_name("FILE");
+  app.add_flag("--json", o->json, "Datagrams as padr-capture export --json has them");
+  app.add_option("--idle", o->idle, "Stop after so many seconds without a datagram; 0: never")
+      ->type_name("S")
+      ->check(support::between(0.0, 86400.0, "seconds"))
+      ->capture_default_str();
+  return [o](const std::vector<std::string>&) { return run(*o); };
+}
+
+}  // namespace padr::capture

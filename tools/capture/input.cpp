@@ -1,0 +1,191 @@
+#include "tools/capture/input.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+
+#include "common/model/user_error.h"
+#include "common/wire/seal.h"
+
+namespace padr::capture {
+namespace {
+
+/// So far apart, by the clocks of those who captured, may sightings of one datagram be.
+constexpr std::int64_t kApart = 10'000'000'000;
+constexpr std::size_t kMostSightings = 1U << 20U;
+
+/// A file descriptor of one's own.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ > STDERR_FILENO) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+std::uint64_t size_of(const std::vector<std::string>& files) {
+  std::uint64_t all = 0;
+  for (const std::string& f : files) {
+    std::error_code error;
+    const auto size = std::filesystem::file_size(f, error);
+    if (error) return 0;
+    all += size;
+  }
+  return all;
+}
+
+/// By the magic and either a header as this version's are, or a checksum that fits. Others' datagrams hardly ever are
+/// so.
+bool is_ours(std::span<const std::byte> payload) {
+  if (payload.size() < wire::kHeaderBytes || payload[0] != std::byte{'P'} || payload[1] != std::byte{'d'}) return false;
+  const auto kind = std::to_integer<std::uint32_t>(payload[2]);
+  const auto sender = std::to_integer<std::uint32_t>(payload[3]);
+  const bool usual =
+      kind >> 4U == wire::kProtocolVersion && (kind & 15U) <= static_cast<std::uint32_t>(wire::Kind::kMembership);
+  if (usual && (sender < kMaxPeers || sender == kNoPeer)) return true;
+  wire::SealError error = wire::SealError::kNone;
+  return wire::open(payload, error) || error == wire::SealError::kVersion || error == wire::SealError::kKind;
+}
+
+std::uint64_t hash_of(const Datagram& d) {
+  const auto text = [](std::span<const std::byte> b) {
+    return std::string_view(reinterpret_cast<const char*>(b.data()), b.size());
+  };
+  std::uint64_t h = std::hash<std::string_view>()(text(d.payload));
+  for (const Endpoint* e : {&d.from, &d.to}) {
+    h = h * 0x9FB21C651E98DF25ULL + std::hash<std::string_view>()(text(std::as_bytes(std::span(e->address))));
+    h = h * 0x9FB21C651E98DF25ULL + e->port;
+  }
+  return h;
+}
+
+}  // namespace
+
+ByteSource open_source(const std::string& file) {
+  std::error_code error;
+  if (file != "-" && std::filesystem::is_directory(file, error))
+    throw UserError("CAPTURE: cannot read '" + file + "': it is a directory");
+  const int fd = file == "-" ? STDIN_FILENO : ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) throw UserError("CAPTURE: cannot read '" + file + "': " + std::generic_category().message(errno));
+  return [own = std::make_shared<Descriptor>(fd), file](std::span<std::byte> into) -> std::size_t {
+    while (true) {
+      const ssize_t n = ::read(own->get(), into.data(), into.size());
+      if (n >= 0) return static_cast<std::size_t>(n);
+      if (errno != EINTR) throw std::system_error(errno, std::generic_category(), "cannot read '" + file + "'");
+    }
+  };
+}
+
+struct Captures::File {
+  File(const std::string& name, std::size_t number)
+      : reader(open_source(name), name == "-" ? "standard input" : name), index(number) {}
+  FrameReader reader;
+  std::size_t index;
+  Datagram datagram;
+  bool done = false;
+};
+
+Captures::Captures(const std::vector<std::string>& files) : progress_(size_of(files)) {
+  for (const std::string& f : files) files_.push_back(std::make_unique<File>(f, files_.size()));
+}
+
+Captures::~Captures() = default;
+
+bool Captures::advance(File& file) {
+  while (const auto frame = file.reader.next()) {
+    ++contents_.packets;
+    Datagram& d = file.datagram;
+    const Content content = udp_of(*frame, d);
+    ++contents_.of[static_cast<std::size_t>(content)];
+    if (content != Content::kUdp && content != Content::kCutUdp) continue;
+    if (!is_ours(d.payload)) {
+      ++contents_.others;
+      continue;
+    }
+    d.time_ns = frame->time_ns;
+    d.packet = frame->number;
+    d.file = file.index;
+    d.cut = content == Content::kCutUdp;
+    return true;
+  }
+  file.done = true;
+  return false;
+}
+
+const Datagram* Captures::next() {
+  if (!begun_) {
+    for (const auto& f : files_) advance(*f);
+    begun_ = true;
+  } else if (given_ != nullptr) {
+    advance(*given_);
+  }
+  while (true) {
+    given_ = nullptr;
+    for (const auto& f : files_)
+      if (!f->done && (given_ == nullptr || f->datagram.time_ns < given_->datagram.time_ns)) given_ = f.get();
+    if (given_ == nullptr) return nullptr;
+    std::uint64_t done = 0;
+    for (const auto& f : files_) done += f->reader.offset();
+    progress_.at(done);
+    if (files_.size() == 1 || !seen_elsewhere(given_->datagram)) break;
+    ++contents_.seen_again;
+    advance(*given_);
+  }
+  ++contents_.ours;
+  return &given_->datagram;
+}
+
+bool Captures::seen_elsewhere(const Datagram& d) {
+  forget(d.time_ns);
+  const std::uint64_t key = hash_of(d);
+  Sighting& s = sightings_[key];
+  if (s.seen.empty()) by_time_.emplace_back(d.time_ns, key);
+  s.time_ns = d.time_ns;
+  auto mine = std::find_if(s.seen.begin(), s.seen.end(), [&d](const auto& e) { return e.first == d.file; });
+  if (mine == s.seen.end()) mine = s.seen.insert(s.seen.end(), {d.file, 0});
+  if (++mine->second <= s.told) return true;
+  s.told = mine->second;
+  return false;
+}
+
+void Captures::forget(std::int64_t now_ns) {
+  while (!by_time_.empty() && (now_ns - by_time_.front().first > kApart || by_time_.size() > kMostSightings)) {
+    sightings_.erase(by_time_.front().second);
+    by_time_.pop_front();
+  }
+}
+
+std::vector<std::string> Captures::troubles() const {
+  std::vector<std::string> all;
+  for (const auto& f : files_)
+    if (const std::string t = f->reader.trouble(); !t.empty()) all.push_back(t);
+  return all;
+}
+
+bool Captures::damaged() const {
+  return std::any_of(files_.begin(), files_.end(), [](const auto& f) { return f->reader.stop() == Stop::kDamaged; });
+}
+
+void Captures::look_again() {
+  begun_ = false;
+  for (const auto& f : files_) f->done = false;
+}
+
+std::vector<std::string> Captures::comments() const {
+  std::vector<std::string> all;
+  for (const auto& f : files_) all.push_back(f->reader.comment());
+  return all;
+}
+
+}  // namespace padr::capture

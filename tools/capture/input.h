@@ -1,0 +1,80 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "common/capture/frame_reader.h"
+#include "common/capture/udp_datagram.h"
+#include "tools/capture/progress.h"
+
+namespace padr::capture {
+
+/// A UDP datagram of a capture that may be one of ours: by its first bytes or its checksum.
+struct Datagram : UdpDatagram {
+  std::int64_t time_ns = 0;  ///< since 1970
+  std::uint64_t packet = 0;  ///< its number in the file
+  std::size_t file = 0;      ///< index of the file
+  bool cut = false;          ///< the capture has not all of it
+};
+
+/// What the files held.
+struct Contents {
+  std::uint64_t packets = 0;
+  std::array<std::uint64_t, kContents> of{};  ///< by Content
+  std::uint64_t others = 0;                   ///< UDP datagrams that are not ours
+  std::uint64_t ours = 0;                     ///< that are, each once
+  std::uint64_t seen_again = 0;               ///< that another of the files has too
+};
+
+/// The captures of one session, as one: by time, and what several of them have seen counts once. Two equal datagrams
+/// in one file are two datagrams; if another file has them too, they still are two. Memory does not grow with the
+/// files.
+class Captures {
+ public:
+  /// `files`: "-" is standard input. Shows progress on long files if standard error is a terminal. Throws UserError.
+  explicit Captures(const std::vector<std::string>& files);
+  ~Captures();
+
+  /// The next datagram, valid until the next call; nothing at the end.
+  const Datagram* next();
+
+  const Contents& contents() const { return contents_; }
+  /// A line for each file that cannot be read to its end.
+  std::vector<std::string> troubles() const;
+  /// Whether something cannot be read, now or ever.
+  bool damaged() const;
+  /// Files that have been read to their end may have grown.
+  void look_again();
+  /// What the files say of themselves, by file; may be empty.
+  std::vector<std::string> comments() const;
+
+ private:
+  struct File;
+  struct Sighting {
+    std::int64_t time_ns = 0;
+    std::uint32_t told = 0;                                   ///< how often it has been given out
+    std::vector<std::pair<std::size_t, std::uint32_t>> seen;  ///< how often, by file
+  };
+  bool advance(File& file);
+  bool seen_elsewhere(const Datagram& d);
+  void forget(std::int64_t now_ns);
+
+  std::vector<std::unique_ptr<File>> files_;
+  File* given_ = nullptr;  ///< whose datagram was given out last
+  bool begun_ = false;
+  Contents contents_;
+  std::unordered_map<std::uint64_t, Sighting> sightings_;
+  std::deque<std::pair<std::int64_t, std::uint64_t>> by_time_;
+  Progress progress_;
+};
+
+/// Bytes of an opened file, "-" being standard input. Throws UserError if it cannot be opened.
+ByteSource open_source(const std::string& file);
+
+}  // namespace padr::capture

@@ -1,0 +1,125 @@
+#include "tools/capture/ledger.h"
+
+#include <algorithm>
+
+#include "common/model/user_error.h"
+#include "common/wire/codec.h"
+
+namespace padr::capture {
+namespace {
+
+constexpr std::size_t kMostJoins = 4096;
+
+/// An update passed on is one of its own slot's log, and may pass on another one.
+void retell(const sync::Bundle& b, Ledger& l) {
+  for (const sync::Bundle& lost : b.passed_on) {
+    l.retold.try_emplace({lost.peer, lost.index}, lost);
+    retell(lost, l);
+  }
+}
+
+}  // namespace
+
+std::string to_string(const Life& life) {
+  std::string s = std::to_string(life.slot);
+  if (life.incarnation > 0) s += "." + std::to_string(life.incarnation);
+  return s;
+}
+
+bool Ledger::Pieces::complete() const {
+  return !parts.empty() && std::none_of(parts.begin(), parts.end(), [](const wire::Bytes& b) { return b.empty(); });
+}
+
+wire::Bytes Ledger::Pieces::joined() const {
+  wire::Bytes all;
+  for (const wire::Bytes& b : parts) all.insert(all.end(), b.begin(), b.end());
+  return all;
+}
+
+void Bookkeeper::take(const Datagram& d) {
+  wire::SealError error = wire::SealError::kNone;
+  const auto o = d.cut ? std::nullopt : wire::open(d.payload, error);
+  if (!o) {
+    ++unreadable_;
+    return;
+  }
+  Ledger& l = ledgers_[o->header.session];
+  l.session = o->header.session;
+  if (l.first_ns == 0) l.first_ns = d.time_ns;
+  bool good = false;
+  if (o->header.kind == wire::Kind::kState) {
+    const auto p = wire::decode_state(o->payload, o->header.sender);
+    good = p && o->header.sender < kMaxPeers;
+    if (good) state(d, *p, o->header.sender, l);
+  } else if (o->header.kind == wire::Kind::kSession) {
+    const auto m = wire::decode_session(o->payload);
+    good = m.has_value();
+    if (good) session(*m, l);
+  } else {
+    const auto m = wire::decode_membership(o->payload);
+    good = m.has_value();
+    if (good) membership(d, *m, l);
+  }
+  if (!good) ++unreadable_;
+}
+
+void Bookkeeper::state(const Datagram& d, const sync::StatePacket& p, PeerId sender, Ledger& l) {
+  ++l.states;
+  const Life life{sender, p.incarnation};
+  Ledger::Voice& v = l.voices[life];
+  v.at = d.from;
+  v.last_ns = d.time_ns;
+  v.last_tick = std::max(v.last_tick, p.mark_tick);
+  l.newest = std::max(l.newest, p.mark_tick);
+  for (const sync::Bundle& b : p.updates) {
+    v.updates.try_emplace(b.index, b);
+    retell(b, l);
+  }
+  Tick& mark = v.marks[p.mark_count];
+  mark = std::max(mark, p.mark_tick);
+  if (p.check_tick >= 0 && checked_.emplace(l.session, p.check_tick, life).second)
+    l.checks.push_back({p.check_tick, p.check_hash, life, d.packet});
+}
+
+void Bookkeeper::session(const wire::SessionMessage& m, Ledger& l) {
+  if (const auto* join = std::get_if<wire::Join>(&m)) {
+    if (joins_.size() < kMostJoins) joins_[join->nonce] = *join;
+  } else if (const auto* welcome = std::get_if<wire::Welcome>(&m)) {
+    l.slots = welcome->slots;
+    if (l.peers == 0) l.peers = welcome->wanted;
+    const auto asked = joins_.find(welcome->nonce);
+    if (asked != joins_.end() && !l.join) l.join = asked->second;
+  } else if (const auto* start = std::get_if<wire::Start>(&m)) {
+    l.peers = static_cast<int>(start->members.size());
+  }
+}
+
+void Bookkeeper::membership(const Datagram& d, const wire::MembershipMessage& m, Ledger& l) {
+  if (const auto* piece = std::get_if<wire::Piece>(&m)) {
+    Ledger::Pieces& p = l.transfers[{d.to, piece->nonce}];
+    if (p.parts.empty()) p.parts.resize(piece->count);
+    if (piece->count == p.parts.size()) p.parts[piece->index] = piece->bytes;
+  } else if (const auto* fetched = std::get_if<wire::Fetched>(&m)) {
+    for (sync::Bundle b : fetched->updates) {
+      b.peer = fetched->slot;
+      l.retold.try_emplace({b.peer, b.index}, b);
+      retell(b, l);
+    }
+  }
+}
+
+const Ledger& Bookkeeper::choose(std::optional<int> session) const {
+  const Ledger* most = nullptr;
+  std::string numbers;
+  for (const auto& [number, l] : ledgers_) {
+    if (l.states == 0) continue;
+    numbers += (numbers.empty() ? "" : ", ") + std::to_string(number);
+    if (session ? *session == number : most == nullptr || l.states > most->states) most = &l;
+  }
+  if (most != nullptr) return *most;
+  if (session && !numbers.empty())
+    throw UserError("--session: " + std::to_string(*session) + " is not in the capture; it has " + numbers);
+  throw UserError("CAPTURE: there are no state datagrams of PADR in it");
+}
+
+}  // namespace padr::capture

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/sync/packet.h"
+#include "common/wire/membership_codec.h"
+#include "common/wire/session_codec.h"
+#include "tools/capture/input.h"
+
+namespace padr::capture {
+
+/// Who said something: a slot and which of those who sat there in turn.
+struct Life {
+  PeerId slot = kNoPeer;
+  std::uint32_t incarnation = 0;
+  friend auto operator<=>(const Life&, const Life&) = default;
+};
+std::string to_string(const Life& life);
+
+/// What a session's datagrams tell, sorted by who says it; grows with the session's updates.
+struct Ledger {
+  struct Voice {
+    Endpoint at;
+    std::int64_t last_ns = 0;                       ///< when it was heard last
+    Tick last_tick = 0;                             ///< the latest mark
+    std::map<std::uint32_t, sync::Bundle> updates;  ///< by number
+    std::map<std::uint32_t, Tick> marks;            ///< latest tick by count
+  };
+  struct Check {
+    Tick tick = 0;
+    std::uint32_t hash = 0;
+    Life by;
+    std::uint64_t packet = 0;  ///< the first that tells it
+  };
+  struct Pieces {
+    std::vector<wire::Bytes> parts;
+    bool complete() const;
+    wire::Bytes joined() const;
+  };
+
+  std::uint16_t session = 0;
+  std::int64_t first_ns = 0;
+  std::uint64_t states = 0;
+  std::optional<wire::Join> join;
+  int slots = 0;  ///< 0: not told
+  int peers = 0;  ///< at tick 0; 0: not told
+  std::map<Life, Voice> voices;
+  /// Updates that others tell of a slot's log: passed on, fetched.
+  std::map<std::pair<PeerId, std::uint32_t>, sync::Bundle> retold;
+  std::vector<Check> checks;                                       ///< each of (tick, life) once
+  std::map<std::pair<Endpoint, std::uint64_t>, Pieces> transfers;  ///< by receiver and nonce
+  Tick newest = 0;                                                 ///< the latest mark of anybody
+};
+
+/// Reads sessions into ledgers.
+class Bookkeeper {
+ public:
+  void take(const Datagram& d);
+  const std::map<std::uint16_t, Ledger>& ledgers() const { return ledgers_; }
+  /// The session of that number, or, with none given, the one with most state datagrams. Throws UserError if there is
+  /// no such session.
+  const Ledger& choose(std::optional<int> session) const;
+  /// State, session and membership datagrams that did not decode or had been damaged on the way.
+  std::uint64_t unreadable() const { return unreadable_; }
+
+ private:
+  void state(const Datagram& d, const sync::StatePacket& p, PeerId sender, Ledger& l);
+  void session(const wire::SessionMessage& m, Ledger& l);
+  void membership(const Datagram& d, const wire::MembershipMessage& m, Ledger& l);
+
+  std::map<std::uint16_t, Ledger> ledgers_;
+  std::map<std::uint64_t, wire::Join> joins_;  ///< by nonce: a newcomer does not know the session's number yet
+  std::set<std::tuple<std::uint16_t, Tick, Life>> checked_;
+  std::uint64_t unreadable_ = 0;
+};
+
+}  // namespace padr::capture

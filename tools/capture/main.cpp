@@ -1,0 +1,64 @@
+#include <CLI/CLI.hpp>
+
+#include "tools/capture/commands.h"
+#include "tools/support/command_line.h"
+#include "tools/support/run_main.h"
+
+namespace {
+
+constexpr const char* kDescription =
+    "The story of a session from its packets alone: pcap and pcapng files of tcpdump, Wireshark or padr-peer --pcap.\n"
+    "Any port; Ethernet with VLAN tags, Linux cooked (-i any), loopback and raw IP; IPv4 and IPv6; files that are "
+    "still\n"
+    "being written.";
+
+constexpr const char* kFooter =
+    "Examples:\n"
+    "  padr-capture summary peer*.pcapng\n"
+    "  padr-capture rebuild peer0.pcapng --svg world.svg\n"
+    "  padr-capture compare peer0.pcapng peer*.trace\n"
+    "  tcpdump -U -i any -w - udp | padr-capture follow -\n"
+    "Each command explains itself with --help.\n"
+    "\n"
+    "Exit code: 0 if all is well; 1 if a capture is damaged or breaks off, in which case the result is of what could "
+    "be\n"
+    "read and is marked so, or if something that should agree does not; 2 if the command line is wrong or a file "
+    "cannot\n"
+    "be used.";
+
+int capture(int argc, char** argv) {
+  using namespace padr;
+  CLI::App app(kDescription, "padr-capture");
+  app.footer(kFooter);
+  support::add_version_flag(app, "padr-capture");
+  app.require_subcommand(1);
+  struct Command {
+    const char* name;
+    const char* help;
+    capture::Run (*declare)(CLI::App&);
+  };
+  constexpr Command kCommands[] = {
+      {"summary", "peers, links, delays, losses and where the bytes went", capture::declare_summary},
+      {"timeline", "who came, went, touched, owned and repeated what, when", capture::declare_timeline},
+      {"rebuild", "the confirmed world out of the packets, and whether the peers' hashes agree with it",
+       capture::declare_rebuild},
+      {"compare", "a capture against the peers' own traces", capture::declare_compare},
+      {"export", "every datagram with every field, for programs", capture::declare_export},
+      {"follow", "a sentence for every datagram of a capture that is being written", capture::declare_follow},
+  };
+  std::vector<std::pair<CLI::App*, capture::Run>> runs;
+  for (const Command& c : kCommands) {
+    CLI::App* sub = app.add_subcommand(c.name, c.help);
+    runs.emplace_back(sub, c.declare(*sub));
+  }
+  if (!support::parse(app, argc, argv)) return support::kExitFine;
+  for (const auto& [sub, run] : runs)
+    if (sub->parsed()) return run(support::command_of(argc, argv));
+  return support::kExitUsage;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return padr::support::run_main("padr-capture", [argc, argv] { return capture(argc, argv); });
+}

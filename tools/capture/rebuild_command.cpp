@@ -1,0 +1,72 @@
+#include "common/model/user_error.h"
+#include "tools/capture/commands.h"
+#include "tools/capture/rebuild_output.h"
+#include "tools/capture/setting.h"
+#include "tools/support/run_main.h"
+
+namespace padr::capture {
+namespace {
+
+constexpr const char* kFooter =
+    "Every update that the packets carry is folded into the confirmed world as every peer folds it, and the hashes "
+    "that\n"
+    "peers told are compared with it: proof that the packets alone carry the whole story. It begins with the "
+    "session's\n"
+    "start or, if that is not in the capture or something is missing later on, with the transfer to a newcomer.\n"
+    "\n"
+    "Examples:\n"
+    "  padr-capture rebuild peer0.pcapng --csv states.csv --svg world.svg\n"
+    "  padr-capture rebuild late.pcap --scenario arena --seed 7 --slots 16\n"
+    "\n"
+    "Exit code: 0 if all hashes agree; 1 if one does not, something is missing in between, nothing could be rebuilt, "
+    "or\n"
+    "a capture is damaged; 2 for a wrong command line.";
+
+struct Options {
+  std::vector<std::string> files;
+  SettingFlags setting;
+  std::string json, csv, svg;
+};
+
+int run(const Options& o, const std::vector<std::string>& command) {
+  Captures captures(o.files);
+  Bookkeeper books;
+  while (const Datagram* d = captures.next()) books.take(*d);
+  const Ledger& ledger = books.choose(o.setting.session());
+  const Setting setting = o.setting.setting(ledger);
+
+  std::unique_ptr<StatesCsv> csv;
+  if (!o.csv.empty()) csv = std::make_unique<StatesCsv>(o.csv);
+  WorldPicture picture;
+  std::uint64_t last_hash = 0;
+  const Rebuilt r = rebuild(ledger, setting, 0, [&](const sync::FoldState& s, std::uint64_t hash) {
+    last_hash = hash;
+    if (csv) csv->add(s);
+    if (!o.svg.empty()) picture.add(s);
+  });
+  if (csv) csv->close();
+  if (!o.svg.empty()) write_text("--svg", o.svg, picture.svg(setting));
+  if (o.json != "-") write_text("", "-", rebuilt_text(setting, ledger, r, last_hash));
+  if (!o.json.empty()) write_text("--json", o.json, rebuilt_json(setting, ledger, r, last_hash, command));
+
+  const int read = warn_incomplete(captures.troubles());
+  bool good = !r.stretches.empty() && r.agreeing() == r.hashes.size();
+  for (const Stretch& s : r.stretches) good = good && !s.gap;
+  return good ? read : support::kExitFailure;
+}
+
+}  // namespace
+
+Run declare_rebuild(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  declare_captures(app, o->files);
+  app.footer(kFooter);
+  o->setting.declare(app);
+  app.add_option("--csv", o->csv, "Write the confirmed state of every entity at every tick")->type_name("FILE");
+  app.add_option("--svg", o->svg, "Draw four moments of the world")->type_name("FILE");
+  app.add_option("--json", o->json, "The result as JSON; - for standard output, in place of the text")
+      ->type_name("FILE|-");
+  return [o](const std::vector<std::string>& command) { return run(*o, command); };
+}
+
+}  // namespace padr::capture

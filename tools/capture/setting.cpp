@@ -1,0 +1,96 @@
+#include "tools/capture/setting.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "common/model/user_error.h"
+#include "common/scenarios/scenarios.h"
+#include "tools/support/command_line.h"
+#include "tools/support/scenario_flags.h"
+
+namespace padr::capture {
+namespace {
+
+std::string hex(std::uint64_t v) {
+  std::string s(16, '0');
+  for (auto c = s.rbegin(); c != s.rend(); ++c, v >>= 4U) *c = "0123456789abcdef"[v & 15U];
+  return s;
+}
+
+/// A Join's label is "NAME seed N"; false if it is not.
+bool split_label(const std::string& label, std::string& name, std::uint64_t& seed) {
+  constexpr std::string_view kSeed = " seed ";
+  const auto at = label.rfind(kSeed);
+  if (at == std::string::npos) return false;
+  const char* begin = label.data() + at + kSeed.size();
+  const char* end = label.data() + label.size();
+  const auto [stop, error] = std::from_chars(begin, end, seed);
+  name = label.substr(0, at);
+  return error == std::errc() && stop == end;
+}
+
+bool is_built_in(const std::string& name) {
+  const auto names = scenarios::embedded_names();
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+}  // namespace
+
+void SettingFlags::declare(CLI::App& app) {
+  const std::string group = "Session";
+  app.add_option("--session", session_, "Number of the session; default: the one with most state datagrams")
+      ->type_name("N")
+      ->check(CLI::Range(1, 65535))
+      ->group(group);
+  app.add_option("--scenario", scenario_, "If the capture has no Join, or was made with a scenario file")
+      ->type_name("NAME|FILE")
+      ->group(group);
+  app.add_option("--seed", seed_, "Of the scenario; default: as the Join has it, else 1")
+      ->type_name("N")
+      ->check(support::whole_number())
+      ->group(group);
+  app.add_option("--peers", peers_, "Peers at tick 0, if the capture has neither Welcome nor Start")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMaxPeers))
+      ->group(group);
+  app.add_option("--slots", slots_, "Avatar slots, if the capture has no Welcome; default: as many as the scenario has")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMaxPeers))
+      ->group(group);
+  app.add_flag("--avatar-only", avatar_only_, "Bodies have no owners, if the capture has no Join")->group(group);
+}
+
+Setting SettingFlags::setting(const Ledger& ledger) const {
+  std::string name = scenario_;
+  std::uint64_t seed = 1;
+  std::string told;
+  if (ledger.join && split_label(ledger.join->scenario, told, seed) && name.empty()) {
+    if (!is_built_in(told))
+      throw UserError("--scenario: the session was played in '" + told + "', which is not built in; give the file");
+    name = told;
+  }
+  if (name.empty())
+    throw UserError("--scenario: the capture has no Join, so say what was played: --scenario NAME --seed N");
+  const support::LoadedScenario loaded = support::load_scenario(name, seed_.value_or(seed));
+  Setting s;
+  s.scene = loaded.scene;
+  s.label = loaded.label + " seed " + std::to_string(loaded.seed);
+  if (ledger.join) {
+    const std::uint64_t ours = scene_hash(s.scene);
+    if (ours != ledger.join->scene_hash)
+      throw UserError("--scenario: the session was played in '" + ledger.join->scenario + "' (hash " +
+                      hex(ledger.join->scene_hash) + "), and '" + s.label + "' is another here (hash " + hex(ours) +
+                      ")");
+    s.checked = true;
+  }
+  const int most = static_cast<int>(s.scene.avatar.spawns.size());
+  s.authority = ledger.join ? ledger.join->authority : !avatar_only_;
+  s.slots = ledger.slots > 0 ? ledger.slots : slots_.value_or(most);
+  s.peers = ledger.peers > 0 ? ledger.peers : peers_.value_or(0);
+  if (s.slots > most || s.peers > s.slots)
+    throw UserError("--slots: " + std::to_string(s.slots) + " slots and " + std::to_string(s.peers) +
+                    " peers at tick 0 do not go with scenario '" + s.label + "', which has " + std::to_string(most));
+  return s;
+}
+
+}  // namespace padr::capture

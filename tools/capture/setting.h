@@ -1,0 +1,29 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "tools/capture/ledger.h"
+#include "tools/capture/rebuild.h"
+
+namespace padr::capture {
+
+/// What the packets may not tell: flags, and how they and a session's Join and Welcome go together.
+class SettingFlags {
+ public:
+  void declare(CLI::App& app);
+  const std::optional<int>& session() const { return session_; }
+  /// Throws UserError if the scenario is not known, or is another than that of the capture.
+  Setting setting(const Ledger& ledger) const;
+
+ private:
+  std::string scenario_;
+  std::optional<std::uint64_t> seed_;
+  std::optional<int> session_;
+  std::optional<int> peers_;
+  std::optional<int> slots_;
+  bool avatar_only_ = false;
+};
+
+}  // namespace padr::capture

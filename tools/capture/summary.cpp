@@ -1,0 +1,157 @@
+#include "tools/capture/summary.h"
+
+#include "tools/capture/names.h"
+
+namespace padr::capture {
+namespace {
+
+std::string count(std::uint64_t n) {
+  return std::to_string(n);
+}
+
+std::string percent(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? "-" : fixed(100.0 * static_cast<double>(part) / static_cast<double>(whole), 1);
+}
+
+double per_second(std::uint64_t n, double seconds) {
+  return seconds > 0 ? static_cast<double>(n) / seconds : 0;
+}
+
+std::string plural(std::uint64_t n, const std::string& what) {
+  return count(n) + " " + what + (n == 1 ? "" : "s");
+}
+
+std::string contents_text(const Source& s, const Tally& t) {
+  std::string out;
+  for (const std::string& f : s.files) out += (out.empty() ? "" : ", ") + (f == "-" ? "standard input" : f);
+  const Contents& c = s.contents;
+  out += ": " + plural(c.packets, "packet") + ", " + plural(c.ours, "datagram") + " of PADR in " +
+         fixed(t.all().seconds(), 1) + " s";
+  const auto add = [&out](std::uint64_t n, const std::string& what) {
+    if (n > 0) out += ", " + count(n) + " " + what;
+  };
+  const auto of = [&c](Content k) { return c.of[static_cast<std::size_t>(k)]; };
+  add(c.seen_again, "seen in another file, too");
+  add(c.others, "of other UDP");
+  add(of(Content::kOther), "without UDP");
+  add(of(Content::kFragment), "fragments left out");
+  add(of(Content::kUnknownLink), "of link types that are not understood");
+  add(of(Content::kMalformed), "with malformed headers");
+  out += '\n';
+  for (const auto& [why, n] : t.dropped()) out += "dropped (" + why + "): " + count(n) + "\n";
+  if (t.beyond() > 0) out += "in too many sessions, peers or links to be told apart: " + count(t.beyond()) + "\n";
+  return out;
+}
+
+std::string session_text(std::uint16_t number, const SessionTally& s) {
+  std::string out = "\nSession " + std::to_string(number) + ": ";
+  if (s.join_seen) out += s.scenario + (s.authority ? ", dynamic authority, " : ", avatar-only, ");
+  out += "ticks " + count(s.first_tick) + " to " + count(s.last_tick) + ", " + plural(s.hashes, "hash told");
+  if (s.hashes != 1) out.replace(out.rfind("hash tolds"), 10, "hashes told");
+  if (s.slots > 0) out += ", " + std::to_string(s.slots) + " slots, " + std::to_string(s.wanted) + " at tick 0";
+  return out + "\n";
+}
+
+std::string lives_text(const Tally& t, std::uint16_t session) {
+  Table table({"peer", "at", "s", "dgrams", "dgrams/s", "kbit/s", "mean B", "most B", "updates/s", "threshold", "begin",
+               "end", "proxy", "body", "rest", "left"});
+  for (const auto& [key, life] : t.lives()) {
+    if (key.session != session) continue;
+    const Traffic& f = life.traffic;
+    std::uint64_t updates = 0;
+    for (const std::uint64_t n : life.updates) updates += n;
+    std::vector<std::string> row{
+        life_name(key),
+        to_string(life.at),
+        fixed(f.seconds(), 1),
+        count(f.datagrams),
+        fixed(per_second(f.datagrams, f.seconds()), 1),
+        fixed(per_second(f.bytes * 8, f.seconds()) / 1000, 1),
+        fixed(static_cast<double>(f.bytes - f.header_bytes) / static_cast<double>(f.datagrams), 0),
+        count(f.most_size),
+        fixed(per_second(updates, f.seconds()), 1)};
+    for (std::size_t c = 0; c < 6; ++c) row.push_back(count(life.updates[c]));
+    row.emplace_back(life.left ? "yes" : "no");
+    table.row(std::move(row));
+  }
+  return "State datagrams; updates of entities by cause, each once; sizes of the UDP payload.\n" + table.text();
+}
+
+std::string links_text(const Tally& t, std::uint16_t session, const SessionTally& s) {
+  Table table({"link", "dgrams", "missing", "dupl", "late", "told lost %", "gap ms", "p95", "delay ms", "p50", "p95",
+               "least", "jitter", "peers' least", "marks", "resent", "ack ms"});
+  for (const auto& [key, link] : t.links()) {
+    if (key.from.session != session) continue;
+    const DelayFigures d = delays_of(link, s);
+    table.row({link_name(t, key), count(link.traffic.datagrams), count(link.seqs.missing()), count(link.duplicates),
+               count(link.reordered),
+               link.losses_told == 0
+                   ? "-"
+                   : fixed(static_cast<double>(link.loss_told) / static_cast<double>(link.losses_told), 1),
+               fixed(link.gaps.mean_us() / 1000, 1), fixed(link.gaps.percentile_us(0.95) / 1000, 1),
+               fixed(d.mean_ms, 1), fixed(d.p50_ms, 1), fixed(d.p95_ms, 1), fixed(d.least_ms, 1), fixed(d.jitter_ms, 1),
+               link.transit ? fixed(*link.transit / 10.0, 1) : "-", count(link.marks), count(link.repeats),
+               link.acks.count() == 0 ? "-" : fixed(link.acks.mean_us() / 1000, 1)});
+  }
+  std::string out =
+      "\nLinks. Missing: numbers that are not in the capture. Delay: from the begin of the tick of sending, by ";
+  out +=
+      s.tick0().second ? "the session's clock as Pings and Pongs tell it" : "the fastest datagram, which counts as 0";
+  out +=
+      ",\nto the capture; peers' least: to the receiver, as it tells itself. Ack: until an update is acknowledged.\n";
+  return out + table.text();
+}
+
+std::string bandwidth_text(const Tally& t) {
+  const Traffic& a = t.all();
+  Table table({"bytes on the wire", "bytes", "%"});
+  const auto row = [&](const std::string& what, std::uint64_t n) { table.row({what, count(n), percent(n, a.bytes)}); };
+  row("IP and UDP headers", a.header_bytes);
+  row("envelopes", a.envelope_bytes);
+  row("updates", a.update_bytes);
+  row("updates again", a.repeat_bytes);
+  row("marks, acks, hashes", a.mark_bytes);
+  row("session, membership", a.other_bytes);
+  row("all", a.bytes);
+  std::string out = "\n" + table.text();
+  if (!t.messages().empty()) {
+    out += "\nSession and membership:";
+    for (const auto& [name, n] : t.messages()) out += " " + name + " " + count(n);
+    out += '\n';
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string life_name(const LifeKey& life) {
+  std::string name = std::to_string(life.slot);
+  if (life.incarnation > 0) name += "." + std::to_string(life.incarnation);
+  return name;
+}
+
+std::string link_name(const Tally& tally, const LinkKey& link) {
+  const PeerId to = tally.receiver(link);
+  const std::string who = to == kNoPeer ? to_string(link.to) : life_name({link.from.session, to, link.to_incarnation});
+  return life_name(link.from) + " -> " + who;
+}
+
+DelayFigures delays_of(const LinkTally& link, const SessionTally& session) {
+  const auto zero = static_cast<double>(session.tick0().first);
+  const Delays& d = link.delays;
+  return {(d.mean_us() - zero) / 1000, (d.percentile_us(0.5) - zero) / 1000, (d.percentile_us(0.95) - zero) / 1000,
+          (static_cast<double>(d.least_us()) - zero) / 1000, d.jitter_us() / 1000};
+}
+
+std::string summary_text(const Source& source, const Tally& tally) {
+  std::string out = contents_text(source, tally);
+  for (const auto& [number, session] : tally.sessions()) {
+    if (session.states == 0) continue;
+    out += session_text(number, session) + lives_text(tally, number) + links_text(tally, number, session);
+  }
+  if (tally.all().datagrams > 0) out += bandwidth_text(tally);
+  for (const std::string& t : source.troubles) out += "\nIncomplete: " + t + "\n";
+  return out;
+}
+
+}  // namespace padr::capture

@@ -1,0 +1,219 @@
+#include "tools/capture/tally.h"
+
+#include <algorithm>
+
+#include "common/wire/membership_codec.h"
+#include "common/wire/session_codec.h"
+#include "tools/capture/names.h"
+
+namespace padr::capture {
+namespace {
+
+// More than any real session has, so that a forged capture cannot fill the memory.
+constexpr std::size_t kMostSessions = 64;
+constexpr std::size_t kMostLives = 1024;
+constexpr std::size_t kMostLinks = 2048;
+constexpr std::size_t kMostUnacked = 256;
+constexpr std::size_t kMostPings = 65536;
+constexpr std::size_t kEnvelope = wire::kHeaderBytes + wire::kTagBytes;
+
+void keep_greatest(std::optional<std::int64_t>& greatest, std::int64_t v) {
+  greatest = greatest ? std::max(*greatest, v) : v;
+}
+
+/// The entry of this key, made if there is none and room for it; null otherwise.
+template <typename Map>
+typename Map::mapped_type* entry(Map& map, const typename Map::key_type& key, std::size_t most) {
+  const auto found = map.lower_bound(key);
+  if (found != map.end() && found->first == key) return &found->second;
+  if (map.size() >= most) return nullptr;
+  return &map.try_emplace(found, key)->second;
+}
+
+}  // namespace
+
+void Traffic::add(const Datagram& d) {
+  const auto size = static_cast<std::uint32_t>(d.payload.size());
+  if (datagrams++ == 0) {
+    first_ns = d.time_ns;
+    least_size = size;
+  }
+  last_ns = d.time_ns;
+  bytes += d.wire_bytes;
+  header_bytes += d.wire_bytes - std::min(d.wire_bytes, d.payload.size());
+  envelope_bytes += std::min(kEnvelope, d.payload.size());
+  least_size = std::min(least_size, size);
+  most_size = std::max(most_size, size);
+}
+
+std::pair<std::int64_t, bool> SessionTally::tick0() const {
+  // Some of the last Pongs of before the start are on their way when it comes: they would pass for the other kind.
+  if (founder_us && tick0_us) return {*founder_us + *tick0_us, true};
+  if (session_us && !tick0_us) return {*session_us, true};
+  return {least_us, false};
+}
+
+PeerId Tally::receiver(const LinkKey& link) const {
+  const auto found = who_.find({link.to, link.to_incarnation});
+  return found == who_.end() ? kNoPeer : found->second.slot;
+}
+
+void Tally::take(const Datagram& d) {
+  all_.add(d);
+  if (d.cut) {
+    ++dropped_["cut off by the capture"];
+    return;
+  }
+  wire::SealError why = wire::SealError::kNone;
+  const auto opened = wire::open(d.payload, why);
+  if (!opened) {
+    ++dropped_[std::string(name_of(why))];
+    return;
+  }
+  kinds_[static_cast<std::size_t>(opened->header.kind)].add(d);
+  switch (opened->header.kind) {
+    case wire::Kind::kState:
+      return state(d, *opened);
+    case wire::Kind::kSession:
+      return session(d, *opened);
+    case wire::Kind::kMembership:
+      return membership(*opened);
+  }
+}
+
+void Tally::state(const Datagram& d, const wire::Opened& o) {
+  if (!wire::scan_state(o.payload, scan_) || o.header.sender >= kMaxPeers) {
+    ++dropped_["malformed"];
+    return;
+  }
+  const LifeKey from{o.header.session, o.header.sender, scan_.incarnation};
+  SessionTally* s = entry(sessions_, from.session, kMostSessions);
+  LifeTally* life = entry(lives_, from, kMostLives);
+  LinkTally* link = entry(links_, {from, d.to, scan_.to_incarnation}, kMostLinks);
+  if (s == nullptr || life == nullptr || link == nullptr) {
+    ++beyond_;
+    return;
+  }
+  const std::int64_t ahead = d.time_ns / 1000 - tick_start(static_cast<Tick>(scan_.mark_tick));
+  if (s->states++ == 0) {
+    s->first_tick = scan_.mark_tick;
+    s->least_us = ahead;
+  }
+  s->first_tick = std::min(s->first_tick, scan_.mark_tick);
+  s->last_tick = std::max(s->last_tick, scan_.mark_tick);
+  s->least_us = std::min(s->least_us, ahead);
+  if (scan_.check_hash != 0) ++s->hashes;
+  if (life->traffic.datagrams == 0 || life->at != d.from) {
+    life->at = d.from;
+    if (who_.size() < 4 * kMostLives) who_[{d.from, from.incarnation}] = from;
+  }
+  acknowledge(d, from);
+  state_of_life(d, *life);
+  link->delays.add(ahead);
+  const std::uint64_t repeated = state_of_link(d, *link);
+  std::uint64_t updates = 0;
+  for (const auto& u : scan_.updates) updates += u.bytes;
+  for (Traffic* t : {&all_, &kinds_[0], &life->traffic, &link->traffic}) {
+    t->update_bytes += updates - repeated;
+    t->repeat_bytes += repeated;
+    t->mark_bytes += o.payload.size() - std::min<std::uint64_t>(updates, o.payload.size());
+  }
+}
+
+void Tally::state_of_life(const Datagram& d, LifeTally& life) {
+  life.traffic.add(d);
+  for (const auto& u : scan_.updates) {
+    if (life.told.add(u.index) == NumberWindow::Seen::kAgain) continue;
+    for (std::size_t c = 0; c < u.causes.size(); ++c) life.updates[c] += u.causes[c];
+    life.left |= u.leave;
+  }
+}
+
+/// Returns how many bytes were of updates that the link had carried before.
+std::uint64_t Tally::state_of_link(const Datagram& d, LinkTally& link) {
+  if (link.traffic.datagrams > 0) link.gaps.add((d.time_ns - link.traffic.last_ns) / 1000);
+  link.traffic.add(d);
+  const auto seen = link.seqs.add(scan_.seq);
+  if (seen == NumberWindow::Seen::kAgain) ++link.duplicates;
+  if (seen == NumberWindow::Seen::kNewLate) ++link.reordered;
+  if (scan_.updates.empty()) ++link.marks;
+  std::uint64_t again = 0;
+  for (const auto& u : scan_.updates) {
+    if (link.told.add(u.index) == NumberWindow::Seen::kAgain) {
+      again += u.bytes;
+      if (seen != NumberWindow::Seen::kAgain) ++link.repeats;
+    } else {
+      link.unacked.emplace_back(u.index, d.time_ns);
+      if (link.unacked.size() > kMostUnacked) link.unacked.pop_front();
+    }
+  }
+  return again;
+}
+
+/// What the datagram says of the link the other way.
+void Tally::acknowledge(const Datagram& d, const LifeKey& from) {
+  const auto other = who_.find({d.to, scan_.to_incarnation});
+  if (other == who_.end()) return;
+  const auto found = links_.find({other->second, d.from, from.incarnation});
+  if (found == links_.end()) return;
+  LinkTally& back = found->second;
+  if (scan_.transit != 0 && (!back.transit || scan_.transit < *back.transit)) back.transit = scan_.transit;
+  if (scan_.transit != 0) {  // told in the same datagrams
+    back.loss_told += scan_.loss;
+    ++back.losses_told;
+  }
+  std::erase_if(back.unacked, [&](const auto& u) {
+    const bool beyond = u.first > scan_.have && u.first - scan_.have <= 32 &&
+                        (scan_.have_beyond >> (u.first - scan_.have - 1) & 1U) != 0;
+    if (u.first >= scan_.have && !beyond) return false;
+    back.acks.add((d.time_ns - u.second) / 1000);
+    return true;
+  });
+}
+
+void Tally::session(const Datagram& d, const wire::Opened& o) {
+  const auto message = wire::decode_session(o.payload);
+  if (!message) {
+    ++dropped_["malformed"];
+    return;
+  }
+  ++messages_[std::string(name_of(*message))];
+  for (Traffic* t : {&all_, &kinds_[1]}) t->other_bytes += o.payload.size();
+  // A Join knows no session yet: it is told with whatever session is spoken of next.
+  SessionTally* s = entry(sessions_, o.header.session, kMostSessions);
+  if (s == nullptr) return;
+  if (const auto* join = std::get_if<wire::Join>(&*message)) {
+    s->scenario = join->scenario;
+    s->authority = join->authority;
+    s->join_seen = true;
+  } else if (const auto* welcome = std::get_if<wire::Welcome>(&*message)) {
+    s->slots = welcome->slots;
+    s->wanted = welcome->wanted;
+    const SessionTally& asked = sessions_[0];
+    if (asked.join_seen) {
+      s->scenario = asked.scenario;
+      s->authority = asked.authority;
+      s->join_seen = true;
+    }
+  } else if (const auto* ping = std::get_if<wire::Ping>(&*message)) {
+    if (pings_.size() < kMostPings) pings_.try_emplace({d.from, ping->sent}, d.time_ns / 1000);
+  } else if (const auto* pong = std::get_if<wire::Pong>(&*message)) {
+    const auto asked = pings_.find({d.to, pong->sent});
+    if (asked != pings_.end())
+      keep_greatest(s->states > 0 ? s->session_us : s->founder_us, asked->second - pong->founder);
+  } else if (const auto* start = std::get_if<wire::Start>(&*message)) {
+    s->tick0_us = start->tick0;
+  }
+}
+
+void Tally::membership(const wire::Opened& o) {
+  const auto message = wire::decode_membership(o.payload);
+  if (!message) {
+    ++dropped_["malformed"];
+    return;
+  }
+  ++messages_[std::string(name_of(*message))];
+  for (Traffic* t : {&all_, &kinds_[2]}) t->other_bytes += o.payload.size();
+}
+
+}  // namespace padr::capture

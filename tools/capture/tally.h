@@ -1,0 +1,139 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "common/wire/seal.h"
+#include "common/wire/state_scan.h"
+#include "tools/capture/distribution.h"
+#include "tools/capture/input.h"
+
+namespace padr::capture {
+
+/// A peer's life: session number, slot, incarnation.
+struct LifeKey {
+  std::uint16_t session = 0;
+  PeerId slot = kNoPeer;
+  std::uint32_t incarnation = 0;
+  friend auto operator<=>(const LifeKey&, const LifeKey&) = default;
+};
+
+/// What is counted of datagrams that go the same way.
+struct Traffic {
+  std::uint64_t datagrams = 0;
+  std::uint64_t bytes = 0;           ///< on the wire, IP and UDP headers included
+  std::uint64_t header_bytes = 0;    ///< of these: IP and UDP
+  std::uint64_t envelope_bytes = 0;  ///< magic, kind, sender, session, checksum
+  std::uint64_t update_bytes = 0;    ///< updates, the first time on their link
+  std::uint64_t repeat_bytes = 0;    ///< updates that the link has carried before
+  std::uint64_t mark_bytes = 0;      ///< the rest of state datagrams: marks, acknowledgements, hashes
+  std::uint64_t other_bytes = 0;     ///< payload of session and membership datagrams
+  std::int64_t first_ns = 0;
+  std::int64_t last_ns = 0;
+  std::uint32_t least_size = 0;  ///< of the UDP payload
+  std::uint32_t most_size = 0;
+  double seconds() const { return static_cast<double>(last_ns - first_ns) / 1e9; }
+  void add(const Datagram& d);
+};
+
+struct LifeTally {
+  Endpoint at;
+  Traffic traffic;                                     ///< state datagrams, to everybody
+  NumberWindow told;                                   ///< numbers of updates
+  std::array<std::uint64_t, sync::kCauses> updates{};  ///< of entities, by cause, each once
+  bool left = false;
+};
+
+/// State datagrams from one life to another.
+struct LinkTally {
+  Traffic traffic;
+  NumberWindow seqs;
+  std::uint64_t duplicates = 0;
+  std::uint64_t reordered = 0;
+  std::uint64_t marks = 0;  ///< datagrams without updates
+  NumberWindow told;        ///< numbers of updates, that is bundles
+  std::uint64_t repeats = 0;
+  Gaps gaps;      ///< between two datagrams
+  Delays delays;  ///< capture time less the time of the tick of sending, on a clock whose zero is not known
+  std::optional<std::int32_t> transit;  ///< 0.1 ms, the least that the receiver has told of this link
+  std::uint64_t loss_told = 0;          ///< sum and count of what the receiver told
+  std::uint64_t losses_told = 0;
+  Gaps acks;  ///< from the first time an update is here until its acknowledgement is
+  std::deque<std::pair<std::uint32_t, std::int64_t>> unacked;  ///< number and time, the latest 256
+};
+
+struct LinkKey {
+  LifeKey from;
+  Endpoint to;
+  std::uint32_t to_incarnation = 0;
+  friend auto operator<=>(const LinkKey&, const LinkKey&) = default;
+};
+
+struct SessionTally {
+  std::string scenario;  ///< as a Join tells it; empty if there is none in the capture
+  bool join_seen = false;
+  bool authority = true;
+  int slots = 0;   ///< 0: not told
+  int wanted = 0;  ///< likewise
+  std::uint64_t states = 0;
+  std::uint32_t first_tick = 0;
+  std::uint32_t last_tick = 0;
+  /// Capture time of a Ping less the founder's clock when it answered, the greatest: as if the way from the capture to
+  /// the founder took no time, which on one machine is so.
+  std::optional<std::int64_t> founder_us;
+  std::optional<std::int64_t> session_us;  ///< the same of a running session, whose Pongs tell session time
+  std::optional<std::int64_t> tick0_us;    ///< on the founder's clock
+  std::int64_t least_us = 0;               ///< capture time less tick time, least of all state datagrams
+  std::uint64_t hashes = 0;                ///< told
+  /// Capture time of tick 0, us, and whether that is known from Pings and Pongs; otherwise the fastest datagram counts
+  /// as having taken no time.
+  std::pair<std::int64_t, bool> tick0() const;
+};
+
+/// Counts what a capture holds, datagram by datagram, in memory that does not grow with it.
+class Tally {
+ public:
+  void take(const Datagram& d);
+
+  const std::map<std::uint16_t, SessionTally>& sessions() const { return sessions_; }
+  const std::map<LifeKey, LifeTally>& lives() const { return lives_; }
+  const std::map<LinkKey, LinkTally>& links() const { return links_; }
+  const Traffic& all() const { return all_; }
+  /// By kind: state, session, membership.
+  const std::array<Traffic, 3>& kinds() const { return kinds_; }
+  const std::map<std::string, std::uint64_t>& messages() const { return messages_; }
+  /// By reason: what receivers drop, and what the capture has cut off.
+  const std::map<std::string, std::uint64_t>& dropped() const { return dropped_; }
+  /// Lives and links beyond what is kept apart; their datagrams count in the sums alone.
+  std::uint64_t beyond() const { return beyond_; }
+  /// Who sits at the other end of a link; 255 if it never spoke.
+  PeerId receiver(const LinkKey& link) const;
+
+ private:
+  void state(const Datagram& d, const wire::Opened& o);
+  void state_of_life(const Datagram& d, LifeTally& life);
+  std::uint64_t state_of_link(const Datagram& d, LinkTally& link);
+  void acknowledge(const Datagram& d, const LifeKey& from);
+  void session(const Datagram& d, const wire::Opened& o);
+  void membership(const wire::Opened& o);
+
+  std::map<std::uint16_t, SessionTally> sessions_;
+  std::map<LifeKey, LifeTally> lives_;
+  std::map<LinkKey, LinkTally> links_;
+  Traffic all_;
+  std::array<Traffic, 3> kinds_;
+  std::map<std::string, std::uint64_t> messages_;
+  std::map<std::string, std::uint64_t> dropped_;
+  std::uint64_t beyond_ = 0;
+  std::map<std::pair<Endpoint, std::uint32_t>, LifeKey> who_;  ///< by address and incarnation
+  std::map<std::pair<Endpoint, Micros>, std::int64_t> pings_;  ///< capture time, us, by asker and its clock
+  wire::StateScan scan_;
+};
+
+}  // namespace padr::capture

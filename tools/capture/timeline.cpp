@@ -1,0 +1,153 @@
+#include "tools/capture/timeline.h"
+
+#include "common/wire/codec.h"
+
+namespace padr::capture {
+
+const char* const kEventsHelp =
+    "  join, welcome, refuse, start    before a peer plays; refuse has the reason\n"
+    "  heard                           the first state datagram of a peer\n"
+    "  admission, leave, removal       peers come and go; `other` is who comes or is declared gone\n"
+    "  contact_begin, contact_end      of the peer's avatar, with a body (`entity`) or, without one, told of the "
+    "avatar\n"
+    "  proxy                           a body joins or leaves the chain that the avatar moves\n"
+    "  claim, release                  authority over a body; `other` is who had it\n"
+    "  claim_lost                      a claim that loses against one told earlier\n"
+    "  resend                          an update that the link to `other` has carried before\n"
+    "  gap                             numbers of datagrams that are left out on the link to `other`";
+
+void Timeline::take(const Datagram& d) {
+  wire::SealError error = wire::SealError::kNone;
+  const auto o = d.cut ? std::nullopt : wire::open(d.payload, error);
+  if (!o) return;
+  const std::uint16_t session = o->header.session;
+  if (o->header.kind == wire::Kind::kState) {
+    const auto p = wire::decode_state(o->payload, o->header.sender);
+    if (p && o->header.sender < kMaxPeers) state(d, session, *p, o->header.sender);
+  } else if (o->header.kind == wire::Kind::kSession) {
+    const auto m = wire::decode_session(o->payload);
+    Event e;
+    e.time_ns = d.time_ns;
+    e.by.slot = o->header.sender;
+    if (m) message(e, session, *m);
+  }
+}
+
+void Timeline::message(Event e, std::uint16_t session, const wire::SessionMessage& m) {
+  if (const auto* join = std::get_if<wire::Join>(&m)) {
+    e.what = "join";
+    e.detail = join->scenario;
+  } else if (const auto* welcome = std::get_if<wire::Welcome>(&m)) {
+    e.what = "welcome";
+    e.other = welcome->peer;
+  } else if (const auto* refuse = std::get_if<wire::Refuse>(&m)) {
+    e.what = "refuse";
+    e.detail = refuse->reason;
+  } else if (const auto* start = std::get_if<wire::Start>(&m)) {
+    e.what = "start";
+    e.detail = std::to_string(start->members.size()) + " peers";
+  } else {
+    return;
+  }
+  events_[session].push_back(std::move(e));
+}
+
+void Timeline::state(const Datagram& d, std::uint16_t session, const sync::StatePacket& p, PeerId sender) {
+  Event e;
+  e.time_ns = d.time_ns;
+  e.tick = p.mark_tick;
+  e.by = {sender, p.incarnation};
+  who_[{d.from, p.incarnation}] = sender;
+  std::vector<Event>& all = events_[session];
+  if (heard_.emplace(session, e.by).second) {
+    all.push_back(e);
+    all.back().what = "heard";
+  }
+  const auto to = who_.find({d.to, p.to_incarnation});
+  e.other = to == who_.end() ? -1 : to->second;
+  const LinkId link{session, e.by, d.to, p.to_incarnation};
+  std::uint32_t& highest = seqs_[link];
+  if (highest > 0 && p.seq > highest + 1) {
+    all.push_back(e);
+    all.back().what = "gap";
+    all.back().detail = std::to_string(p.seq - highest - 1);
+  }
+  const bool again = p.seq <= highest;
+  highest = std::max(highest, p.seq);
+  std::set<std::uint32_t>& carried = sent_[link];
+  for (const sync::Bundle& b : p.updates) {
+    if (!carried.insert(b.index).second && !again) {
+      all.push_back(e);
+      all.back().what = "resend";
+      all.back().detail = "update " + std::to_string(b.index);
+    }
+    if (told_.emplace(session, e.by, b.index).second) update(e, session, b);
+  }
+}
+
+void Timeline::update(Event e, std::uint16_t session, const sync::Bundle& b) {
+  e.tick = b.tick;
+  e.other = -1;
+  const auto say = [&](std::string_view what, int other, std::string detail = "") {
+    Event told = e;
+    told.what = what;
+    told.other = other;
+    told.detail = std::move(detail);
+    events_[session].push_back(std::move(told));
+  };
+  if (b.leave) {
+    say("leave", -1);
+    let_go(e, session, e.by.slot);
+  }
+  if (b.admission) say("admission", b.admission->slot, "incarnation " + std::to_string(b.admission->incarnation));
+  for (const sync::Removal& r : b.removals) {
+    say("removal", r.slot, "incarnation " + std::to_string(r.incarnation) + " from update " + std::to_string(r.count));
+    let_go(e, session, r.slot);
+  }
+  if (b.avatar && (b.avatar->cause == sync::Cause::kContactBegin || b.avatar->cause == sync::Cause::kContactEnd))
+    say(sync::kCauseNames[static_cast<std::size_t>(b.avatar->cause)], -1);
+  for (const sync::BodyUpdate& u : b.bodies) body(e, session, u);
+}
+
+/// What the owner had is nobody's.
+void Timeline::let_go(const Event& e, std::uint16_t session, PeerId owner) {
+  for (auto& [entity, record] : authority_[session]) {
+    if (record.holder() != owner) continue;
+    record.released = true;
+    Event told = e;
+    told.what = "release";
+    told.entity = entity;
+    told.other = owner;
+    events_[session].push_back(std::move(told));
+  }
+}
+
+void Timeline::body(Event e, std::uint16_t session, const sync::BodyUpdate& u) {
+  e.entity = u.body;
+  std::vector<Event>& all = events_[session];
+  const auto say = [&](std::string_view what, int other, std::string detail = "") {
+    all.push_back(e);
+    all.back().what = what;
+    all.back().other = other;
+    all.back().detail = std::move(detail);
+  };
+  if (u.cause == sync::Cause::kContactBegin || u.cause == sync::Cause::kContactEnd || u.cause == sync::Cause::kProxy)
+    say(sync::kCauseNames[static_cast<std::size_t>(u.cause)], -1);
+  sync::Authority& record = authority_[session][u.body];
+  const int before = record.holder() == kNoPeer ? -1 : record.holder();
+  if (!u.has_state) {
+    if (u.release && record.owner == e.by.slot && !record.released) {
+      record.released = true;
+      say("release", -1);
+    }
+    return;
+  }
+  const sync::Authority claim{e.by.slot, u.release, u.epoch, u.claimed};
+  if (!sync::wins(claim, record, u.body)) return say("claim_lost", record.owner, "epoch " + std::to_string(u.epoch));
+  if (claim.epoch != record.epoch || claim.owner != record.owner)
+    say("claim", before, "epoch " + std::to_string(u.epoch));
+  if (u.release && !(record.released && record.epoch == claim.epoch)) say("release", -1);
+  record = claim;
+}
+
+}  // namespace padr::capture

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/sync/authority.h"
+#include "common/sync/packet.h"
+#include "common/wire/session_codec.h"
+#include "tools/capture/input.h"
+#include "tools/capture/ledger.h"
+
+namespace padr::capture {
+
+/// Something that happened, in the order in which the capture has it.
+struct Event {
+  std::int64_t time_ns = 0;
+  Tick tick = -1;  ///< at which it is true; -1: before the session runs
+  Life by;
+  std::string_view what;  ///< see kEventsHelp
+  int entity = -1;        ///< body, or -1
+  int other = -1;         ///< another peer's slot, or -1
+  std::string detail;
+};
+
+/// Turns a capture into events, one session at a time.
+class Timeline {
+ public:
+  void take(const Datagram& d);
+  /// By session.
+  const std::map<std::uint16_t, std::vector<Event>>& events() const { return events_; }
+
+ private:
+  void state(const Datagram& d, std::uint16_t session, const sync::StatePacket& p, PeerId sender);
+  void update(Event e, std::uint16_t session, const sync::Bundle& b);
+  void let_go(const Event& e, std::uint16_t session, PeerId owner);
+  void body(Event e, std::uint16_t session, const sync::BodyUpdate& u);
+  void message(Event e, std::uint16_t session, const wire::SessionMessage& m);
+
+  using LinkId = std::tuple<std::uint16_t, Life, Endpoint, std::uint32_t>;
+  std::map<std::uint16_t, std::vector<Event>> events_;
+  std::map<std::uint16_t, std::map<EntityId, sync::Authority>> authority_;
+  std::set<std::tuple<std::uint16_t, Life, std::uint32_t>> told_;
+  std::map<LinkId, std::set<std::uint32_t>> sent_;  ///< numbers of updates
+  std::map<LinkId, std::uint32_t> seqs_;            ///< highest
+  std::map<std::pair<Endpoint, std::uint32_t>, PeerId> who_;
+  std::set<std::pair<std::uint16_t, Life>> heard_;
+};
+
+/// For help texts.
+extern const char* const kEventsHelp;
+
+std::string timeline_csv(const std::vector<Event>& events);
+std::string timeline_json(std::uint16_t session, const std::vector<Event>& events);
+/// A lane for every peer, and one for every body that changed hands.
+std::string timeline_svg(std::uint16_t session, const std::vector<Event>& events);
+
+}  // namespace padr::capture

@@ -1,0 +1,66 @@
+#include <algorithm>
+#include <optional>
+
+#include "common/model/user_error.h"
+#include "tools/capture/commands.h"
+#include "tools/capture/timeline.h"
+
+namespace padr::capture {
+namespace {
+
+struct Options {
+  std::vector<std::string> files;
+  std::optional<int> session;
+  std::string csv, svg, json;
+};
+
+/// The session's events, with the Joins, which know no session, in their place.
+std::pair<std::uint16_t, std::vector<Event>> choose(const Timeline& t, std::optional<int> session) {
+  const auto& all = t.events();
+  auto found = all.end();
+  for (auto it = all.begin(); it != all.end(); ++it) {
+    if (it->first == 0) continue;
+    if (session ? *session == it->first : found == all.end() || it->second.size() > found->second.size()) found = it;
+  }
+  if (found == all.end()) {
+    if (session) throw UserError("--session: " + std::to_string(*session) + " is not in the capture");
+    throw UserError("CAPTURE: nothing that happened in a session of PADR is in it");
+  }
+  std::vector<Event> events = found->second;
+  if (const auto joins = all.find(0); joins != all.end() && all.size() == 2)
+    events.insert(events.begin(), joins->second.begin(), joins->second.end());
+  std::stable_sort(events.begin(), events.end(), [](const Event& a, const Event& b) { return a.time_ns < b.time_ns; });
+  return {found->first, std::move(events)};
+}
+
+int run(const Options& o) {
+  Captures captures(o.files);
+  Timeline timeline;
+  while (const Datagram* d = captures.next()) timeline.take(*d);
+  const auto [session, events] = choose(timeline, o.session);
+  if (!o.svg.empty()) write_text("--svg", o.svg, timeline_svg(session, events));
+  if (!o.json.empty()) write_text("--json", o.json, timeline_json(session, events));
+  if (!o.csv.empty()) write_text("--csv", o.csv, timeline_csv(events));
+  if (o.csv.empty() && o.svg.empty() && o.json.empty()) write_text("", "-", timeline_csv(events));
+  return warn_incomplete(captures.troubles());
+}
+
+}  // namespace
+
+Run declare_timeline(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  declare_captures(app, o->files);
+  app.footer("Events:\n" + std::string(kEventsHelp) +
+             "\n\nThe time is that of the capture, the tick that at which it is true. Without any of --csv, --svg and "
+             "--json\nthe CSV goes to standard output.\n\nExample:\n"
+             "  padr-capture timeline peer0.pcapng --csv events.csv --svg events.svg");
+  app.add_option("--session", o->session, "Number of the session; default: the one with most events")
+      ->type_name("N")
+      ->check(CLI::Range(1, 65535));
+  app.add_option("--csv", o->csv, "One row an event; - is standard output")->type_name("FILE|-");
+  app.add_option("--svg", o->svg, "A picture: peers, and who owns which body")->type_name("FILE");
+  app.add_option("--json", o->json, "The events as JSON; - is standard output")->type_name("FILE|-");
+  return [o](const std::vector<std::string>&) { return run(*o); };
+}
+
+}  // namespace padr::capture
