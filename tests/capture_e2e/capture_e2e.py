@@ -143,9 +143,9 @@ class Captures(Case):
         self.assertEqual(both["seen_in_another_file"], (ours[0] & ours[1]).total())
         links = [link for s in both["sessions"] for link in s["links"]]
         self.assertEqual([s["delays_by"] for s in both["sessions"]], ["session clock"])
-        for link in links:  # delay 30ms 15ms; a loaded machine adds to it
-            self.assertGreater(link["delay_least_ms"], 14)
-            self.assertTrue(25 < link["delay_mean_ms"] < 300, link)
+        for link in links:  # delay 30ms 15ms; on a loaded machine clocks differ by some ms, and datagrams are late
+            self.assertGreater(link["delay_least_ms"], 5)
+            self.assertTrue(20 < link["delay_mean_ms"] < 300, link)
         self.check_rebuilt(files[0], least=6)
 
     def test_killed_and_late(self):
