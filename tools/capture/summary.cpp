@@ -46,8 +46,8 @@ std::string contents_text(const Source& s, const Tally& t) {
 std::string session_text(std::uint16_t number, const SessionTally& s) {
   std::string out = "\nSession " + std::to_string(number) + ": ";
   if (s.join_seen) out += s.scenario + (s.authority ? ", dynamic authority, " : ", avatar-only, ");
-  out += "ticks " + count(s.first_tick) + " to " + count(s.last_tick) + ", " + plural(s.hashes, "hash told");
-  if (s.hashes != 1) out.replace(out.rfind("hash tolds"), 10, "hashes told");
+  out += "ticks " + count(s.first_tick) + " to " + count(s.last_tick) + ", " + count(s.hashes) +
+         (s.hashes == 1 ? " hash told" : " hashes told");
   if (s.slots > 0) out += ", " + std::to_string(s.slots) + " slots, " + std::to_string(s.wanted) + " at tick 0";
   return out + "\n";
 }
