@@ -143,9 +143,9 @@ class Captures(Case):
         self.assertEqual(both["seen_in_another_file"], (ours[0] & ours[1]).total())
         links = [link for s in both["sessions"] for link in s["links"]]
         self.assertEqual([s["delays_by"] for s in both["sessions"]], ["session clock"])
-        for link in links:  # delay 30ms 15ms; a loaded machine adds to it
-            self.assertGreater(link["delay_least_ms"], 14)
-            self.assertTrue(25 < link["delay_mean_ms"] < 300, link)
+        for link in links:  # delay 30ms 15ms; on a loaded machine clocks differ by some ms, and datagrams are late
+            self.assertGreater(link["delay_least_ms"], 5)
+            self.assertTrue(20 < link["delay_mean_ms"] < 300, link)
         self.check_rebuilt(files[0], least=6)
 
     def test_killed_and_late(self):
@@ -175,7 +175,7 @@ class Captures(Case):
         r = self.check_rebuilt(files[3], "--scenario", "arena", least=3)
         self.assertEqual(r["stretches"][-1]["begins_with"], "transfer")
         self.check_timeline(files, numbers[peers[2]])
-        self.check_gap(files[0])  # of the founder, who gave the transfer
+        self.check_gap(files[0], numbers[peers[1]])  # of the founder, who gave the transfer
         # The middle of the session alone: from the transfer on.
         begin = self.path("middle.pcap")
         pcap.write(begin, [d for d in pcap.read(files[0]) if d[0] > came - 10**9])
@@ -211,24 +211,24 @@ class Captures(Case):
         with open(self.path("t.svg"), encoding="utf-8") as f:
             self.assertIn("</svg>", f.read())
 
-    def check_gap(self, file):
+    def check_gap(self, file, of):
         """Without the datagrams that carry one certain update, the world ends there, and it is said why."""
         lines = self.capture("export", file, "--json").splitlines()
         records = [json.loads(line) for line in lines]
         datagrams = pcap.read(file)
         self.assertEqual(len(records), len(datagrams))
         carries = [
-            (1, 5) in zip(r.get("padr.update.peer", []), r.get("padr.update.index", []))
+            (of, 5) in zip(r.get("padr.update.peer", []), r.get("padr.update.index", []))
             for r in records
         ]
         self.assertIn(True, carries)
         tick = next(t for r in records for p, i, t in zip(
-            r.get("padr.update.peer", []), r.get("padr.update.index", []), r.get("padr.update.tick", [])) if (p, i) == (1, 5))
+            r.get("padr.update.peer", []), r.get("padr.update.index", []), r.get("padr.update.tick", [])) if (p, i) == (of, 5))
         holed = self.path("holed.pcap")
         pcap.write(holed, [d for d, c in zip(datagrams, carries) if not c])
         r = self.as_json("rebuild", holed, code=1)
         self.assertTrue(r["stretches"][0]["gap"])
-        self.assertIn("update 5 of peer 1 is not in the capture", r["stretches"][0]["why"])
+        self.assertIn(f"update 5 of peer {of} is not in the capture", r["stretches"][0]["why"])
         self.assertLessEqual(r["stretches"][0]["to"], tick)
         self.assertEqual(r["agreeing"], r["hashes"])
         # A transfer begins another stretch behind the gap.

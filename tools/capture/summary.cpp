@@ -1,5 +1,8 @@
 #include "tools/capture/summary.h"
 
+#include <algorithm>
+#include <tuple>
+
 #include "tools/capture/names.h"
 
 namespace padr::capture {
@@ -46,8 +49,8 @@ std::string contents_text(const Source& s, const Tally& t) {
 std::string session_text(std::uint16_t number, const SessionTally& s) {
   std::string out = "\nSession " + std::to_string(number) + ": ";
   if (s.join_seen) out += s.scenario + (s.authority ? ", dynamic authority, " : ", avatar-only, ");
-  out += "ticks " + count(s.first_tick) + " to " + count(s.last_tick) + ", " + plural(s.hashes, "hash told");
-  if (s.hashes != 1) out.replace(out.rfind("hash tolds"), 10, "hashes told");
+  out += "ticks " + count(s.first_tick) + " to " + count(s.last_tick) + ", " + count(s.hashes) +
+         (s.hashes == 1 ? " hash told" : " hashes told");
   if (s.slots > 0) out += ", " + std::to_string(s.slots) + " slots, " + std::to_string(s.wanted) + " at tick 0";
   return out + "\n";
 }
@@ -80,8 +83,8 @@ std::string lives_text(const Tally& t, std::uint16_t session) {
 std::string links_text(const Tally& t, std::uint16_t session, const SessionTally& s) {
   Table table({"link", "dgrams", "missing", "dupl", "late", "told lost %", "gap ms", "p95", "delay ms", "p50", "p95",
                "least", "jitter", "peers' least", "marks", "resent", "ack ms"});
-  for (const auto& [key, link] : t.links()) {
-    if (key.from.session != session) continue;
+  for (const auto& [key, tally] : links_of(t, session)) {
+    const LinkTally& link = *tally;
     const DelayFigures d = delays_of(link, s);
     table.row({link_name(t, key), count(link.traffic.datagrams), count(link.seqs.missing()), count(link.duplicates),
                count(link.reordered),
@@ -134,6 +137,17 @@ std::string link_name(const Tally& tally, const LinkKey& link) {
   const PeerId to = tally.receiver(link);
   const std::string who = to == kNoPeer ? to_string(link.to) : life_name({link.from.session, to, link.to_incarnation});
   return life_name(link.from) + " -> " + who;
+}
+
+std::vector<std::pair<LinkKey, const LinkTally*>> links_of(const Tally& tally, std::uint16_t session) {
+  std::vector<std::pair<LinkKey, const LinkTally*>> all;
+  for (const auto& [key, link] : tally.links())
+    if (key.from.session == session) all.emplace_back(key, &link);
+  std::stable_sort(all.begin(), all.end(), [&tally](const auto& a, const auto& b) {
+    const auto order = [&tally](const LinkKey& k) { return std::tuple(k.from, tally.receiver(k), k.to_incarnation); };
+    return order(a.first) < order(b.first);
+  });
+  return all;
 }
 
 DelayFigures delays_of(const LinkTally& link, const SessionTally& session) {

@@ -25,6 +25,9 @@ std::string life_name(const LifeKey& life);
 /// "0 -> 1".
 std::string link_name(const Tally& tally, const LinkKey& link);
 
+/// Of a session, by sender and receiver.
+std::vector<std::pair<LinkKey, const LinkTally*>> links_of(const Tally& tally, std::uint16_t session);
+
 /// One-way delay of a link by the capture: how long after its tick began a datagram is in the capture.
 struct DelayFigures {
   double mean_ms = 0;

@@ -72,8 +72,7 @@ void put(Json& j, const Tally& t, std::uint16_t number, const SessionTally& s) {
   for (const auto& [key, life] : t.lives())
     if (key.session == number) put(j, key, life);
   j.end_array().key("links").begin_array();
-  for (const auto& [key, link] : t.links())
-    if (key.from.session == number) put(j, t, key, link, s);
+  for (const auto& [key, link] : links_of(t, number)) put(j, t, key, *link, s);
   j.end_array().end_object();
 }
 
