@@ -17,6 +17,8 @@ def pcap(data):
     link, at = struct.unpack_from(order + "I", data, 20)[0], 24
     while at + 16 <= len(data):
         seconds, fraction, size = struct.unpack_from(order + "III", data, at)
+        if at + 16 + size > len(data):  # it is being written
+            return
         yield seconds * 10**9 + fraction * scale, link, data[at + 16 : at + 16 + size]
         at += 16 + size
 
