@@ -114,6 +114,7 @@ void EventLoop::open_files() {
   recordings_ = std::make_unique<Recordings>(options_, log_);
   if (!options_.json.empty() && options_.json != "-")
     json_ = std::make_unique<support::OutputFile>("--json", options_.json);
+  if (!options_.health.empty()) health_ = std::make_unique<Health>(options_.health, log_);
 }
 
 int EventLoop::run() {
@@ -127,6 +128,7 @@ int EventLoop::run() {
   player_->finish();
   recordings_->close();
   write_summary();
+  if (health_) health_->remove();
   if (exit_code_ == 0) {
     log_.session->info("ended: {}", reason_);
   } else {
@@ -157,6 +159,7 @@ void EventLoop::advance(Micros now) {
   send_out(now);
   end_if_over(now);
   if (player_->playing()) say_status(now);
+  if (health_) health_->update(*player_, now);
 }
 
 void EventLoop::send_out(Micros now) {
@@ -189,6 +192,7 @@ void EventLoop::say_status(Micros now) {
 void EventLoop::set_timer(Micros now) {
   Micros due = drain_until_ ? *drain_until_ : player_->next_due();
   if (const auto next = egress_->next_due()) due = std::min(due, *next);
+  if (health_ && !drain_until_) due = std::min(due, health_->next_due());
   timer_.expires_at(clock_.at(std::max(due, now)));
   timer_.async_wait([this](const error_code& error) {
     if (!error) wake();

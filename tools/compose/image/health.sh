@@ -1,0 +1,9 @@
+#!/bin/sh
+# The health check of a peer: it plays, its confirmed world advances, and it said so within the last seconds.
+file=${PADR_DATA:-/data}/peer${PADR_NUMBER:?}.health
+if [ -z "$(find "$file" -newermt '-5 seconds' 2>/dev/null)" ]; then
+  echo "no sign of life in $file for 5 s"
+  exit 1
+fi
+tr -d '\n' <"$file"
+grep -q '"healthy": true' "$file"
