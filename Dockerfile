@@ -8,7 +8,8 @@
 
 FROM debian:bookworm-slim AS capture
 RUN apt-get -q update && apt-get -q install -y --no-install-recommends tcpdump && rm -rf /var/lib/apt/lists/* /var/cache/* \
-  && install -d -o 10001 -g 10001 -m 0775 /data
+  && groupadd --gid 10001 padr && useradd --uid 10001 --gid padr --no-create-home --home-dir /data padr \
+  && install -d -o padr -g padr -m 0775 /data
 COPY tools/compose/image/capture.sh /usr/local/bin/compose-capture
 CMD ["compose-capture"]
 

@@ -6,7 +6,9 @@ data=${PADR_DATA:-/data}
 peer=$data/peer${PADR_NUMBER:?}
 started=$(date +%s)
 
-tcpdump -i eth0 -U -w "$peer.pcap" udp port "${PADR_PORT:-7001}" &
+# Once it has its socket, tcpdump goes on as the user whom the folder belongs to. A file that it opened itself it would
+# want to give away before, which takes one more capability.
+tcpdump -p -Z padr -i eth0 -U -w - udp port "${PADR_PORT:-7001}" >"$peer.pcap" &
 dump=$!
 stop() {
   kill -TERM "$dump" 2>/dev/null
