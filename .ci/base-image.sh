@@ -53,6 +53,7 @@ mmdebstrap --quiet --mode=root --variant=minbase --aptopt="$work/host.conf" \
   --dpkgopt='path-include=/usr/share/doc/*/copyright' \
   --customize-hook='rm -rf "$1"/var/lib/apt/lists/* "$1"/var/cache/* "$1"/var/log/* "$1"/etc/hostname "$1"/etc/resolv.conf' \
   --customize-hook='rm -f "$1"/etc/apt/apt.conf.d/99mmdebstrap' \
-  "$suite" "$work/base.tar" - <"$work/sources.list"
+  "$suite" "$work/base.tar" - <"$work/sources.list" >"$work/log" 2>&1 ||
+  { tail -n 40 "$work/log" >&2; echo "base-image.sh: mmdebstrap failed" >&2; exit 1; }
 docker import --change 'CMD ["bash"]' --message "made by .ci/base-image.sh" "$work/base.tar" "$image" >/dev/null
 echo "base-image.sh: made $image, $(($(docker image inspect --format '{{.Size}}' "$image") / 1000000)) MB"

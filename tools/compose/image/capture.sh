@@ -8,7 +8,7 @@ started=$(date +%s)
 
 # Once it has its socket, tcpdump goes on as the user whom the folder belongs to. A file that it opened itself it would
 # want to give away before, which takes one more capability.
-tcpdump -p -Z padr -i eth0 -U -w - udp port "${PADR_PORT:-7001}" >"$peer.pcap" &
+tcpdump -p --immediate-mode -Z padr -i eth0 -U -w - udp port "${PADR_PORT:-7001}" >"$peer.pcap" &
 dump=$!
 stop() {
   kill -TERM "$dump" 2>/dev/null

@@ -6,4 +6,8 @@ if [ -z "$(find "$file" -newermt '-5 seconds' 2>/dev/null)" ]; then
   exit 1
 fi
 tr -d '\n' <"$file"
-grep -q '"healthy": true' "$file"
+# A Swarm lets nobody find a service that is not healthy: there, a peer that waits for the others is well.
+case ${PADR_TASK:-} in
+  "" | "{{"*) grep -q '"healthy": true' "$file" ;;
+  *) grep -q -e '"healthy": true' -e '"playing": false' "$file" ;;
+esac
