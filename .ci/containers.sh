@@ -54,7 +54,7 @@ fi
 revision=$(git describe --always --dirty --tags 2>/dev/null || true)
 build() { # TARGET TAG
   local started=$SECONDS
-  docker build --quiet "${way_out[@]}" --build-arg JOBS=2 --build-arg "PADR_REVISION=$revision" --target "$1" --tag "$2" . >"$logs/build-$1.log" 2>&1 ||
+  docker build --quiet --force-rm "${way_out[@]}" --build-arg JOBS=2 --build-arg "PADR_REVISION=$revision" --target "$1" --tag "$2" . >"$logs/build-$1.log" 2>&1 ||
     { tail -n 40 "$logs/build-$1.log" >&2; fail "target $1 of the Dockerfile does not build"; }
   echo "$2: built in $((SECONDS - started)) s, $(($(docker image inspect --format '{{.Size}}' "$2") / 1000000)) MB"
 }

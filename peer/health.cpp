@@ -73,7 +73,7 @@ std::string Health::write(const HealthState& s) const {
   std::error_code error;
   std::filesystem::rename(fresh, file_, error);
   if (!error) return {};
-  const std::string why = "--health: cannot write '" + file_ + "': " + error.message();
+  std::string why = "--health: cannot write '" + file_ + "': " + error.message();
   std::filesystem::remove(fresh, error);
   return why;
 }
