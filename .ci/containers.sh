@@ -40,6 +40,7 @@ for word in http_proxy https_proxy no_proxy; do
 done
 # What step `test` has compiled needs no compiling again: same compiler, same files.
 if [[ -d out/ci/ccache ]]; then
+  : >"$logs/ccache.port" # is to be there before the server has begun
   python3 -u -m http.server --bind 127.0.0.1 --directory out/ci/ccache 0 >"$logs/ccache.port" 2>"$logs/ccache.log" &
   server=$!
   for ((tries = 0; tries < 100; ++tries)); do
