@@ -70,18 +70,8 @@ cleanup() {
 trap cleanup EXIT
 trap 'exit 130' INT TERM
 
-# The host's Debian sources (no third-party ones), whichever format they are written in, and its proxy settings.
-# shellcheck disable=SC1091  # every Debian has it
-host_suite=$(. /etc/os-release && echo "${VERSION_CODENAME:-}")
-host_sources() {
-  # shellcheck disable=SC2016  # apt expands these
-  apt-get indextargets --format 'deb $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' 'Origin: Debian' |
-    sort -u | sed "s/ $host_suite\\([ -]\\)/ $suite\\1/"
-}
-if [[ -z $(host_sources) ]]; then DEBIAN_FRONTEND=noninteractive apt-get -q update; fi
-host_sources >"$work/sources.list"
-if [[ ! -s $work/sources.list ]]; then echo "bare-debian.sh: apt knows no Debian sources here" >&2; exit 1; fi
-apt-config dump | grep -iE '^Acquire::([a-z]+::Proxy|Retries|https?::(Verify|CaInfo))' >"$work/host.conf" || true
+"$repo/.ci/debian-sources.sh" sources "$suite" >"$work/sources.list"
+"$repo/.ci/debian-sources.sh" settings >"$work/host.conf"
 
 echo "bare-debian.sh: making a bare $suite"
 mmdebstrap --quiet --mode=root --variant=minbase --aptopt="$work/host.conf" "$suite" "$root" - <"$work/sources.list"

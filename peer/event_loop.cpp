@@ -112,6 +112,7 @@ void EventLoop::open_files() {
   if (!options_.pcap.empty()) packets_ = std::make_unique<PacketLog>(options_, *socket_);
   if (!options_.json.empty() && options_.json != "-")
     json_ = std::make_unique<support::OutputFile>("--json", options_.json);
+  if (!options_.health.empty()) health_ = std::make_unique<Health>(options_.health, log_);
 }
 
 int EventLoop::run() {
@@ -130,6 +131,7 @@ int EventLoop::run() {
       log_.net->error("--pcap: {} datagrams are not in it, the disk was too slow", packets_->dropped());
   }
   write_summary();
+  if (health_) health_->remove();
   if (exit_code_ == 0) {
     log_.session->info("ended: {}", reason_);
   } else {
@@ -172,6 +174,7 @@ void EventLoop::advance(Micros now) {
   send_out(now);
   end_if_over(now);
   if (player_->playing()) say_status(now);
+  if (health_) health_->update(*player_, now);
 }
 
 void EventLoop::send_out(Micros now) {
@@ -204,6 +207,7 @@ void EventLoop::say_status(Micros now) {
 void EventLoop::set_timer(Micros now) {
   Micros due = drain_until_ ? *drain_until_ : player_->next_due();
   if (const auto next = egress_->next_due()) due = std::min(due, *next);
+  if (health_ && !drain_until_) due = std::min(due, health_->next_due());
   timer_.expires_at(clock_.at(std::max(due, now)));
   timer_.async_wait([this](const error_code& error) {
     if (!error) wake();

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "peer/egress.h"
+#include "peer/health.h"
 #include "peer/log.h"
 #include "peer/options.h"
 #include "peer/packet_log.h"
@@ -57,6 +58,7 @@ class EventLoop {
   boost::asio::signal_set signals_;
   boost::asio::steady_timer timer_;
   std::unique_ptr<Recordings> recordings_;
+  std::unique_ptr<Health> health_;             ///< null if nobody asked for it
   std::unique_ptr<support::OutputFile> json_;  ///< null for standard output, too
   std::unique_ptr<UdpSocket> socket_;
   std::unique_ptr<PacketLog> packets_;  ///< null: none is kept

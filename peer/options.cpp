@@ -112,6 +112,11 @@ void declare_output(CLI::App& app, Raw& raw, Options& o) {
       ->type_name("FILE")
       ->group(group);
   app.add_option("--json", raw.json, "Summary at the end; - is standard output")->type_name("FILE")->group(group);
+  app.add_option("--health", o.health,
+                 "Replaced once a second while the process runs, removed when it ends: JSON that says healthy\n"
+                 "once this peer plays, as long as its confirmed world has advanced in the last 10 s")
+      ->type_name("FILE")
+      ->group(group);
   app.add_option("--status-interval", o.status_interval, "Seconds between status lines; 0: none")
       ->type_name("S")
       ->check(support::between(0.0, 3600.0, "seconds"))

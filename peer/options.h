@@ -42,9 +42,10 @@ struct Options {
   std::vector<NetemOverride> netem_to;
   std::uint64_t netem_seed = 1;
 
-  std::string trace;  ///< file; empty: none
-  std::string pcap;   ///< file; empty: none
-  std::string json;   ///< file, or - for standard output; empty: none
+  std::string trace;   ///< file; empty: none
+  std::string pcap;    ///< file; empty: none
+  std::string json;    ///< file, or - for standard output; empty: none
+  std::string health;  ///< file; empty: none
   spdlog::level::level_enum log_level = spdlog::level::info;
   std::map<std::string, spdlog::level::level_enum> log_levels;  ///< by subsystem
   double status_interval = 1;                                   ///< s; 0: no status line

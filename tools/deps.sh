@@ -11,7 +11,8 @@ Installs what is missing of the Debian packages of the named groups (default: bu
   build   compiler, CMake, Ninja and the libraries the programs are built on
   run     what the programs call at run time: gnuplot for plots, rsvg-convert for film strips
   test    GoogleTest, Google Benchmark, RapidCheck, Python
-  check   formatting, linting, clang builds, fuzzing, the clean-clone check; tshark and tcpdump
+  check   formatting, linting, clang builds, fuzzing, the clean-clone check, tshark and tcpdump, Compose and a base
+          image for containers
   all     every group
 
   --list  print the packages of the groups and whether each is installed; install nothing
@@ -30,7 +31,7 @@ packages_of() {
     run) echo 'gnuplot-nox|gnuplot-qt|gnuplot-x11' librsvg2-bin ;;
     test) echo libgtest-dev libbenchmark-dev librapidcheck-dev python3 ;;
     check) echo 'clang-14|clang-@' 'clang-format-14|clang-format-@' 'clang-tidy-14|clang-tidy-@' \
-      'libclang-rt-14-dev|libclang-rt-@-dev' git shellcheck tshark tcpdump ;;
+      'libclang-rt-14-dev|libclang-rt-@-dev' git shellcheck tshark tcpdump docker-compose mmdebstrap ;;
   esac
 }
 

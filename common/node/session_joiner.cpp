@@ -30,7 +30,8 @@ void Joiner::ask(Micros local) {
 
 void Joiner::on_join(const Endpoint& from, const wire::Join& join, Micros local) {
   if (join.nonce == nonce_) {
-    if (desk_.phase == SessionPhase::kJoining)
+    // Passed on to ourselves: we were the founder or coordinator, and nobody has missed us yet. Asking again will do.
+    if (desk_.phase == SessionPhase::kJoining && redirects_ == 0)
       desk_.fail("the peer to join, " + to_string(target_) + ", is this peer itself");
     return;
   }

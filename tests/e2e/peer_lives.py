@@ -78,6 +78,22 @@ class Lives(Case):
             lost = {link["peer"] for link in s["links"] if link["lost"]}
             self.assertLessEqual(lost, {0, int(number)})
 
+    def test_killed_founder_comes_back_to_its_address(self):
+        peers = self.running(3)
+        founder, others = peers[0], peers[1:]
+        port = founder.port()
+        founder.process.kill()
+        founder.end()
+        # Before anybody has missed it, so that it is passed on to where it is itself.
+        back = self.peer("--listen", f"127.0.0.1:{port}", "--join", f"127.0.0.1:{others[0].port()}", "--netem", LINK)
+        back.wait_for(f"passes us on to the founder at 127.0.0.1:{port}")
+        back.wait_for(PLAYING)
+        self.settle([*others, back])
+        self.end_all([*others, back])
+        self.check_agreement([*others, back], least_common=2)
+        for p in others:
+            self.assertEqual(p.summary()["others"]["removed"], 1)
+
     def test_standing_still_and_coming_back(self):
         peers = self.running(3)
         frozen = peers[1]

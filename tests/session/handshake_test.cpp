@@ -224,6 +224,21 @@ TEST(Handshake, JoiningOneselfIsNoticed) {
   EXPECT_NE(net.at(1).failure().find("is this peer itself"), std::string::npos) << net.story();
 }
 
+// It crashed and comes back through a member that has not missed it yet.
+TEST(Handshake, AFounderThatIsPassedOnToItselfAsksAgain) {
+  VirtualNet net(1);
+  net.add(1, founder(1, 3));
+  net.add(2, joiner(2, 1));
+  net.run(1'000'000);
+  net.add(1, joiner(77, 2));
+  net.run(3'000'000);
+  EXPECT_TRUE(net.noted(1, "passes us on to the founder at " + to_string(place(1)))) << net.story();
+  EXPECT_EQ(net.at(1).phase(), SessionPhase::kJoining) << net.story();
+  const auto asked = net.sent(place(1), place(2));
+  net.run(1'000'000);
+  EXPECT_GT(net.sent(place(1), place(2)), asked) << net.story();
+}
+
 // The founder plays on one machine with others and tells of them by loopback addresses.
 TEST(Handshake, ALoopbackAddressToldByAnotherMachineMeansThatMachine) {
   VirtualNet net(1);

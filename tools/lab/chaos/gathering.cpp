@@ -44,6 +44,7 @@ int Gathering::start(std::optional<int> by) {
       scenarios::make_input("wander", {config_.scene, n % spawns, derive_seed(config_.seed, 7, rng.next_u64()), {}});
   node::ParticipantConfig c;
   if (by) c.session.join = persons_[at(*by)].place;
+  p.by = by;
   c.session.wanted = config_.wanted;
   c.session.slots = config_.slots;
   c.session.scene_hash = scene_hash(config_.scene);
@@ -60,6 +61,11 @@ int Gathering::start(std::optional<int> by) {
   by_place_[p.place] = n;
   p.peer = std::make_unique<node::Participant>(config_.scene, std::move(c), local(p));
   return n;
+}
+
+bool Gathering::knocks_in_vain(int person) const {
+  const Person& p = persons_[at(person)];
+  return p.by && !runs(*p.by) && p.peer->life() < 0 && p.peer->session().phase() == node::SessionPhase::kJoining;
 }
 
 void Gathering::leave(int person) {

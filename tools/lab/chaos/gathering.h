@@ -55,6 +55,9 @@ class Gathering {
   /// Runs: has started, and has neither been killed nor come to its end.
   bool runs(int person) const { return persons_[at(person)].runs; }
   bool leaving(int person) const { return persons_[at(person)].leaving; }
+  /// Has got no answer from the only one it was told of, who does not run any more: nobody knows of it, nor it of
+  /// anybody.
+  bool knocks_in_vain(int person) const;
   bool paused(int person) const { return persons_[at(person)].paused; }
   const node::Participant& peer(int person) const { return *persons_[at(person)].peer; }
   /// When it was first a part of the session, after its start; -1: not yet.
@@ -73,6 +76,7 @@ class Gathering {
     std::unique_ptr<node::Participant> peer;
     std::unique_ptr<scenarios::InputSource> input;
     Endpoint place;
+    std::optional<int> by;  ///< whom it joined
     Micros offset = 0;
     double rate = 1;
     Micros born = 0;

@@ -78,7 +78,7 @@ void Judge::compare(Tick t, Record r) {
 void Judge::final_check() {
   std::vector<int> all;
   for (int p = 0; p < gathering_.persons(); ++p)
-    if (gathering_.runs(p) && !gathering_.leaving(p)) all.push_back(p);
+    if (gathering_.runs(p) && !gathering_.leaving(p) && !gathering_.knocks_in_vain(p)) all.push_back(p);
   for (const int p : all) {
     const node::Participant& a = gathering_.peer(p);
     if (!a.playing()) return blame(name(p) + " has not come in");

@@ -1,0 +1,81 @@
+#include "peer/health.h"
+
+#include <filesystem>
+#include <system_error>
+
+#include "common/model/user_error.h"
+#include "peer/status.h"
+#include "tools/support/files.h"
+#include "tools/support/json.h"
+
+namespace padr::peer {
+namespace {
+
+std::string to_json(const HealthState& s) {
+  support::Json j;
+  j.begin_object().field("healthy", s.healthy).field("playing", s.playing);
+  if (s.peer) {
+    j.field("peer", *s.peer).field("present", s.present);
+    j.field("confirmed_tick", s.confirmed).field("confirmed_hash", hex(s.hash));
+    j.field("confirmed_still_ms", s.still / 1000);
+  }
+  return j.end_object().text();
+}
+
+}  // namespace
+
+Health::Health(std::string file, Log& log) : file_(std::move(file)), log_(log) {
+  const std::string why = write({});
+  if (!why.empty()) throw UserError(why);
+}
+
+void Health::update(const Player& player, Micros now) {
+  const HealthState s = state(player, now);
+  if (now < next_) return;
+  next_ = now + kPeriod;
+  const std::string why = write(s);
+  if (!why.empty() && limit_.pass(now))
+    log_.status->warn("{} ({} such messages held back)", why, limit_.take_suppressed());
+}
+
+void Health::remove() {
+  std::error_code ignored;  // whoever reads it sees that it gets old
+  std::filesystem::remove(file_, ignored);
+}
+
+HealthState Health::state(const Player& player, Micros now) {
+  HealthState s;
+  s.playing = player.playing();
+  if (!s.playing) return s;
+  const auto confirmed = player.confirmed();
+  // Another life may begin at an earlier tick than the one before has confirmed.
+  if (player.life() != life_ || confirmed.tick > confirmed_) advanced_ = now;
+  life_ = player.life();
+  confirmed_ = confirmed.tick;
+  s.peer = player.self();
+  s.present = player.present();
+  s.confirmed = confirmed.tick;
+  s.hash = confirmed.hash;
+  s.still = now - advanced_;
+  s.healthy = s.still < kPatience && confirmed.tick >= 0;
+  return s;
+}
+
+std::string Health::write(const HealthState& s) const {
+  const std::string fresh = file_ + ".new";
+  try {
+    support::OutputFile out("--health", fresh);
+    out.write(to_json(s));
+    out.close();
+  } catch (const std::exception& e) {
+    return e.what();
+  }
+  std::error_code error;
+  std::filesystem::rename(fresh, file_, error);
+  if (!error) return {};
+  std::string why = "--health: cannot write '" + file_ + "': " + error.message();
+  std::filesystem::remove(fresh, error);
+  return why;
+}
+
+}  // namespace padr::peer

@@ -1,0 +1,68 @@
+#!/usr/bin/env python3
+"""End to end: the health file, by which others watch a peer from outside.
+
+Usage: peer_health.py PATH_TO_PADR_PEER [unittest arguments]
+"""
+
+import json
+import os
+
+from peers import PATIENCE, Case, main, run, signal, time
+
+
+class Health(Case):
+    def path(self, name="peer.health"):
+        return os.path.join(self.folder.name, name)
+
+    def wait_for(self, holds, path=None):
+        """What the file says once `holds` is true of it; it may not be there yet, but is never half written."""
+        deadline = time.monotonic() + PATIENCE
+        said = None
+        while time.monotonic() < deadline:
+            if os.path.exists(path or self.path()):
+                with open(path or self.path(), encoding="utf-8") as f:
+                    said = json.load(f)
+                if holds(said):
+                    return said
+            time.sleep(0.02)
+        self.fail(f"still {said} after {PATIENCE} s")
+
+    def test_unhealthy_until_it_plays_healthy_while_confirmed_advances_gone_at_the_end(self):
+        founder = self.peer("--wait-peers", 2, "--health", self.path())
+        waiting = self.wait_for(lambda s: True)
+        self.assertEqual(waiting, {"healthy": False, "playing": False})
+        other = self.peer("--join", f"127.0.0.1:{founder.port()}")
+        first = self.wait_for(lambda s: s["healthy"])
+        self.assertTrue(first["playing"])
+        self.assertEqual((first["peer"], first["present"]), (0, 2))
+        later = self.wait_for(lambda s: s["confirmed_tick"] >= first["confirmed_tick"] + 60)
+        self.assertNotEqual(later["confirmed_hash"], first["confirmed_hash"])
+        for p in (other, founder):
+            p.process.send_signal(signal.SIGINT)
+        self.assertEqual([p.end() for p in (other, founder)], [0, 0])
+        self.assertEqual(os.listdir(self.folder.name), [], "neither the file nor a draft of it is left")
+
+    def test_confirmed_that_stands_still_shows(self):
+        flags = ["--health", self.path()]
+        founder = self.peer("--wait-peers", 2, *flags)
+        other = self.peer("--join", f"127.0.0.1:{founder.port()}")
+        self.wait_for(lambda s: s["healthy"])
+        other.process.send_signal(signal.SIGSTOP)  # until it is declared gone, confirmed waits for it
+        still = self.wait_for(lambda s: s["confirmed_still_ms"] > 1500)
+        self.assertTrue(still["healthy"], "for it may take so long")
+        on = self.wait_for(lambda s: s["confirmed_tick"] > still["confirmed_tick"])
+        self.assertLess(on["confirmed_still_ms"], 1500)
+        founder.process.send_signal(signal.SIGINT)
+        self.assertEqual(founder.end(), 0)
+
+    def test_a_file_that_cannot_be_written_is_a_wrong_argument(self):
+        os.mkdir(self.path("folder"))
+        for bad in (self.path("nowhere/peer.health"), self.path("folder")):
+            code, _, said = run("--wait-peers", "1", "--duration", "1", "--health", bad)
+            self.assertEqual(code, 2)
+            self.assertIn(f"--health: cannot write '{bad}", said)
+            self.assertEqual(said.count("\n"), 1)
+
+
+if __name__ == "__main__":
+    main()

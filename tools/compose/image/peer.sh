@@ -1,0 +1,84 @@
+#!/bin/sh
+# One peer of docker-compose.yml: turns its environment into padr-peer's command line.
+#
+# Peer 1 founds the session and the others join it, unless a session is being played already: who comes back to one,
+# founder or not, joins whoever is there. Whether one is, the peers' health files tell, in the folder that all share.
+set -eu
+
+data=${PADR_DATA:-/data}
+number=${PADR_NUMBER:?"the number of this peer, from 1"}
+port=${PADR_PORT:-7001}
+patience=${PADR_JOIN_TIMEOUT:-60}
+
+trap 'exit 143' TERM INT # the first process of a container would not mind them otherwise
+say() { echo "compose-peer: $*" >&2; }
+
+# Names one that has been playing within the last seconds; nothing when there is none.
+somebody_playing() {
+  find "$data" -maxdepth 1 -name 'peer*.health' ! -name "peer$number.health" -newermt '-5 seconds' \
+    -exec grep -l '"playing": true' {} + 2>/dev/null | sed -n 's|.*/\(peer[0-9]*\)[.]health$|\1|p' | head -n 1
+}
+
+# In a Swarm the name of a service stands for a balanced address; that of the peer itself is under tasks. there.
+address_of() { # SERVICE
+  case ${PADR_TASK:-} in
+    "" | "{{"*) echo "$1" ;;
+    *) echo "tasks.$1" ;;
+  esac
+}
+
+# The engine may start us before the one that we join.
+wait_for_name() { # NAME
+  waited=0
+  while ! getent hosts "$1" >/dev/null; do
+    if [ "$waited" -ge "$patience" ]; then
+      say "there is no '$1' on this network after $patience s"
+      exit 1
+    fi
+    waited=$((waited + 1))
+    sleep 1
+  done
+}
+
+file=$data/peer$number
+member=$(somebody_playing)
+if [ -n "$member" ]; then
+  # What was recorded before this process belongs to the same session.
+  times=1
+  while [ -e "$file.trace" ]; do
+    file=$data/peer$number.back$times
+    times=$((times + 1))
+  done
+else
+  rm -f "$file".trace "$file".*.trace "$file".json "$file".*.json "$file".pcap "$file".health
+  if [ "$number" -ne 1 ]; then member=peer1; fi
+fi
+
+# A capture that shall have everything has to be there first.
+waited=0
+while [ -n "${PADR_AFTER_FILE:-}" ] && [ ! -s "$PADR_AFTER_FILE" ]; do
+  if [ "$waited" -ge "$((patience * 10))" ]; then
+    say "no $PADR_AFTER_FILE after $patience s"
+    exit 1
+  fi
+  waited=$((waited + 1))
+  sleep 0.1
+done
+
+if [ -n "$member" ]; then
+  member=$(address_of "$member")
+  wait_for_name "$member"
+  set -- --join "$member:$port"
+else
+  set -- --wait-peers "${PADR_PEERS:-4}"
+fi
+netem=${PADR_NETEM_OWN:-${PADR_NETEM:-}}
+if [ -n "$netem" ]; then set -- "$@" --netem "$netem"; fi
+
+# The network is the session's own; see there. PADR_ARGS is a list of words.
+# shellcheck disable=SC2086
+exec padr-peer "$@" --listen "0.0.0.0:$port" --insecure --join-timeout "$patience" \
+  --scenario "${PADR_SCENARIO:-arena}" --seed "${PADR_SEED:-1}" --technique "${PADR_TECHNIQUE:-full}" \
+  --input "${PADR_INPUT:-wander}" --duration "${PADR_DURATION:-60}" \
+  --netem-seed "$((${PADR_SEED:-1} * 100 + number))" \
+  --trace "$file.trace" --json "$file.json" --health "$data/peer$number.health" ${PADR_ARGS:-}
