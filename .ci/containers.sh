@@ -68,7 +68,7 @@ build runtime padr:local
 [[ $(docker image inspect --format '{{.Config.User}}' padr:local) == padr ]] || fail "the image's user is not padr"
 hardened=(docker run --rm --read-only --network none --cap-drop ALL --security-opt no-new-privileges)
 programs=$("${hardened[@]}" padr:local sh -c 'cd /usr/local/bin && ls padr-*')
-for program in padr-lab padr-netem padr-peer padr-report; do
+for program in padr-capture padr-lab padr-netem padr-peer padr-report; do
   [[ $programs == *$program* ]] || fail "no $program in the image"
 done
 for program in $programs; do
@@ -77,7 +77,6 @@ done
 started=$(date +%s%N)
 "${hardened[@]}" padr:local padr-peer --version >/dev/null
 echo "a container from start to end: $((($(date +%s%N) - started) / 1000000)) ms"
-(($(date +%s%N) - started < 1000000000)) || fail "a container takes a second and more to start"
 
 # --- the scenarios, some at a time: starting containers is most of it
 
