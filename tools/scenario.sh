@@ -233,6 +233,22 @@ began_lives=$(sed -n 's/^  "lives": \([0-9]*\),*$/\1/p' "$out/report/report.json
 if ((began_lives < ${#peers[@]} + lives)); then
   fail "only $began_lives lives in the report, not ${#peers[@]} and $lives more"
 fi
+
+# --- what the packets tell, by themselves
+
+packets() { # COMMAND
+  docker run --rm --read-only --network none --cap-drop ALL --security-opt no-new-privileges \
+    --volume "${project}_traces:/data:ro" "${PADR_IMAGE:-padr:local}" sh -c "$1"
+}
+if ((${#captures[@]} > 0)); then
+  for kind in pcap pcapng; do
+    packets "padr-capture compare peer*.$kind peer*.trace" >"$out/report/compare-$kind.txt" ||
+      fail "captures (*.$kind) and traces do not agree: $out/report/compare-$kind.txt"
+    echo
+    echo "*.$kind: $(tail -n 1 "$out/report/compare-$kind.txt")"
+    packets "padr-capture rebuild peer*.$kind" || fail "the world cannot be rebuilt from *.$kind"
+  done
+fi
 echo
 echo "traces and report: $out"
 echo "All confirmed worlds were identical."

@@ -50,7 +50,7 @@ if [ -n "$member" ]; then
     times=$((times + 1))
   done
 else
-  rm -f "$file".trace "$file".*.trace "$file".json "$file".*.json "$file".pcap "$file".health
+  rm -f "$file".trace "$file".*.trace "$file".json "$file".*.json "$file".pcap "$file".pcapng "$file".health
   if [ "$number" -ne 1 ]; then member=peer1; fi
 fi
 
@@ -74,6 +74,8 @@ else
 fi
 netem=${PADR_NETEM_OWN:-${PADR_NETEM:-}}
 if [ -n "$netem" ]; then set -- "$@" --netem "$netem"; fi
+
+if [ -n "${PADR_OWN_CAPTURE:-}" ]; then set -- "$@" --pcap "$file.pcapng"; fi
 
 # The network is the session's own; see there. PADR_ARGS is a list of words.
 # shellcheck disable=SC2086
