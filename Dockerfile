@@ -1,6 +1,7 @@
 # The programs in containers; docker-compose.yml says how they play together. Needs no BuildKit.
 #
 #   docker build --target capture .   tcpdump, for a side-car
+#   docker build --target tc .        the kernel's netem, for a side-car
 #   docker build .                    every program of the project
 #
 # A way out to the Debian archive that your network needs (--network host, --build-arg http_proxy=...) is for the command
@@ -12,6 +13,12 @@ RUN apt-get -q update && apt-get -q install -y --no-install-recommends tcpdump &
   && install -d -o padr -g padr -m 0775 /data
 COPY tools/compose/image/capture.sh /usr/local/bin/compose-capture
 CMD ["compose-capture"]
+
+
+FROM debian:bookworm-slim AS tc
+RUN apt-get -q update && apt-get -q install -y --no-install-recommends iproute2 && rm -rf /var/lib/apt/lists/* /var/cache/*
+COPY tools/compose/image/tc.sh /usr/local/bin/compose-tc
+CMD ["compose-tc"]
 
 
 FROM debian:bookworm-slim AS build

@@ -101,8 +101,12 @@ containers() { # [SERVICE]: ids, also of those that have ended
 }
 state() { docker inspect --format "{{.State.$2}}" "$(containers "$1")"; } # SERVICE FIELD
 peers=()
+cars=() # beside them
 for service in $(compose config --services | sort -V); do
-  if [[ $service == peer* ]]; then peers+=("$service"); fi
+  case $service in
+    peer*) peers+=("$service") ;;
+    capture* | tc*) cars+=("$service") ;;
+  esac
 done
 
 log=$(mktemp)
@@ -126,9 +130,15 @@ trap 'exit 143' TERM
 
 # Peers are to become healthy, and stay alive while they wait for it.
 wait_healthy() { # SECONDS SERVICE...
-  local deadline=$((SECONDS + $1)) service
+  local deadline=$((SECONDS + $1)) service car
   for service in "${@:2}"; do
     until [[ $(state "$service" Health.Status) == healthy ]]; do
+      for car in "${cars[@]}"; do
+        if [[ $(state "$car" Status) == exited ]]; then
+          docker logs --tail 3 "$(containers "$car")" >&2
+          fail "$car ended: the peers wait for it in vain"
+        fi
+      done
       if [[ $(state "$service" Running) != true ]]; then
         docker logs --tail 3 "$(containers "$service")" >&2
         fail "$service ended instead of becoming healthy"
@@ -210,8 +220,7 @@ while [[ $(state report Running) == true ]]; do
   if ((SECONDS >= deadline)); then fail "no report after $((duration + 60)) s"; fi
   sleep 0.5
 done
-mapfile -t captures < <(compose config --services | grep '^capture' || true)
-if ((${#captures[@]} > 0)); then quietly compose stop "${captures[@]}"; fi
+if ((${#cars[@]} > 0)); then quietly compose stop "${cars[@]}"; fi
 
 docker cp "$(containers report):/data/." "$out" >/dev/null
 if [[ -e $out/report/report.txt ]]; then cat "$out/report/report.txt"; fi
@@ -240,7 +249,7 @@ packets() { # COMMAND
   docker run --rm --read-only --network none --cap-drop ALL --security-opt no-new-privileges \
     --volume "${project}_traces:/data:ro" "${PADR_IMAGE:-padr:local}" sh -c "$1"
 }
-if ((${#captures[@]} > 0)); then
+if [[ $name == capture ]]; then
   for kind in pcap pcapng; do
     packets "padr-capture compare peer*.$kind peer*.trace" >"$out/report/compare-$kind.txt" ||
       fail "captures (*.$kind) and traces do not agree: $out/report/compare-$kind.txt"

@@ -33,7 +33,8 @@ class Tcpdump:
         if shutil.which("tcpdump") is None:
             return
         self.process = subprocess.Popen(
-            ["tcpdump", "-i", "lo", "-U", "--immediate-mode", "-B", "8192", "-w", path, "udp"],
+            # The buffer is divided into places of the snapshot length: with 256 KiB, the default, for some 30 packets.
+            ["tcpdump", "-i", "lo", "-s", "4096", "-U", "--immediate-mode", "-B", "8192", "-w", path, "udp"],
             stderr=subprocess.PIPE, text=True,
         )  # fmt: skip
         for line in self.process.stderr:

@@ -8,7 +8,8 @@ started=$(date +%s)
 
 # Once it has its socket, tcpdump goes on as the user whom the folder belongs to. A file that it opened itself it would
 # want to give away before, which takes one more capability.
-tcpdump -p --immediate-mode -Z padr -i eth0 -U -w - udp port "${PADR_PORT:-7001}" >"$peer.pcap" &
+# The buffer is divided into places of the snapshot length, 256 KiB by default: too few places.
+tcpdump -p --immediate-mode -s 2048 -B 4096 -Z padr -i eth0 -U -w - udp port "${PADR_PORT:-7001}" >"$peer.pcap" &
 dump=$!
 stop() {
   kill -TERM "$dump" 2>/dev/null
