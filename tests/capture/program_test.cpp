@@ -57,7 +57,7 @@ TEST_F(Program, NothingOfOursIsNoError) {
 
 TEST_F(Program, WhatIsCutIsMarkedAsSuch) {
   Data file = pcap({}, {state(1), state(2)});
-  file.resize(file.size() - 3);
+  file.erase(file.end() - 3, file.end());
   write("cut.pcap", file);
   const Outcome o = capture("summary cut.pcap");
   EXPECT_EQ(o.status, 1);
