@@ -69,7 +69,7 @@ build runtime padr:local
 [[ $(docker image inspect --format '{{.Config.User}}' padr:local) == padr ]] || fail "the image's user is not padr"
 hardened=(docker run --rm --read-only --network none --cap-drop ALL --security-opt no-new-privileges)
 programs=$("${hardened[@]}" padr:local sh -c 'cd /usr/local/bin && ls padr-*')
-for program in padr-capture padr-lab padr-netem padr-peer padr-report; do
+for program in padr-capture padr-lab padr-monitor padr-netem padr-peer padr-report; do
   [[ $programs == *$program* ]] || fail "no $program in the image"
 done
 for program in $programs; do
@@ -104,7 +104,7 @@ run_together() { # NAME:SECONDS...
 run_together churn:40 partition:30 lan:15
 run_together transatlantic:15 lossy-wifi:15 mobile-burst:15
 run_together asymmetric:15 capture:15 kernel-netem:15
-run_together crowd:15
+run_together crowd:15 monitor:15
 
 # The same file as a stack, where that is nobody's Swarm but ours.
 leave_swarm() {

@@ -7,12 +7,7 @@ BackgroundFile::BackgroundFile(std::string_view flag, const std::string& path, s
     : file_(flag, path), interval_(interval), room_(most), thread_([this] { write_on(); }) {}
 
 BackgroundFile::~BackgroundFile() {
-  {
-    const std::lock_guard lock(mutex_);
-    closing_ = true;
-  }
-  wake_.notify_one();
-  if (thread_.joinable()) thread_.join();
+  end_thread();
 }
 
 bool BackgroundFile::append(std::span<const std::byte> bytes) {
@@ -23,13 +18,17 @@ bool BackgroundFile::append(std::span<const std::byte> bytes) {
   return true;
 }
 
-void BackgroundFile::close() {
+void BackgroundFile::end_thread() {
   {
     const std::lock_guard lock(mutex_);
     closing_ = true;
   }
   wake_.notify_one();
   if (thread_.joinable()) thread_.join();
+}
+
+void BackgroundFile::close() {
+  end_thread();
   if (trouble_) std::rethrow_exception(trouble_);
   file_.close();
 }

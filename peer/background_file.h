@@ -33,6 +33,8 @@ class BackgroundFile {
 
  private:
   void write_on();
+  /// Once all that waits is written.
+  void end_thread();
 
   support::OutputFile file_;  ///< the thread's alone, while it runs
   std::chrono::milliseconds interval_;

@@ -57,6 +57,22 @@ void Egress::state(PeerId to, const Endpoint& at, std::span<const std::byte> dat
   l.shim->accept(now, datagram);
 }
 
+void Egress::impair(std::optional<PeerId> peer, const link::NetemSpec& spec, Micros now) {
+  if (!peer) {
+    specs_.all = spec;
+    specs_.by_peer.clear();
+    specs_.by_address.clear();
+    for (auto& [to, shim] : early_) shim.set_spec(now, spec);
+    for (auto& [to, link] : links_) link.shim->set_spec(now, spec);
+    return;
+  }
+  specs_.by_peer[*peer] = spec;
+  const auto found = links_.find(*peer);
+  if (found == links_.end()) return;
+  specs_.by_address.erase(found->second.to);
+  found->second.shim->set_spec(now, spec);
+}
+
 void Egress::pump(Micros now) {
   const auto empty = [&](link::Shim& shim, const Endpoint& to) {
     while (const auto datagram = shim.release(now)) send_(to, *datagram);

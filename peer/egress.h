@@ -38,6 +38,12 @@ class Egress {
   /// To the peer of this number, at this address: a link with whoever sat there before, elsewhere, is given up, but for
   /// what is in it. Only after `sit`.
   void state(PeerId to, const Endpoint& at, std::span<const std::byte> datagram, Micros now);
+  /// What the link to this peer, or all there are and will be, suffer from now on; what is in them keeps its time.
+  void impair(std::optional<PeerId> peer, const link::NetemSpec& spec, Micros now);
+  /// What the link of state datagrams to p, who is there, suffers.
+  const link::NetemSpec& spec_of(PeerId p, const Endpoint& there) const { return spec_for(there.place(), p); }
+  const link::NetemSpec& spec_of_all() const { return specs_.all; }
+
   /// Sends all that has left its link by `now`.
   void pump(Micros now);
   /// When to pump next; nothing if no datagram is held.

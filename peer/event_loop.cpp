@@ -32,15 +32,16 @@ Udp::endpoint listen_address(boost::asio::io_context& io, const Options& o, cons
   if (!o.listen) {
     if (join && !join->address().is_loopback())
       throw UserError("--join: " + o.join->text + " is not on this machine, and without --listen a peer stays on the " +
-                      "loopback address; give --listen " + (v6 ? "'[::]:0'" : "0.0.0.0:0") + " --insecure");
+                      "loopback address; give --listen " + (v6 ? "'[::]:0'" : "0.0.0.0:0") +
+                      (o.key ? "" : " and --key-file FILE, or --insecure"));
     if (v6) return {boost::asio::ip::address_v6::loopback(), 0};
     return {boost::asio::ip::address_v4::loopback(), 0};
   }
   Udp::endpoint listen = resolve(io, "--listen", *o.listen);
-  if (!listen.address().is_loopback() && !o.insecure)
+  if (!listen.address().is_loopback() && !o.insecure && !o.key)
     throw UserError("--listen: " + o.listen->text +
                     " can be reached by other machines, and nothing proves who sends a " +
-                    "datagram; give a loopback address, or --insecure if you trust the network");
+                    "datagram; give --key-file FILE, a loopback address, or --insecure if you trust the network");
   if (join && listen.address().is_loopback() && !join->address().is_loopback())
     throw UserError("--listen: " + o.listen->text + " is a loopback address, which cannot reach --join " +
                     o.join->text);
@@ -56,6 +57,7 @@ node::SessionConfig session_config(const Options& o, const std::optional<Endpoin
   c.fingerprint = world::physics_fingerprint();
   c.authority = o.technique.authority;
   c.scenario = o.scenario.label + " seed " + std::to_string(o.scenario.seed);
+  c.sealed = o.key.has_value();
   c.seed = unpredictable();
   c.patience = std::llround(o.join_timeout * static_cast<double>(kMicrosPerSecond));
   return c;
@@ -77,7 +79,10 @@ EventLoop::EventLoop(const Options& options, Log& log, const support::Clock& clo
   open_files();
   std::optional<Endpoint> member;
   if (join) member = to_endpoint(*join);
-  player_ = std::make_unique<Player>(options, session_config(options, member), log, *recordings_, clock_.now());
+  if (options.monitor) teller_ = std::make_unique<Teller>(io_, options, log, clock);
+  player_ = std::make_unique<Player>(options, session_config(options, member), gate_config(options, keylog_.get()), log,
+                                     *recordings_, teller_.get(), clock_.now());
+  if (teller_) controls_ = std::make_unique<Controls>(*player_, *egress_, cuts_, *teller_, log);
   log_.net->info("listening on {}", to_string(local_));
   for (const std::string& line : lines) log_.net->info("{}", line);
   if (member) log_.session->info("joining {} ({})", options.join->text, to_string(*member));
@@ -109,6 +114,7 @@ std::vector<std::string> EventLoop::shape_links() {
 // Only once the port is ours: whoever has it may be writing to these very files.
 void EventLoop::open_files() {
   recordings_ = std::make_unique<Recordings>(options_, log_);
+  if (!options_.keylog.empty()) keylog_ = std::make_unique<Keylog>(options_.keylog);
   if (!options_.pcap.empty()) packets_ = std::make_unique<PacketLog>(options_, *socket_);
   if (!options_.json.empty() && options_.json != "-")
     json_ = std::make_unique<support::OutputFile>("--json", options_.json);
@@ -117,7 +123,13 @@ void EventLoop::open_files() {
 
 int EventLoop::run() {
   socket_->start([this](const Endpoint& from, std::span<const std::byte> bytes) { receive(from, bytes); },
-                 [this] { wake(); });
+                 [this](const Endpoint& at) { player_->unreachable(at, clock_.now()); }, [this] { wake(); });
+  if (teller_)
+    teller_->start(
+        [this](const monitor::Order& order) {
+          if (!drain_until_) controls_->obey(order, clock_.now());
+        },
+        [this] { wake(); });
   signals_.async_wait([this](const error_code& error, int signal) {
     if (!error) on_signal(signal);
   });
@@ -141,6 +153,7 @@ int EventLoop::run() {
 }
 
 void EventLoop::send(const Endpoint& to, std::span<const std::byte> datagram) {
+  if (cuts_.is_cut(to)) return;
   // Before it goes: nobody must seem to have received it earlier.
   const std::int64_t time = packets_ ? PacketLog::now() : 0;
   if (socket_->send(to, datagram)) {
@@ -152,6 +165,7 @@ void EventLoop::send(const Endpoint& to, std::span<const std::byte> datagram) {
 }
 
 void EventLoop::receive(const Endpoint& from, std::span<const std::byte> datagram) {
+  if (cuts_.is_cut(from)) return;
   if (packets_) packets_->received(from, datagram, PacketLog::now());
   if (drain_until_) return;
   log_.net->trace("{} bytes from {}", datagram.size(), to_string(from));
@@ -175,6 +189,8 @@ void EventLoop::advance(Micros now) {
   end_if_over(now);
   if (player_->playing()) say_status(now);
   if (health_) health_->update(*player_, now);
+  if (controls_) controls_->update(now);
+  if (teller_ && !drain_until_) teller_->update(situation(), now);
 }
 
 void EventLoop::send_out(Micros now) {
@@ -208,6 +224,8 @@ void EventLoop::set_timer(Micros now) {
   Micros due = drain_until_ ? *drain_until_ : player_->next_due();
   if (const auto next = egress_->next_due()) due = std::min(due, *next);
   if (health_ && !drain_until_) due = std::min(due, health_->next_due());
+  if (teller_ && !drain_until_) due = std::min(due, teller_->next_due());
+  if (const auto over = cuts_.next_due(); over && !drain_until_) due = std::min(due, *over);
   timer_.expires_at(clock_.at(std::max(due, now)));
   timer_.async_wait([this](const error_code& error) {
     if (!error) wake();
@@ -240,12 +258,15 @@ void EventLoop::on_signal(int signal) {
 void EventLoop::end(int code, const std::string& reason) {
   exit_code_ = code;
   reason_ = reason;
-  drain_until_ = clock_.now() + kDrain;
+  const Micros now = clock_.now();
+  if (teller_) teller_->end(situation(), reason, now);
+  drain_until_ = now + kDrain;
 }
 
 void EventLoop::write_summary() {
   if (options_.json.empty()) return;
-  const std::string text = summary({options_, *player_, *egress_, *socket_, local_, exit_code_, reason_});
+  const std::string text =
+      summary({options_, *player_, *egress_, *socket_, teller_.get(), local_, exit_code_, reason_});
   if (options_.json == "-") {
     std::fputs(text.c_str(), stdout);
     std::fflush(stdout);

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "peer/controls.h"
+#include "peer/cuts.h"
 #include "peer/egress.h"
 #include "peer/health.h"
 #include "peer/log.h"
@@ -17,7 +19,9 @@
 #include "peer/packet_log.h"
 #include "peer/player.h"
 #include "peer/recordings.h"
+#include "peer/session_key.h"
 #include "peer/status.h"
+#include "peer/teller.h"
 #include "peer/udp_socket.h"
 #include "tools/support/clock.h"
 #include "tools/support/files.h"
@@ -50,6 +54,7 @@ class EventLoop {
   void on_signal(int signal);
   void end(int code, const std::string& reason);
   void write_summary();
+  Teller::Situation situation() const { return {*player_, *egress_, cuts_, local_}; }
 
   const Options& options_;
   Log& log_;
@@ -58,12 +63,16 @@ class EventLoop {
   boost::asio::signal_set signals_;
   boost::asio::steady_timer timer_;
   std::unique_ptr<Recordings> recordings_;
+  std::unique_ptr<Keylog> keylog_;             ///< null if nobody asked for it
   std::unique_ptr<Health> health_;             ///< null if nobody asked for it
   std::unique_ptr<support::OutputFile> json_;  ///< null for standard output, too
   std::unique_ptr<UdpSocket> socket_;
   std::unique_ptr<PacketLog> packets_;  ///< null: none is kept
   std::unique_ptr<Egress> egress_;
+  Cuts cuts_;
+  std::unique_ptr<Teller> teller_;  ///< null: there is no monitor
   std::unique_ptr<Player> player_;
+  std::unique_ptr<Controls> controls_;  ///< null: nobody orders anything
   Endpoint local_;
   Status status_;
   Micros next_status_ = -1;  ///< local time; -1: not yet playing

@@ -7,6 +7,7 @@
 #include "peer/status.h"
 #include "tools/support/files.h"
 #include "tools/support/json.h"
+#include "tools/support/text.h"
 
 namespace padr::peer {
 namespace {
@@ -16,7 +17,7 @@ std::string to_json(const HealthState& s) {
   j.begin_object().field("healthy", s.healthy).field("playing", s.playing);
   if (s.peer) {
     j.field("peer", *s.peer).field("present", s.present);
-    j.field("confirmed_tick", s.confirmed).field("confirmed_hash", hex(s.hash));
+    j.field("confirmed_tick", s.confirmed).field("confirmed_hash", support::hex(s.hash));
     j.field("confirmed_still_ms", s.still / 1000);
   }
   return j.end_object().text();

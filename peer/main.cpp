@@ -1,13 +1,19 @@
+#include <string_view>
+
 #include "common/model/user_error.h"
+#include "common/wire/secret.h"
 #include "peer/event_loop.h"
 #include "peer/log.h"
 #include "peer/options.h"
+#include "peer/session_key.h"
 #include "tools/support/clock.h"
 #include "tools/support/run_main.h"
 
 int main(int argc, char** argv) {
   const padr::support::Clock clock;
   return padr::support::run_main("padr-peer", [&] {
+    if (argc > 1 && std::string_view(argv[1]) == "keygen") return padr::peer::keygen(argc, argv);
+    padr::wire::choose_fast_code();
     const auto options = padr::peer::parse_options(argc, argv);
     if (!options) return padr::support::kExitFine;
     padr::peer::Log log(options->log_level, options->log_levels);

@@ -1,11 +1,15 @@
 #include "peer/options.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <string_view>
+#include <utility>
 
 #include "common/model/user_error.h"
+#include "common/wire/session_codec.h"
 #include "peer/log.h"
+#include "peer/session_key.h"
 #include "tools/support/command_line.h"
 #include "tools/support/netem_flags.h"
 #include "tools/support/technique_flags.h"
@@ -36,8 +40,9 @@ constexpr const char* kFooter =
     "            --trace peer1.trace --json peer1.json\n"
     "A lossy link to peer 2 alone, and one to an address:\n"
     "  padr-peer --join '[::1]:7001' --netem-to '2=loss 20%' --netem-to '[::1]:7003=delay 300ms'\n"
-    "Between machines, over a network that you trust:\n"
-    "  padr-peer --listen 0.0.0.0:7001 --insecure --wait-peers 3\n"
+    "Between machines, with a key that all peers have and nobody else:\n"
+    "  padr-peer keygen session.key\n"
+    "  padr-peer --listen 0.0.0.0:7001 --key-file session.key --wait-peers 3\n"
     "\n";
 
 constexpr const char* kFooterEnd =
@@ -50,7 +55,10 @@ constexpr const char* kFooterEnd =
 
 /// What CLI11 fills in, before anything is checked.
 struct Raw {
-  std::string listen, join, json, trace, pcap, log_level = "info", log;
+  std::string listen, join, json, trace, log_level = "info", log, key_file, seal;
+  std::string monitor, monitor_detail = "all";
+  int monitor_rate = 20;
+  bool control = false;
   std::vector<std::string> netem_to;
   std::optional<int> wait_peers, slots;
   support::ScenarioFlags scenario;
@@ -80,7 +88,26 @@ void declare_session(CLI::App& app, Raw& raw, Options& o) {
       ->check(support::between(0.0, 86400.0, "seconds"))
       ->capture_default_str()
       ->group(group);
-  app.add_flag("--insecure", o.insecure, "Allow addresses that other machines can reach: nothing proves who sends")
+  app.add_flag("--insecure", o.insecure,
+               "Without a key: allow addresses that other machines can reach, though nothing proves who sends")
+      ->group(group);
+}
+
+void declare_key(CLI::App& app, Raw& raw, Options& o) {
+  const std::string group = "Key";
+  app.add_option("--key-file", raw.key_file,
+                 "The session's key, as padr-peer keygen makes it, all peers the same; default: PADR_KEY in the\n"
+                 "environment, or else there is none")
+      ->type_name("FILE")
+      ->group(group);
+  app.add_option("--seal", raw.seal,
+                 "With a key: auth proves who sends and leaves datagrams readable, encrypt hides what is in them;\n"
+                 "each peer's own affair [auth]")
+      ->type_name("MODE")
+      ->group(group);
+  app.add_option("--keylog", o.keylog,
+                 "With a key: write what padr-capture needs to check and decrypt this peer's datagrams")
+      ->type_name("FILE")
       ->group(group);
 }
 
@@ -106,7 +133,7 @@ void declare_output(CLI::App& app, Raw& raw, Options& o) {
                  "declared gone goes on in NAME.2.trace, and so on")
       ->type_name("FILE")
       ->group(group);
-  app.add_option("--pcap", raw.pcap,
+  app.add_option("--pcap", o.pcap,
                  "Write every datagram that is sent and received, after --netem, to a packet capture\n"
                  "(pcapng), for Wireshark and padr-capture")
       ->type_name("FILE")
@@ -129,6 +156,44 @@ void declare_output(CLI::App& app, Raw& raw, Options& o) {
   app.add_option("--log", raw.log, "Per subsystem, such as net=debug,session=info; subsystems: " + subsystem_names())
       ->type_name("NAME=LEVEL,...")
       ->group(group);
+}
+
+void declare_monitor(CLI::App& app, Raw& raw) {
+  const std::string group = "Monitor";
+  app.add_option("--monitor", raw.monitor,
+                 "Tell a padr-monitor there what this peer sees, by UDP; whether one is there makes no difference")
+      ->type_name("HOST:PORT")
+      ->group(group);
+  app.add_option("--monitor-rate", raw.monitor_rate, "Views of the world that it is told a second")
+      ->type_name("HZ")
+      ->check(support::between(1, kTicksPerSecond, "a second"))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--monitor-detail", raw.monitor_detail,
+                 "Which views: shown (what the user sees), live (and what is simulated, to measure inconsistency), or\n"
+                 "all (and the predicted and the confirmed world)")
+      ->type_name("NAME")
+      ->capture_default_str()
+      ->group(group);
+  app.add_flag("--control", raw.control,
+               "Obey the monitor: it may drive the avatar, turn knobs, impair and cut links, push bodies and pause.\n"
+               "Only if it is on this machine, or with --insecure")
+      ->group(group);
+}
+
+void take_monitor(const Raw& raw, Options& o) {
+  constexpr std::array<std::pair<std::string_view, monitor::Detail>, 3> kDetails{
+      {{"shown", monitor::Detail::kShown}, {"live", monitor::Detail::kLive}, {"all", monitor::Detail::kAll}}};
+  const auto* const found =
+      std::find_if(kDetails.begin(), kDetails.end(), [&](const auto& d) { return d.first == raw.monitor_detail; });
+  if (found == kDetails.end())
+    throw UserError("--monitor-detail: '" + raw.monitor_detail + "' is not allowed; give one of shown, live, all");
+  if (raw.monitor.empty()) {
+    if (raw.control) throw UserError("--control: nobody is there to obey; give --monitor, too");
+    return;
+  }
+  o.monitor =
+      MonitorOptions{parse_host_port("--monitor", raw.monitor, 1), raw.monitor_rate, found->second, raw.control};
 }
 
 spdlog::level::level_enum level_of(std::string_view flag, std::string_view text) {
@@ -159,6 +224,20 @@ void take_addresses(const Raw& raw, Options& o) {
   if (!raw.join.empty()) o.join = parse_host_port("--join", raw.join, 1);
 }
 
+void take_key(const Raw& raw, Options& o) {
+  o.key = session_key(raw.key_file, o.warnings);
+  const std::string mode = raw.seal.empty() ? "auth" : raw.seal;
+  if (mode != "auth" && mode != "encrypt")
+    throw UserError("--seal: '" + mode + "' is not a mode; give auth or encrypt");
+  if (o.key) {
+    o.seal = mode == "auth" ? wire::SealMode::kAuth : wire::SealMode::kEncrypt;
+    if (o.insecure) o.warnings.push_back("--insecure has no meaning in a session with a key and is ignored");
+    return;
+  }
+  for (const auto& [flag, value] : {std::pair{"--seal", raw.seal}, std::pair{"--keylog", o.keylog}})
+    if (!value.empty()) throw UserError(std::string(flag) + ": there is no key; give --key-file or PADR_KEY, too");
+}
+
 void take_sizes(const Raw& raw, Options& o) {
   if (o.join) {
     for (const auto& [flag, value] : {std::pair{"--wait-peers", raw.wait_peers}, std::pair{"--slots", raw.slots}})
@@ -173,6 +252,10 @@ void take_sizes(const Raw& raw, Options& o) {
                     o.scenario.scene.name + "'");
   };
   o.wait_peers = check("--wait-peers", raw.wait_peers.value_or(2), 1);
+  if (o.key && o.wait_peers > wire::kMostKeyedBeginners)
+    throw UserError("--wait-peers: " + std::to_string(o.wait_peers) +
+                    " is not allowed in a session with a key; give 1 to " + std::to_string(wire::kMostKeyedBeginners) +
+                    ", more may come later");
   o.slots = check("--slots", raw.slots.value_or(most), o.wait_peers);
 }
 
@@ -204,6 +287,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   app.footer(std::string(kFooter) + support::kNetemHelp + kFooterEnd);
   support::add_version_flag(app, "padr-peer");
   declare_session(app, raw, o);
+  declare_key(app, raw, o);
   raw.scenario.declare(app);
   declare_play(app, o);
   raw.technique.declare(app);
@@ -213,10 +297,13 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
       ->allow_extra_args(false)
       ->group("Network");
   declare_output(app, raw, o);
+  declare_monitor(app, raw);
   if (!support::parse(app, argc, argv)) return std::nullopt;
 
   take_log_levels(raw, o);
   take_addresses(raw, o);
+  take_key(raw, o);
+  take_monitor(raw, o);
   o.technique = raw.technique.technique();
   o.netem = raw.netem.spec(&o.warnings);
   o.netem_text = raw.netem.text();
@@ -227,7 +314,6 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   // Which avatar it will drive is not known yet, but what is wrong with it is the same for all.
   support::load_input(o.input, o.scenario.scene, 0, o.scenario.seed);
   o.trace = raw.trace;
-  o.pcap = raw.pcap;
   o.json = raw.json;
   o.command = support::command_of(argc, argv);
   return o;

@@ -11,6 +11,8 @@
 #include "common/link/netem_spec.h"
 #include "common/model/ids.h"
 #include "common/model/technique.h"
+#include "common/monitor/told.h"
+#include "common/wire/sealed.h"
 #include "tools/support/host_port.h"
 #include "tools/support/scenario_flags.h"
 
@@ -23,13 +25,24 @@ struct NetemOverride {
   link::NetemSpec spec;
 };
 
+/// --monitor and what goes with it.
+struct MonitorOptions {
+  support::HostPort where;
+  int rate = 20;  ///< frames a second
+  monitor::Detail detail = monitor::Detail::kAll;
+  bool control = false;  ///< it may give orders
+};
+
 struct Options {
   std::optional<support::HostPort> listen;  ///< absent: any port on the loopback address of the family needed
   std::optional<support::HostPort> join;    ///< absent: found a session
   int wait_peers = 2;                       ///< founder: peers of the session, this one included
   int slots = 2;                            ///< founder: avatar slots, >= wait_peers
   bool insecure = false;
-  double join_timeout = 30;  ///< s, until the session must have started; 0: no limit
+  std::optional<wire::Key> key;                 ///< of the session; absent: nothing is sealed
+  wire::SealMode seal = wire::SealMode::kNone;  ///< kNone without a key, and only then
+  std::string keylog;                           ///< file; empty: none
+  double join_timeout = 30;                     ///< s, until the session must have started; 0: no limit
 
   support::LoadedScenario scenario;
   Technique technique;
@@ -46,6 +59,7 @@ struct Options {
   std::string pcap;    ///< file; empty: none
   std::string json;    ///< file, or - for standard output; empty: none
   std::string health;  ///< file; empty: none
+  std::optional<MonitorOptions> monitor;
   spdlog::level::level_enum log_level = spdlog::level::info;
   std::map<std::string, spdlog::level::level_enum> log_levels;  ///< by subsystem
   double status_interval = 1;                                   ///< s; 0: no status line

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "tools/support/netem_flags.h"
 
@@ -39,16 +40,20 @@ Totals operator+(const Totals& a, const Totals& b) {
 
 }  // namespace
 
-Player::Player(const Options& options, const node::SessionConfig& session, Log& log, Recordings& recordings, Micros now)
+Player::Player(const Options& options, const node::SessionConfig& session, std::optional<node::GateConfig> gate,
+               Log& log, Recordings& recordings, Watcher* watcher, Micros now)
     : options_(options),
       log_(log),
       recordings_(recordings),
-      participant_(options.scenario.scene, config(session), now),
+      watcher_(watcher),
+      technique_(options.technique),
+      participant_(options.scenario.scene, config(session, std::move(gate)), now),
       last_input_(std::numeric_limits<Tick>::max()) {}
 
-node::ParticipantConfig Player::config(const node::SessionConfig& session) {
+node::ParticipantConfig Player::config(const node::SessionConfig& session, std::optional<node::GateConfig> gate) {
   node::ParticipantConfig c;
   c.session = session;
+  c.gate = std::move(gate);
   c.node.technique = options_.technique;
   c.recording = [this](int life) {
     history_.begin(life);
@@ -56,11 +61,38 @@ node::ParticipantConfig Player::config(const node::SessionConfig& session) {
   };
   c.on_confirmed = [this](int life, const sync::FoldState& s, std::uint64_t hash) {
     history_.confirm(life, s.tick, hash);
+    if (watcher_ != nullptr) watcher_->confirmed(life, s, hash);
   };
   return c;
 }
 
+void Player::receive(const Endpoint& from, std::span<const std::byte> datagram, Micros now) {
+  if (!paused()) {
+    participant_.receive(from, datagram, now);
+  } else if (still_.waiting.size() < Standstill::kRoom) {
+    still_.waiting.push_back({from, {datagram.begin(), datagram.end()}});
+  }
+}
+
+void Player::retune(const Technique& technique) {
+  technique_ = technique;
+  participant_.retune(technique);
+}
+
+void Player::pause(Micros until, Micros now) {
+  still_.until = until;
+  if (until <= now) go_on(now);
+}
+
+void Player::go_on(Micros now) {
+  still_.until = -1;
+  catching_up_ = true;
+  for (const Standstill::Datagram& d : std::exchange(still_.waiting, {})) participant_.receive(d.from, d.bytes, now);
+}
+
 void Player::advance(Micros now) {
+  if (paused() && now < still_.until) return;
+  if (paused()) go_on(now);
   if (now >= participant_.next_due()) participant_.advance(now);
   for (int i = 0; i < kStepsPerTurn && playing(); ++i) {
     if (life() != known_life_) begin_life(now);
@@ -71,6 +103,7 @@ void Player::advance(Micros now) {
 }
 
 Micros Player::next_due() const {
+  if (paused()) return still_.until;
   const Micros due = participant_.next_due();
   return playing() ? std::min(due, participant_.next_step()) : due;
 }
@@ -82,6 +115,7 @@ void Player::begin_life(Micros now) {
   present_ = {};
   known_life_ = life();
   history_.play(known_life_, self(), node().config().incarnation, known_life_ == 0 && next == 1 ? 0 : next);
+  if (watcher_ != nullptr) watcher_->begun(node(), known_life_);
   const std::string ours = "session " + fmt::format("{:04x}", s.number());
   if (known_life_ > 0) {
     log_.session->warn("{}: life {} begins at tick {}, as peer {}", ours, known_life_ + 1, next, self());
@@ -108,16 +142,26 @@ void Player::step(Micros now) {
   if (!leaving_ && node().now() >= last_input_) leave("the time to play is over", true, now);
   // A path begins where its player does.
   const Tick of_input = std::min(node().now() + 1, last_input_) - first_tick();
-  participant_.step(input_->target(of_input), now);
+  const world::World& live = node().live().world();
+  const Vec2 target = steering_.target(input_->target(of_input), live, live.avatar(self()), now);
+  const Micros lateness = now - participant_.next_step();
+  participant_.step(target, now);
   present_.node = node().stats();
+  if (gate() != nullptr) present_.node.wire_bytes_sent += present_.node.datagrams_sent * wire::kSealGrowth;
   present_.replayed_steps = node().agreed().replayed_steps();
   ++present_.ticks;
   watch_hashes();
   steer(now);
+  if (watcher_ != nullptr) watcher_->stepped({node(), target, steering_.driven(), lateness});
 }
 
 void Player::watch_clock(Micros now) {
   const Micros lateness = now - participant_.next_step();
+  if (catching_up_ && lateness > kTickLength) {
+    stepped_at_ = now;
+    return;
+  }
+  catching_up_ = false;
   ticks_.worst = std::max(ticks_.worst, lateness);
   if (lateness > kTickLength) ++ticks_.late;
   if (joined_at_ < 0) joined_at_ = now;
@@ -146,11 +190,16 @@ void Player::steer(Micros now) {
 void Player::tell() {
   for (const node::SessionNote& n : participant_.take_notes())
     log_.session->log(n.problem ? spdlog::level::warn : spdlog::level::info, "{}", n.text);
-  for (const node::MemberChange& c : participant_.take_changes()) history_.change(c);
+  for (const node::MemberChange& c : participant_.take_changes()) {
+    history_.change(c);
+    if (watcher_ != nullptr) watcher_->changed(c);
+  }
 }
 
 void Player::leave(const std::string& why, bool stay, Micros now) {
   log_.session->info("leaving at tick {}: {}", node().now(), why);
+  if (paused()) go_on(now);
+  steering_.take({}, now);  // nobody drives it any more
   leaving_ = true;
   stay_ = stay;
   left_at_ = now;

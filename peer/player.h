@@ -2,15 +2,18 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "common/monitor/steering.h"
 #include "common/node/participant.h"
 #include "common/scenarios/input.h"
 #include "peer/history.h"
 #include "peer/log.h"
 #include "peer/options.h"
 #include "peer/recordings.h"
+#include "peer/watcher.h"
 
 namespace padr::peer {
 
@@ -30,15 +33,30 @@ struct Totals {
   std::uint64_t ticks = 0;  ///< played
 };
 
+/// Time that a player stands still by order, and what comes in meanwhile: as with a stopped process, datagrams wait for
+/// it as far as there is room, as they would in the system's buffer.
+struct Standstill {
+  struct Datagram {
+    Endpoint from;
+    std::vector<std::byte> bytes;
+  };
+  static constexpr std::size_t kRoom = 2048;
+  Micros until = -1;  ///< -1: it does not stand still
+  std::vector<Datagram> waiting;
+};
+
 /// One peer's play from its coming to its end, whatever lives it takes: the participant, its input, its traces and
 /// what people want to know of it. Has no clock: times are local microseconds.
 class Player {
  public:
-  /// All but `session` must outlive it.
-  Player(const Options& options, const node::SessionConfig& session, Log& log, Recordings& recordings, Micros now);
+  /// All but `session` and `gate` must outlive it; `gate` is there if the session has a key. `watcher` may be null.
+  Player(const Options& options, const node::SessionConfig& session, std::optional<node::GateConfig> gate, Log& log,
+         Recordings& recordings, Watcher* watcher, Micros now);
 
-  void receive(const Endpoint& from, std::span<const std::byte> datagram, Micros now) {
-    participant_.receive(from, datagram, now);
+  void receive(const Endpoint& from, std::span<const std::byte> datagram, Micros now);
+  /// As in node::Participant.
+  void unreachable(const Endpoint& at, Micros now) {
+    if (!paused()) participant_.unreachable(at, now);
   }
   /// Does what is due, a bounded number of ticks at most.
   void advance(Micros now);
@@ -57,10 +75,26 @@ class Player {
   /// Ends the trace. Nothing may be called afterwards but the getters.
   void finish() { participant_.finish(); }
 
+  // What may be ordered while it plays.
+
+  void drive(const monitor::Drive& drive, Micros now) { steering_.take(drive, now); }
+  /// Plays by other knobs from the next step on; `authority` must stay.
+  void retune(const Technique& technique);
+  const Technique& technique() const { return technique_; }
+  /// Stands still until then, or goes on at once if that is now.
+  void pause(Micros until, Micros now);
+  bool paused() const { return still_.until >= 0; }
+  /// As in node::Node.
+  void push(EntityId b, Vec2 velocity) { participant_.push(b, velocity); }
+  /// Into the trace, for people.
+  void remark(const trace::Remark& r) { participant_.remark(r); }
+
   bool playing() const { return participant_.playing(); }
   bool failed() const { return participant_.failed(); }
   const node::Session& session() const { return participant_.session(); }
   PeerId self() const { return node().self(); }
+  /// Null if the session has no key.
+  const node::Gate* gate() const { return participant_.gate(); }
   /// Of the present life; only when playing.
   const node::Node& node() const { return participant_.node(); }
   /// Counted from 0.
@@ -78,7 +112,8 @@ class Player {
   History::Checkpoint confirmed() const { return history_.confirmed(life()); }
 
  private:
-  node::ParticipantConfig config(const node::SessionConfig& session);
+  node::ParticipantConfig config(const node::SessionConfig& session, std::optional<node::GateConfig> gate);
+  void go_on(Micros now);
   void step(Micros now);
   void begin_life(Micros now);
   void watch_clock(Micros now);
@@ -90,6 +125,11 @@ class Player {
   const Options& options_;
   Log& log_;
   Recordings& recordings_;
+  Watcher* watcher_;
+  Technique technique_;  ///< as it is now
+  monitor::Steering steering_;
+  Standstill still_;
+  bool catching_up_ = false;  ///< after a standstill, which is nobody's fault
   History history_;
   node::Participant participant_;
   std::unique_ptr<scenarios::InputSource> input_;

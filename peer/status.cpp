@@ -15,10 +15,6 @@ double confirmed_lag_ms(const Player& player) {
   return (player.node().now() - player.confirmed().tick) * 1000.0 / kTicksPerSecond;
 }
 
-std::string hex(std::uint64_t hash) {
-  return fmt::format("{:016x}", hash);
-}
-
 std::string Status::line(const Player& player, Micros now) {
   const node::Node& node = player.node();
   const Totals totals = player.totals();

@@ -23,7 +23,5 @@ class Status {
 std::uint64_t updates_told(const node::NodeStats& stats);
 /// Time that confirmed trails the present by, ms.
 double confirmed_lag_ms(const Player& player);
-/// 16 hexadecimal digits.
-std::string hex(std::uint64_t hash);
 
 }  // namespace padr::peer

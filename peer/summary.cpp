@@ -3,7 +3,9 @@
 #include "peer/status.h"
 #include "tools/support/command_line.h"
 #include "tools/support/json.h"
+#include "tools/support/key_text.h"
 #include "tools/support/revision.h"
+#include "tools/support/text.h"
 
 namespace padr::peer {
 namespace {
@@ -34,6 +36,19 @@ void put_session(Json& j, const Report& r) {
   j.end_object().end_object();
 }
 
+void put_seal(Json& j, const Report& r) {
+  const node::Gate* gate = r.player.gate();
+  if (gate == nullptr) return;
+  const node::GateStats& s = gate->stats();
+  j.key("seal").begin_object();
+  j.field("mode", r.options.seal == wire::SealMode::kAuth ? "auth" : "encrypt");
+  j.field("public_key", support::key_text(gate->key())).field("known", gate->channels());
+  j.field("received", s.datagrams).field("passed", s.passed).field("handshakes", s.handshakes).field("moves", s.moves);
+  j.key("dropped").begin_object();
+  for (std::size_t d = 0; d < node::kGateDrops; ++d) j.field(node::kGateDropNames[d], s.dropped[d]);
+  j.end_object().end_object();
+}
+
 void put_socket(Json& j, const SocketStats& s) {
   j.key("socket").begin_object();
   j.field("sent", s.sent).field("send_errors", s.send_errors).field("refused", s.refused);
@@ -41,15 +56,24 @@ void put_socket(Json& j, const SocketStats& s) {
   j.end_object();
 }
 
+void put_monitor(Json& j, const TellerStats& s) {
+  j.key("monitor").begin_object();
+  j.field("datagrams", s.datagrams).field("bytes", s.bytes).field("untold", s.untold);
+  j.field("orders", s.orders).field("rejected", s.rejected);
+  j.end_object();
+}
+
 void put_confirmed(Json& j, const Player& p) {
   const node::NodeStats stats = p.totals().node;
   j.key("confirmed").begin_object();
-  j.field("tick", p.confirmed().tick).field("hash", hex(p.confirmed().hash)).field("lag_ms", confirmed_lag_ms(p));
+  j.field("tick", p.confirmed().tick)
+      .field("hash", support::hex(p.confirmed().hash))
+      .field("lag_ms", confirmed_lag_ms(p));
   j.field("checks", stats.hash_checks).field("mismatches", stats.hash_mismatches);
   j.field("first_mismatch", stats.first_mismatch);
   // By tick, so that peers can be compared wherever both have been.
   j.key("checkpoints").begin_object();
-  for (const auto& [tick, hash] : p.history().checkpoints()) j.field(std::to_string(tick), hex(hash));
+  for (const auto& [tick, hash] : p.history().checkpoints()) j.field(std::to_string(tick), support::hex(hash));
   j.end_object().end_object();
 }
 
@@ -127,7 +151,8 @@ void put_play(Json& j, const Report& r) {
   put_ticks(j, p);
   j.field("clock_lead_ms", static_cast<double>(p.node().clock_lead()) / 1e3);
   j.field("clock_slew_ppm", p.session().clock().slew() * 1e6);
-  j.field("live_hash", hex(p.node().live_hash())).field("own_error_m", static_cast<double>(p.node().own_error()));
+  j.field("live_hash", support::hex(p.node().live_hash()))
+      .field("own_error_m", static_cast<double>(p.node().own_error()));
   j.field("replayed_steps", totals.replayed_steps).field("delivered", p.node().delivered());
   put_lives(j, p);
   put_others(j, p);
@@ -143,7 +168,9 @@ std::string summary(const Report& r) {
   j.begin_object();
   put_origin(j, r);
   put_session(j, r);
+  put_seal(j, r);
   put_socket(j, r.socket.stats());
+  if (r.teller != nullptr) put_monitor(j, r.teller->stats());
   if (r.player.playing()) put_play(j, r);
   j.end_object();
   return j.text();

@@ -5,6 +5,7 @@
 #include "peer/egress.h"
 #include "peer/options.h"
 #include "peer/player.h"
+#include "peer/teller.h"
 #include "peer/udp_socket.h"
 
 namespace padr::peer {
@@ -15,6 +16,7 @@ struct Report {
   const Player& player;
   const Egress& egress;
   const UdpSocket& socket;
+  const Teller* teller;  ///< null: there is no monitor
   Endpoint local;
   int exit_code;
   std::string reason;  ///< why it ended, one line

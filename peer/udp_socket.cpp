@@ -1,9 +1,15 @@
 #include "peer/udp_socket.h"
 
+#include <linux/errqueue.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
 #include <algorithm>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/v6_only.hpp>
+#include <cerrno>
+#include <cstring>
 #include <system_error>
 
 #include "common/model/user_error.h"
@@ -64,10 +70,15 @@ UdpSocket::UdpSocket(asio::io_context& io, const Udp::endpoint& address) : socke
   if (error) throw std::system_error(error, "cannot listen on " + to_string(to_endpoint(address)));
   error_code ignored;  // the system's default will do
   socket_.set_option(asio::socket_base::receive_buffer_size(kReceiveBufferBytes), ignored);
+  // Otherwise a socket that is not connected hears nothing of what became of its datagrams.
+  const int on = 1;
+  setsockopt(socket_.native_handle(), IPPROTO_IP, IP_RECVERR, &on, sizeof(on));
+  if (!v4_) setsockopt(socket_.native_handle(), IPPROTO_IPV6, IPV6_RECVERR, &on, sizeof(on));
 }
 
-void UdpSocket::start(Receiver each, std::function<void()> afterwards) {
+void UdpSocket::start(Receiver each, Refusal refused, std::function<void()> afterwards) {
   each_ = std::move(each);
+  refused_ = std::move(refused);
   afterwards_ = std::move(afterwards);
   wait();
 }
@@ -92,13 +103,59 @@ void UdpSocket::read() {
     error_code error;
     const std::size_t size = socket_.receive_from(asio::buffer(buffer_), from, 0, error);
     if (error == asio::error::would_block) return;
-    if (error == asio::error::connection_refused) {
-      ++stats_.refused;
-    } else if (error) {
-      ++stats_.receive_errors;
+    if (error) {
+      // News about an earlier datagram, mostly, in which case there is more to be read of it.
+      if (error != asio::error::connection_refused) ++stats_.receive_errors;
       last_error_ = error.message();
+      read_refusals();
     } else {
       each_(to_endpoint(from), std::span(buffer_).first(size));
+    }
+  }
+}
+
+void UdpSocket::remember(const Endpoint& to, std::span<const std::byte> datagram) {
+  Sent& s = sent_[next_sent_++ % sent_.size()];
+  s.to = to;
+  s.size = std::min(datagram.size(), kQuoted);
+  std::copy_n(datagram.begin(), s.size, s.begin.begin());
+}
+
+// Anybody can say that nobody listens at a port. To quote what was sent there one must have seen it.
+void UdpSocket::take_refusal(const Endpoint& at, std::span<const std::byte> quoted) {
+  ++stats_.refused;
+  const bool ours = std::any_of(sent_.begin(), sent_.end(), [&](const Sent& s) {
+    return s.size > 0 && s.to == at && quoted.size() >= s.size &&
+           std::equal(s.begin.begin(), s.begin.begin() + static_cast<std::ptrdiff_t>(s.size), quoted.begin());
+  });
+  if (ours && refused_) refused_(at);
+}
+
+void UdpSocket::read_refusals() {
+  for (int i = 0; i < kReadsPerWakeUp; ++i) {
+    Udp::endpoint to;
+    std::array<std::byte, kQuoted> quoted{};
+    iovec part{quoted.data(), quoted.size()};
+    alignas(cmsghdr) std::array<std::byte, 512> about{};
+    msghdr message{};
+    message.msg_name = to.data();
+    message.msg_namelen = static_cast<socklen_t>(to.capacity());
+    message.msg_control = about.data();
+    message.msg_controllen = about.size();
+    message.msg_iov = &part;
+    message.msg_iovlen = 1;
+    const ssize_t size = recvmsg(socket_.native_handle(), &message, MSG_ERRQUEUE);
+    if (size < 0) return;
+    if (message.msg_namelen == 0) continue;
+    to.resize(message.msg_namelen);
+    for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
+      const bool told = (c->cmsg_level == IPPROTO_IP && c->cmsg_type == IP_RECVERR) ||
+                        (c->cmsg_level == IPPROTO_IPV6 && c->cmsg_type == IPV6_RECVERR);
+      if (!told) continue;
+      sock_extended_err e{};
+      std::memcpy(&e, CMSG_DATA(c), sizeof(e));
+      if (e.ee_errno != ECONNREFUSED) continue;
+      take_refusal(to_endpoint(to), std::span(quoted).first(static_cast<std::size_t>(size)));
     }
   }
 }
@@ -125,13 +182,14 @@ bool UdpSocket::send(const Endpoint& to, std::span<const std::byte> datagram) {
     const Udp::endpoint where = to_asio(to, v4_);
     const auto bytes = asio::buffer(datagram.data(), datagram.size());
     socket_.send_to(bytes, where, 0, error);
-    if (error == asio::error::connection_refused) {
-      // News about an earlier datagram, which kept this one from being sent.
-      ++stats_.refused;
+    if (error && error != asio::error::would_block) {
+      // News about an earlier datagram, perhaps, which kept this one from being sent.
+      read_refusals();
       socket_.send_to(bytes, where, 0, error);
     }
   }
   if (!error) {
+    remember(to, datagram);
     ++stats_.sent;
     return true;
   }

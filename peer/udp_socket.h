@@ -29,7 +29,7 @@ Endpoint to_endpoint(const Udp::endpoint& e);
 struct SocketStats {
   std::uint64_t sent = 0;
   std::uint64_t send_errors = 0;     ///< not sent for another reason than these
-  std::uint64_t refused = 0;         ///< ICMP: nobody listens where something was sent earlier
+  std::uint64_t refused = 0;         ///< ICMP port unreachable: nobody listens where something was sent earlier
   std::uint64_t buffer_full = 0;     ///< not sent, the system's buffer was full
   std::uint64_t receive_errors = 0;  ///< besides refusals
 };
@@ -37,13 +37,15 @@ struct SocketStats {
 /// A bound UDP socket that never gives up: errors are counted, none ends the reading.
 class UdpSocket {
  public:
+  using Refusal = std::function<void(const Endpoint& at)>;
   using Receiver = std::function<void(const Endpoint& from, std::span<const std::byte> datagram)>;
 
   /// Throws std::system_error if the address cannot be used.
   UdpSocket(boost::asio::io_context& io, const Udp::endpoint& address);
 
-  /// From now on: `each` for every datagram, `afterwards` after each batch of them.
-  void start(Receiver each, std::function<void()> afterwards);
+  /// From now on: `each` for every datagram, `refused` for every word that nobody listens where something was sent to
+  /// which quotes what that was, `afterwards` after each batch of them.
+  void start(Receiver each, Refusal refused, std::function<void()> afterwards);
   void close();
 
   /// False if it was not sent: see stats() and last_error().
@@ -58,12 +60,24 @@ class UdpSocket {
  private:
   void wait();
   void read();
+  void read_refusals();
+  void take_refusal(const Endpoint& at, std::span<const std::byte> quoted);
+  void remember(const Endpoint& to, std::span<const std::byte> datagram);
 
   Udp::socket socket_;
   bool v4_;
   Receiver each_;
+  Refusal refused_;
   std::function<void()> afterwards_;
   SocketStats stats_;
+  static constexpr std::size_t kQuoted = 32;  ///< bytes that nobody guesses who has not seen them
+  struct Sent {
+    Endpoint to;
+    std::size_t size = 0;
+    std::array<std::byte, kQuoted> begin{};
+  };
+  std::array<Sent, 64> sent_{};  ///< the latest
+  std::size_t next_sent_ = 0;
   std::string last_error_;
   std::array<std::byte, 65536> buffer_{};  ///< larger than any UDP payload, so that nothing is cut short unnoticed
 };

@@ -1,16 +1,20 @@
 #!/usr/bin/env bash
-# Several real peer processes on this machine, playing in one world over UDP through a bad network, and a report of how
-# consistent they were and what it cost.
+# Several real peer processes on this machine, playing in one world over UDP through a bad network, a page to look at them
+# and to play along, and a report of how consistent they were and what it cost.
 set -euo pipefail
 
 usage() {
   cat <<'TEXT'
 usage: tools/demo.sh [options]
 
-Installs missing packages, builds the programs, runs N peers against one another, prints the report.
+Installs missing packages, builds the programs, runs N peers against one another with a page that shows them, prints the
+report.
 
   --peers N         number of peers, 2 to 32                 (default 4)
-  --duration S      seconds to play, 1 to 3600               (default 30)
+  --duration S      seconds to play, 1 to 3600; default: 30, or, in a terminal and with a page, 1800 or until Ctrl-C,
+                    after which there is a report as well
+  --page PORT|off   port of 127.0.0.1 at which a browser finds the page, 0 for any; off: there is none
+                    (default 8080, or any if that is taken)
   --scenario NAME   arena, clutter, ball, dominoes, van, proxy, pitch, or a scenario file   (default arena)
   --netem SPEC      impairment of every directed link, in the grammar of tc-netem; "" for none
                     (default "delay 100ms 50ms loss 10%")
@@ -28,7 +32,8 @@ TEXT
 fail_usage() { echo "demo.sh: $1 (see --help)" >&2; exit 2; }
 
 peers=4
-duration=30
+duration=
+page=
 scenario=arena
 netem='delay 100ms 50ms loss 10%'
 technique=full
@@ -37,14 +42,15 @@ out=out/demo
 while (($# > 0)); do
   case $1 in
     --help | -h) usage; exit 0 ;;
-    --peers=* | --duration=* | --scenario=* | --netem=* | --technique=* | --seed=* | --out=*)
+    --peers=* | --duration=* | --page=* | --scenario=* | --netem=* | --technique=* | --seed=* | --out=*)
       set -- "${1%%=*}" "${1#*=}" "${@:2}"
       continue ;;
-    --peers | --duration | --scenario | --netem | --technique | --seed | --out)
+    --peers | --duration | --page | --scenario | --netem | --technique | --seed | --out)
       if (($# < 2)); then fail_usage "$1 needs a value"; fi
       case $1 in
         --peers) peers=$2 ;;
         --duration) duration=$2 ;;
+        --page) page=$2 ;;
         --scenario) scenario=$2 ;;
         --netem) netem=$2 ;;
         --technique) technique=$2 ;;
@@ -62,6 +68,16 @@ check_number() { # FLAG VALUE LOWEST HIGHEST
     fail_usage "$1 '$2': must be a whole number from $3 to $4"
   fi
 }
+if [[ -z $page ]]; then
+  page=8080
+  # Whether somebody listens there, or did a moment ago.
+  if cat /proc/net/tcp /proc/net/tcp6 2>/dev/null | awk '{ print $2 " " }' | grep -F ':1F90 ' >/dev/null; then page=0; fi
+fi
+if [[ $page != off ]]; then check_number --page "$page" 0 65535; fi
+if [[ -z $duration ]]; then
+  duration=30
+  if [[ -t 1 && $page != off ]]; then duration=1800; fi
+fi
 check_number --peers "$peers" 2 32
 check_number --duration "$duration" 1 3600
 check_number --seed "$seed" 0 999999999
@@ -92,11 +108,11 @@ if ! cmake --preset release "${without_tests[@]}" >"$out/build.log" 2>&1; then
   exit 1
 fi
 echo "== building"
-cmake --build build/release --parallel "$jobs" --target padr-peer padr-report
+cmake --build build/release --parallel "$jobs" --target padr-peer padr-report padr-monitor
 bin=$PWD/build/release/bin
 
 # --- run
-rm -f "$out"/peer*.trace "$out"/peer*.json "$out"/peer*.log "$out"/report.json
+rm -f "$out"/peer*.trace "$out"/peer*.json "$out"/peer*.log "$out"/report.json "$out"/monitor.log "$out"/page
 rm -f "$out"/plots/*.svg "$out"/plots/*.png "$out"/csv/*.csv
 
 # A UDP port that no socket of this machine has, from the range below the one that the system hands out by itself.
@@ -115,6 +131,7 @@ free_port() {
 }
 
 pids=()
+monitor=
 alive() { kill -0 "$1" 2>/dev/null; }
 stop_peers() {
   local pid tries
@@ -126,26 +143,66 @@ stop_peers() {
     break
   done
   for pid in "${pids[@]}"; do kill -KILL "$pid" 2>/dev/null || true; done
+  if [[ -n $monitor ]]; then kill -TERM "$monitor" 2>/dev/null || true; fi
   wait 2>/dev/null || true
-  pids=()
+  pids=() monitor=
 }
 trap stop_peers EXIT
-trap 'printf "\ndemo.sh: stopped; logs: %s\n" "$shown/peer*.log" >&2; exit 130' INT
+# With a page the first Ctrl-C ends the play and not the report. Only this script gets it: programs run in sessions of
+# their own.
+enough=no
+interrupted() {
+  if [[ $enough == no && -n $monitor ]]; then
+    enough=yes
+    return 0
+  fi
+  printf "\ndemo.sh: stopped; logs: %s\n" "$shown/peer*.log" >&2
+  exit 130
+}
+trap interrupted INT
 trap 'exit 143' TERM
+
+# --- the page: the monitor says where it can be found, and where peers are to tell it
+told=()
+start_monitor() {
+  local tries where=
+  setsid "$bin/padr-monitor" --listen "127.0.0.1:$page" --peers-listen 127.0.0.1:0 \
+    >"$out/page" 2>"$out/monitor.log" </dev/null &
+  monitor=$!
+  for ((tries = 0; tries < 100; ++tries)); do
+    where=$(sed -n 's/.*--monitor \(127[.]0[.]0[.]1:[0-9]*\)$/\1/p' "$out/monitor.log")
+    if [[ -n $where && -s $out/page ]]; then break; fi
+    if ! alive "$monitor"; then
+      tail -n 3 "$out/monitor.log" >&2
+      echo "demo.sh: there is no page; choose another port with --page, or --page off" >&2
+      exit 1
+    fi
+    sleep 0.1
+  done
+  told=(--monitor "$where" --control)
+}
+if [[ $page != off ]]; then start_monitor; fi
 
 port=$(free_port)
 start_peer() { # INDEX
   local role=(--join "127.0.0.1:$port") shaped=()
   if (($1 == 0)); then role=(--listen "127.0.0.1:$port" --wait-peers "$peers"); fi
   if [[ -n $netem ]]; then shaped=(--netem "$netem" --netem-seed "$((seed * 100 + $1))"); fi
-  "$bin/padr-peer" "${role[@]}" --scenario "$scenario" --seed "$seed" --technique "$technique" "${shaped[@]}" \
+  setsid "$bin/padr-peer" "${role[@]}" --scenario "$scenario" --seed "$seed" --technique "$technique" "${shaped[@]}" \
     --input "wander:$((seed * 100 + $1))" --duration "$duration" \
-    --trace "$out/peer$1.trace" --json "$out/peer$1.json" >"$out/peer$1.log" 2>&1 </dev/null &
+    --trace "$out/peer$1.trace" --json "$out/peer$1.json" "${told[@]}" >"$out/peer$1.log" 2>&1 </dev/null &
   pids+=($!)
 }
 
-echo "== $peers peers play '$scenario' by '$technique' for $duration s, network: ${netem:-unimpaired}"
+until=
+if [[ -t 1 && -n $monitor ]]; then until=", or until Ctrl-C"; fi
+echo "== $peers peers play '$scenario' by '$technique' for $duration s$until, network: ${netem:-unimpaired}"
 for ((i = 0; i < peers; ++i)); do start_peer "$i"; done
+if [[ -n $monitor ]]; then
+  echo
+  echo "   Look and play along:  $(head -n 1 "$out/page")"
+  echo
+fi
 
 # Joining through a bad network and draining the last updates take their time; past that a peer hangs.
 limit=$((duration + 30))
@@ -156,6 +213,12 @@ while :; do
   for pid in "${pids[@]}"; do if alive "$pid"; then running=$((running + 1)); fi; done
   elapsed=$((SECONDS - started))
   if ((running == 0 || elapsed >= limit)); then break; fi
+  if [[ $enough == yes ]]; then
+    for pid in "${pids[@]}"; do kill -TERM "$pid" 2>/dev/null || true; done
+    duration=$elapsed
+    limit=$((elapsed + 30))
+    enough=told
+  fi
   # A peer that gave up early will not come back: no need to sit out the rest.
   if ((running < peers && elapsed < duration / 2)); then break; fi
   line="  $elapsed/$duration s, $running of $peers peers running"
@@ -168,7 +231,7 @@ while :; do
     echo "$line"
     shown_at=$elapsed
   fi
-  sleep 0.5
+  sleep 0.5 || true # a Ctrl-C ends it as well
 done
 if [[ -t 1 ]]; then printf '\r\033[K'; fi
 
@@ -212,6 +275,7 @@ echo
 echo "plots:  $shown/plots"
 echo "tables: $shown/csv, $shown/report.json"
 echo "traces: $shown/peer*.trace"
+if [[ $page != off ]]; then echo "to see it again: build/release/bin/padr-monitor --trace $shown"; fi
 case $verdict in
   0) echo "All confirmed worlds were identical." ;;
   1) echo "CONFIRMED WORLDS DIFFERED; logs: $shown/peer*.log"; exit 1 ;;

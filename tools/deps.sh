@@ -10,7 +10,7 @@ Installs what is missing of the Debian packages of the named groups (default: bu
 
   build   compiler, CMake, Ninja and the libraries the programs are built on
   run     what the programs call at run time: gnuplot for plots, rsvg-convert for film strips
-  test    GoogleTest, Google Benchmark, RapidCheck, Python
+  test    GoogleTest, Google Benchmark, RapidCheck, Python; Chromium and Selenium, for the page of padr-monitor
   check   formatting, linting, clang builds, fuzzing, the clean-clone check, tshark and tcpdump, Compose and a base
           image for containers
   all     every group
@@ -27,9 +27,10 @@ TEXT
 packages_of() {
   case $1 in
     build) echo g++ cmake ninja-build ccache pkg-config libbox2d-dev libboost-dev protobuf-compiler \
-      libprotobuf-dev libspdlog-dev libcli11-dev ;;
+      libprotobuf-dev libsodium-dev libspdlog-dev libcli11-dev nlohmann-json3-dev libjs-dygraphs ;;
     run) echo 'gnuplot-nox|gnuplot-qt|gnuplot-x11' librsvg2-bin ;;
-    test) echo libgtest-dev libbenchmark-dev librapidcheck-dev python3 ;;
+    test) echo libgtest-dev libbenchmark-dev librapidcheck-dev python3 chromium chromium-driver \
+      python3-selenium ;;
     check) echo 'clang-14|clang-@' 'clang-format-14|clang-format-@' 'clang-tidy-14|clang-tidy-@' \
       'libclang-rt-14-dev|libclang-rt-@-dev' git shellcheck tshark tcpdump docker-compose mmdebstrap ;;
   esac

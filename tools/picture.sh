@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Draws docs/techniques.svg, the picture in the README: four techniques on the same input, seed and links.
+# Makes the pictures in the README: docs/techniques.svg, four techniques on the same input, seed and links, and
+# docs/monitor.png, the page of padr-monitor with four real peers (needs Chromium and Selenium).
 # Usage: tools/picture.sh [BIN_DIR]   (default build/release/bin)
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -33,3 +34,5 @@ plot "$work/avatar-only.dat" with lines lw 2 lc rgb "#D55E00" title "avatar-only
      "$work/full.dat" with lines lw 3 lc rgb "#009E73" title "full"
 EOF
 echo "docs/techniques.svg"
+
+python3 -B tests/browser/picture.py "$bin/padr-monitor" "$bin/padr-peer" docs

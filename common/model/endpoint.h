@@ -8,10 +8,15 @@
 
 namespace padr {
 
-/// Where a peer's datagrams come from and go to. Plain numbers: resolving names and sending are the shell's.
+/// An X25519 public key; all zeros: none.
+using PublicKey = std::array<std::uint8_t, 32>;
+
+/// Where a peer's datagrams come from and go to, and, in a session with a key, who that peer is. Plain numbers:
+/// resolving names and sending are the shell's.
 struct Endpoint {
   std::array<std::uint8_t, 16> address{};  ///< network order; IPv4 a.b.c.d as ::ffff:a.b.c.d
   std::uint16_t port = 0;
+  PublicKey key{};  ///< of this run of the peer's program; none if it is not known or there is no session key
   friend auto operator<=>(const Endpoint&, const Endpoint&) = default;
 
   bool is_v4() const {
@@ -28,7 +33,15 @@ struct Endpoint {
   }
   /// Something that can be sent to: has a port, and an address that is not all zeros.
   bool is_set() const { return port != 0 && address != Endpoint{}.address; }
+  bool has_key() const { return key != PublicKey{}; }
+  /// The same without saying who is there.
+  Endpoint place() const { return {address, port, {}}; }
 };
+
+/// Whoever is there.
+inline bool same_place(const Endpoint& a, const Endpoint& b) {
+  return a.address == b.address && a.port == b.port;
+}
 
 /// `a.b.c.d:port` or `[x:x:...]:port`, the longest run of zeros of two groups or more left out (RFC 5952).
 inline std::string to_string(const Endpoint& e) {

@@ -49,7 +49,7 @@ void Doorkeeper::on_join(const Endpoint& from, const wire::Join& join, const Rec
 }
 
 Doorkeeper::Guest* Doorkeeper::take_in(const Endpoint& from, const wire::Join& join, const Node& node, Micros local) {
-  std::erase_if(guests_, [&](const Guest& g) { return g.at == from && !g.ordered; });  // started anew
+  std::erase_if(guests_, [&](const Guest& g) { return same_place(g.at, from) && !g.ordered; });  // started anew
   const auto slot = free_slot(node);
   if (!slot) {
     if (!may_come_free(node))
@@ -118,10 +118,28 @@ void Doorkeeper::on_pull(const Endpoint& from, const wire::Pull& pull, const Rec
       desk_.send(from, wire::Piece{pull.nonce, pull.from + i, count, guest->pieces[pull.from + i]});
 }
 
+// Who was removed, or has left and ended, since the guest was given the world sends it nothing, and the rest had no
+// reason to pass on what all of them had.
+void Doorkeeper::pass_on_what_nobody_sends(const Guest& guest, RecordedNode& node) {
+  const sync::UpdateLog& log = node.node().agreed().log();
+  for (PeerId p = 0; p < desk_.slots; ++p) {
+    if (p == desk_.self) continue;
+    const Neighbour& n = node.node().other(p);
+    const std::uint32_t end = n.there() ? n.first : log.have(p);
+    for (const sync::Bundle& b : log.of(p, guest.have[p])) {
+      if (b.index >= end) break;
+      sync::Bundle order;
+      order.passed_on.push_back(b);
+      node.order(order);
+    }
+  }
+}
+
 void Doorkeeper::on_enter(const Endpoint& from, const wire::Enter& enter, RecordedNode& node, bool may_admit) {
   Guest* guest = guest_at(from, enter.nonce);
   if (guest == nullptr || guest->pieces.empty() || guest->ordered || !may_admit) return;
   guest->ordered = true;
+  pass_on_what_nobody_sends(*guest, node);
   sync::Admission a;
   a.slot = guest->slot;
   a.incarnation = guest->incarnation;

@@ -38,6 +38,7 @@ class Doorkeeper {
   std::optional<PeerId> free_slot(const Node& node) const;
   bool may_come_free(const Node& node) const;
   Guest* take_in(const Endpoint& from, const wire::Join& join, const Node& node, Micros local);
+  void pass_on_what_nobody_sends(const Guest& guest, RecordedNode& node);
   void refuse(const Endpoint& from, const wire::Join& join, const std::string& reason);
 
   SessionDesk& desk_;

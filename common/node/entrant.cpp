@@ -49,9 +49,14 @@ void Entrant::pull(Micros local) {
   desk_.send(by_, p);
 }
 
+// Not at once: whoever looks between two advances must not take for the end what is only another beginning.
+void Entrant::on_unreachable(const Endpoint& at) {
+  if (at == by_) lost_ = true;
+}
+
 void Entrant::advance(Micros local) {
-  if (local - heard_ > kPatience)
-    return desk_.fail("peer at " + to_string(by_) + " has fallen silent while letting us in");
+  lost_ = lost_ || local - heard_ > kPatience;
+  if (lost_) return desk_.fail("peer at " + to_string(by_) + " has ended, or fallen silent, while letting us in");
   if (offset_.samples() < OffsetEstimator::kKept && local - pinged_ >= kPing) {
     pinged_ = local;
     desk_.send(by_, wire::Ping{local});

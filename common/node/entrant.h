@@ -15,6 +15,8 @@ class Entrant {
 
   void on_pong(const Endpoint& from, const wire::Pong& pong, Micros local);
   void on_piece(const Endpoint& from, const wire::Piece& piece, Micros local);
+  /// The machine at `at` says that nobody listens there.
+  void on_unreachable(const Endpoint& at);
   void advance(Micros local);
   /// Asks to be admitted from now on.
   void enter(Micros local);
@@ -22,6 +24,8 @@ class Entrant {
   /// All is here: `transfer` has it, and the session's clock is set.
   bool ready() const { return ready_; }
   const wire::Bytes& transfer() const { return transfer_; }
+  /// Who lets us in has ended, or fallen silent.
+  bool lost() const { return lost_; }
   const Endpoint& by() const { return by_; }
   Micros round_trip() const { return offset_.round_trip(); }
 
@@ -47,6 +51,7 @@ class Entrant {
   Micros entered_ = 0;
   bool ready_ = false;
   bool entering_ = false;
+  bool lost_ = false;
 };
 
 }  // namespace padr::node

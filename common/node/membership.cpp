@@ -9,6 +9,8 @@ namespace {
 
 /// Confirmed may wait for somebody to be declared gone, and then some.
 constexpr Tick kStuck = 12 * kTicksPerSecond;
+/// That nobody listens there has to be said for so long, and nothing heard meanwhile.
+constexpr Tick kRefused = kTicksPerSecond / 10;
 
 }  // namespace
 
@@ -48,6 +50,22 @@ void Membership::receive(const Endpoint& from, const wire::Header& header, const
   if (const auto* fetched = std::get_if<wire::Fetched>(&message)) removals_.on_fetched(*fetched, node_.node());
 }
 
+// Where a process has ended, its machine says so long before silence does. One word may be of a datagram that was there
+// before the process was.
+void Membership::on_unreachable(const Endpoint& at) {
+  const Node& n = node_.node();
+  for (PeerId p = 0; p < desk_.roster.size(); ++p) {
+    if (p == desk_.self || desk_.roster[p] != at || !n.other(p).there()) continue;
+    Tick& since = refused_.try_emplace(p, n.now()).first->second;
+    if (n.other(p).heard >= since) {
+      since = n.now();
+    } else if (n.now() - since >= kRefused && !Removals::suspected(n, p)) {
+      desk_.note("nobody listens at peer " + std::to_string(p) + "'s address any more", true);
+      node_.give_up(p);
+    }
+  }
+}
+
 void Membership::follow_changes() {
   for (MemberChange& c : node_.take_changes()) {
     const std::string who = "peer " + std::to_string(c.slot);
@@ -56,7 +74,7 @@ void Membership::follow_changes() {
       if (c.by < desk_.roster.size() && desk_.roster[c.by].is_set()) c.at = as_seen_from(c.at, desk_.roster[c.by]);
       // One process is one peer: if another slot's was there, that life of it is over.
       for (PeerId p = 0; p < desk_.roster.size(); ++p)
-        if (p != desk_.self && p != c.slot && desk_.roster[p] == c.at) node_.give_up(p);
+        if (p != desk_.self && p != c.slot && same_place(desk_.roster[p], c.at)) node_.give_up(p);
       desk_.roster[c.slot] = c.at;
       desk_.note(who + " at " + to_string(c.at) + " comes in at tick " + std::to_string(c.tick));
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 
 #include "common/node/doorkeeper.h"
@@ -24,6 +25,8 @@ class Membership {
   void on_stranger(const Endpoint& from, std::size_t bytes, Micros local) {
     sides_.on_stranger(from, bytes, node_.node(), local);
   }
+  /// The machine at `at` says that nobody listens there.
+  void on_unreachable(const Endpoint& at);
   /// Where somebody was in another life of this peer's.
   void remember(const Endpoint& at) { sides_.remember(at, node_.node().now()); }
   /// Once a tick, after the node's step.
@@ -45,6 +48,7 @@ class Membership {
   Removals removals_;
   Sides sides_;
   std::vector<MemberChange> changes_;
+  std::map<PeerId, Tick> refused_;  ///< since when nobody listens where it was
   Tick confirmed_ = -1;
   Tick confirmed_at_ = 0;
   bool told_ = false;

@@ -19,8 +19,8 @@ constexpr Tick kCheckEvery = 30;
 constexpr std::size_t kChecksKept = 64;
 // A peer that has left and been silent for this long has ended.
 constexpr Tick kDeparted = 60;
-// Own updates are kept this long though everybody has them: a newcomer has what its source had when it asked.
-constexpr Tick kOwnKept = 15 * kTicksPerSecond;
+// Updates are kept this long though everybody has them: a newcomer has what its source had when it asked.
+constexpr Tick kKept = 15 * kTicksPerSecond;
 // Hashes go out with marks; where there is so much to tell that there are none, this often.
 constexpr Tick kTellCheck = 60;
 // Four marks: time to hear that somebody else leaves too, and to tell that we have everything, though some get lost.
@@ -239,11 +239,48 @@ void Node::report(Vec2 target, Vec2 velocity_before) {
   s.everyone_has = all ? now() - 1
                        : (everyone > own_first_ ? own_log_[everyone - own_first_ - 1].tick
                                                 : (own_log_.empty() ? now() - 1 : own_log_.front().tick - 1));
+  s.pushed = push_bodies();
   sync::Bundle bundle = reporter_.report(s);
+  forget_pushes(bundle);
   live_.settle(bundle);
   if (bundle.avatar) ++stats_.updates_by_cause[static_cast<std::size_t>(bundle.avatar->cause)];
   for (const sync::BodyUpdate& u : bundle.bodies) ++stats_.updates_by_cause[static_cast<std::size_t>(u.cause)];
   if (bundle.avatar || !bundle.bodies.empty()) publish(std::move(bundle));
+}
+
+void Node::retune(const Technique& technique) {
+  assert(technique.authority == config_.technique.authority);
+  const bool other_world = technique.replay != config_.technique.replay;
+  config_.technique = technique;
+  reporter_.retune(technique);
+  predictor_.retune(technique);
+  threshold_.retune(technique);
+  shown_.retune(technique.convergence, after_.empty() ? shown_.positions() : after_);
+  agreed_.set_replay(technique.replay);
+  if (other_world) adopt();
+}
+
+bool Node::may_push(EntityId b) const {
+  if (!member_ || gone_ || leaving_ || b >= live_.world().bodies()) return false;
+  return !config_.technique.authority || reporter_.may_change(agreed_.predicted_state(), b);
+}
+
+std::vector<EntityId> Node::push_bodies() {
+  std::vector<EntityId> pushed;
+  std::erase_if(pushes_, [this](const auto& push) { return !may_push(push.first); });
+  for (const auto& [b, velocity] : pushes_) {
+    live_.push(b, velocity);
+    pushed.push_back(b);
+  }
+  return pushed;
+}
+
+// What did not fit the bundle and is not owned yet is put back to what was predicted, and has to be pushed again.
+void Node::forget_pushes(const sync::Bundle& told) {
+  std::erase_if(pushes_, [&](const auto& push) {
+    const auto is_it = [&push](const sync::BodyUpdate& u) { return u.body == push.first && u.has_state; };
+    return own_[push.first] || std::any_of(told.bodies.begin(), told.bodies.end(), is_it);
+  });
 }
 
 void Node::publish(sync::Bundle bundle) {
@@ -288,12 +325,12 @@ void Node::send() {
 }
 
 void Node::keep_logs(std::uint32_t everyone) {
-  while (own_first_ < everyone && !own_log_.empty() && own_log_.front().tick < now() - kOwnKept) {
+  while (own_first_ < everyone && !own_log_.empty() && own_log_.front().tick < now() - kKept) {
     own_log_.pop_front();
     ++own_first_;
   }
-  // Whoever falls silent may have told somebody what others lack. Nobody lacks what all have confirmed.
-  Tick all = agreed_.confirmed().tick;
+  // Whoever falls silent may have told somebody what others lack. Nobody but a newcomer lacks what all have confirmed.
+  Tick all = std::min(agreed_.confirmed().tick, now() - kKept);
   for (PeerId p = 0; p < config_.slots; ++p)
     if (p != config_.self && others_[p].there()) all = std::min(all, others_[p].confirmed);
   agreed_.keep_from(all);

@@ -125,6 +125,13 @@ class Node {
   std::vector<MemberChange> take_changes();
   /// Who sits there has been seen elsewhere: counts as silent from now on.
   void give_up(PeerId p) { others_[p].answered = now() - 1000 * kTicksPerSecond; }
+  /// Plays by other knobs from the next step on. All but `authority` are a peer's own affair; that must stay.
+  void retune(const Technique& technique);
+  /// Whether a push of this body would be followed now: nobody else holds it, and this peer is in the session.
+  bool may_push(EntityId b) const;
+  /// With the next report this peer takes authority over the body, unless it may not after all, and adds to its
+  /// velocity (m/s), as if its avatar had touched it. Without dynamic authority it does so in its own world alone.
+  void push(EntityId b, Vec2 velocity) { pushes_[b] = pushes_[b] + velocity; }
   /// The process was held up: nobody can be blamed for not having been heard meanwhile.
   void excuse_silence();
 
@@ -179,6 +186,8 @@ class Node {
   bool all_through() const;
   void adopt();
   void report(Vec2 target, Vec2 velocity_before);
+  std::vector<EntityId> push_bodies();
+  void forget_pushes(const sync::Bundle& told);
   void publish(sync::Bundle bundle);
   void send();
   void fill(sync::StatePacket& packet, PeerId p);
@@ -202,6 +211,7 @@ class Node {
   std::uint32_t own_first_ = 0;       ///< index of own_log_.front()
   std::vector<Neighbour> others_;     ///< by slot; the own one is only a place
   std::deque<sync::Bundle> orders_;
+  std::map<EntityId, Vec2> pushes_;  ///< to be made with the next report, m/s
   std::vector<MemberChange> changes_;
   struct Check {
     PeerId from;

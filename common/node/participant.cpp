@@ -20,11 +20,14 @@ constexpr Tick kMostBehind = 120 * kTicksPerSecond;
 /// Between two attempts to come back.
 constexpr Micros kTryAgain = 500'000;
 constexpr Micros kReturnPatience = 6 * kMicrosPerSecond;
+/// Between two words about datagrams that do not fit the session's key.
+constexpr Micros kWarnAgain = 10 * kMicrosPerSecond;
 
 }  // namespace
 
 Participant::Participant(const Scene& scene, ParticipantConfig config, Micros local)
-    : scene_(scene), config_(std::move(config)) {
+    : scene_(scene), config_(std::move(config)), local_(local), warned_(local - kWarnAgain), born_(local) {
+  if (config_.gate) gate_.emplace(*config_.gate);
   coming_.session = std::make_unique<Session>(config_.session, local);
 }
 
@@ -45,6 +48,31 @@ Node::ConfirmedSink Participant::sink() {
 }
 
 void Participant::receive(const Endpoint& from, std::span<const std::byte> datagram, Micros local) {
+  local_ = local;
+  if (!gate_) return take(from, datagram, local);
+  const auto arrival = gate_->receive(from, datagram, local);
+  if (arrival) return take(arrival->from, arrival->datagram, local);
+  warn_of_drops(from, local);
+}
+
+// Who has another key or none at all keeps trying: somebody should know why nobody answers.
+void Participant::warn_of_drops(const Endpoint& place, Micros local) {
+  const auto& dropped = gate_->stats().dropped;
+  const std::uint64_t drops =
+      dropped[static_cast<std::size_t>(GateDrop::kUnsealed)] + dropped[static_cast<std::size_t>(GateDrop::kTag)];
+  if (drops == drops_told_ || local - warned_ < kWarnAgain) return;
+  notes_.push_back({true, std::to_string(drops - drops_told_) + " datagrams were not made with this session's key, " +
+                              "the last by " + to_string(place)});
+  drops_told_ = drops;
+  warned_ = local;
+}
+
+void Participant::post(Parcel parcel) {
+  if (gate_) return gate_->send(parcel, local_);
+  outgoing_.push_back(std::move(parcel));
+}
+
+void Participant::take(const Endpoint& from, std::span<const std::byte> datagram, Micros local) {
   for (Life* life : {&life_, &coming_}) {
     if (!life->session) continue;
     const auto peer = life->session->receive(from, datagram, local);
@@ -55,7 +83,15 @@ void Participant::receive(const Endpoint& from, std::span<const std::byte> datag
   }
 }
 
+// Nothing proves that the network has said so: in a session with a key it does not count.
+void Participant::unreachable(const Endpoint& at, Micros local) {
+  if (gate_) return;
+  for (Life* life : {&life_, &coming_})
+    if (life->session) life->session->unreachable(at, local);
+}
+
 void Participant::advance(Micros local) {
+  local_ = local;
   for (Life* life : {&life_, &coming_})
     if (life->session && local >= life->session->next_due()) life->session->advance(local);
   if (coming_.session) be_born(local);
@@ -69,6 +105,8 @@ void Participant::be_born(Micros local) {
     collect(coming_);
     coming_ = {};
     try_again_ = local + kTryAgain;
+  } else if (s.lost_doorkeeper()) {
+    ask_again(local);
   } else if (!coming_.node && (s.phase() == SessionPhase::kStarted || s.may_enter())) {
     if (!has_room_for(s)) return;
     if (s.phase() == SessionPhase::kStarted)
@@ -81,6 +119,17 @@ void Participant::be_born(Micros local) {
   } else if (coming_.node) {
     watch(coming_, local);
   }
+}
+
+// Who was letting us in for the first time has ended: somebody else will.
+void Participant::ask_again(Micros local) {
+  SessionConfig c = config_.session;
+  if (c.patience > 0) c.patience -= local - born_;
+  if (config_.session.patience > 0 && c.patience <= 0) return;
+  collect(coming_);
+  coming_ = {};
+  c.seed = derive_seed(c.seed, 0xA6A, ++tries_);
+  coming_.session = std::make_unique<Session>(c, local);
 }
 
 // The number of slots is the founder's to say: it may be mistaken, or lie.
@@ -179,15 +228,22 @@ Micros Participant::next_step() const {
 }
 
 void Participant::step(Vec2 target, Micros local) {
+  local_ = local;
   const Micros now = life_.session->session_now(local);
   const Micros lateness = now - tick_start(node().now() + 1);
   if (lateness > kHeldUp) life_.node->excuse_silence();
   life_.node->step(target, lateness);
   life_.membership->advance(local);
-  for (const Outgoing& o : life_.node->outgoing()) outgoing_.push_back({life_.session->roster()[o.to], o.to, o.bytes});
+  for (const Outgoing& o : life_.node->outgoing()) post({life_.session->roster()[o.to], o.to, o.bytes});
   look_for_way_back(local);
   collect(life_);
   collect(coming_);
+}
+
+void Participant::retune(const Technique& technique) {
+  config_.node.technique = technique;
+  for (Life* life : {&life_, &coming_})
+    if (life->node) life->node->retune(technique);
 }
 
 void Participant::leave() {
@@ -202,13 +258,14 @@ void Participant::leave() {
 
 void Participant::collect(Life& life) {
   if (!life.session) return;
-  for (SessionDatagram& d : life.session->take_outgoing()) outgoing_.push_back({d.to, kNoPeer, std::move(d.bytes)});
+  for (SessionDatagram& d : life.session->take_outgoing()) post({d.to, kNoPeer, std::move(d.bytes)});
   for (SessionNote& n : life.session->take_notes()) notes_.push_back(std::move(n));
   if (!life.membership) return;
   for (const MemberChange& c : life.membership->take_changes()) changes_.push_back(c);
 }
 
 std::vector<Parcel> Participant::take_outgoing() {
+  if (gate_) return gate_->take_outgoing();
   return std::exchange(outgoing_, {});
 }
 

@@ -6,24 +6,19 @@
 #include <string>
 #include <vector>
 
+#include "common/node/gate.h"
 #include "common/node/session.h"
 
 namespace padr::node {
 
 struct ParticipantConfig {
   SessionConfig session;
-  NodeConfig node;  ///< technique and fault; the rest is filled in
+  NodeConfig node;                 ///< technique and fault; the rest is filled in
+  std::optional<GateConfig> gate;  ///< the session has a key; otherwise nothing is sealed
   /// Where the n-th life of this peer (0, 1, ...) is recorded to; empty or nothing returned: nowhere.
   std::function<std::optional<RecordedNode::Recording>(int life)> recording;
   /// As Node's, besides the life it belongs to.
   std::function<void(int life, const sync::FoldState& state, std::uint64_t hash)> on_confirmed;
-};
-
-/// A datagram for the shell to send.
-struct Parcel {
-  Endpoint to;
-  PeerId state_to = kNoPeer;  ///< the receiver's number, if it is a state datagram
-  wire::Bytes bytes;
 };
 
 /// A whole peer but for its clock, socket and input: comes together with others or into a running session, plays, and
@@ -39,6 +34,8 @@ class Participant {
   Participant& operator=(const Participant&) = delete;
 
   void receive(const Endpoint& from, std::span<const std::byte> datagram, Micros local);
+  /// The machine at `at` says that nobody listens there, and has proven that it is the one to ask.
+  void unreachable(const Endpoint& at, Micros local);
   /// Upkeep besides the ticks; call at least whenever next_due() has come.
   void advance(Micros local);
   Micros next_due() const;
@@ -49,6 +46,11 @@ class Participant {
   Micros next_step() const;
   /// One tick, with the avatar driven towards `target` (m).
   void step(Vec2 target, Micros local);
+  /// Plays by other knobs from the next step on, in lives to come too; `authority` must stay.
+  void retune(const Technique& technique);
+  // As in RecordedNode, of the present life; only when playing.
+  void push(EntityId b, Vec2 velocity) { life_.node->push(b, velocity); }
+  void remark(const trace::Remark& r) { life_.node->remark(r); }
   /// Says goodbye: with the next step when playing, at once before.
   void leave();
 
@@ -68,6 +70,8 @@ class Participant {
   bool returning() const { return playing() && coming_.session != nullptr; }
   bool failed() const { return !life_.session && coming_.session->phase() == SessionPhase::kFailed; }
   PeerId coordinator() const { return life_.membership->coordinator(); }
+  /// Null if the session has no key.
+  const Gate* gate() const { return gate_ ? &*gate_ : nullptr; }
   /// Ends the trace. Nothing may be called afterwards but the getters.
   void finish();
 
@@ -78,6 +82,7 @@ class Participant {
     std::unique_ptr<Membership> membership;
   };
   void be_born(Micros local);
+  void ask_again(Micros local);
   bool has_room_for(Session& session) const;
   void begin_at_tick_0();
   void begin_later(Micros local);
@@ -85,14 +90,22 @@ class Participant {
   void take_over();
   void look_for_way_back(Micros local);
   void collect(Life& life);
+  void take(const Endpoint& from, std::span<const std::byte> datagram, Micros local);
+  void post(Parcel parcel);
+  void warn_of_drops(const Endpoint& place, Micros local);
   NodeConfig node_config(const Session& session) const;
   Node::ConfirmedSink sink();
 
   Scene scene_;
   ParticipantConfig config_;
+  std::optional<Gate> gate_;
+  Micros local_;  ///< of the last call
+  std::uint64_t drops_told_ = 0;
+  Micros warned_;
   Life life_;    ///< the present one, once there is one
   Life coming_;  ///< one that is being begun
   int lives_ = 0;
+  Micros born_;
   Micros try_again_ = 0;
   std::uint64_t tries_ = 0;
   std::vector<Parcel> outgoing_;

@@ -92,6 +92,20 @@ void RecordedNode::locate(PeerId p, const Endpoint& at) {
   node_.locate(p, at);
 }
 
+void RecordedNode::retune(const Technique& technique) {
+  if (writer_) writer_->retune({technique});
+  node_.retune(technique);
+}
+
+void RecordedNode::push(EntityId b, Vec2 velocity) {
+  if (writer_) writer_->push({b, velocity});
+  node_.push(b, velocity);
+}
+
+void RecordedNode::remark(const trace::Remark& r) {
+  if (writer_) writer_->remark(r);
+}
+
 void RecordedNode::step(Vec2 target, Micros lateness) {
   node_.step(target);
   if (!writer_) return;

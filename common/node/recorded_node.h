@@ -38,6 +38,10 @@ class RecordedNode {
   void excuse_silence();
   void give_up(PeerId p);
   void locate(PeerId p, const Endpoint& at);
+  void retune(const Technique& technique);
+  void push(EntityId b, Vec2 velocity);
+  /// For the record only.
+  void remark(const trace::Remark& r);
   std::vector<MemberChange> take_changes() { return node_.take_changes(); }
 
   const Node& node() const { return node_; }

@@ -1,25 +1,35 @@
 #pragma once
 
 #include <bitset>
+#include <cstddef>
 #include <cstdint>
 
 namespace padr::node {
 
 /// Which of a link's datagram numbers have been here: each passes once, those too old to tell do not pass.
-class ReplayWindow {
+template <std::size_t kSize>
+class NumberWindow {
  public:
-  bool pass(std::uint32_t seq) {
+  bool pass(std::uint64_t seq) {
     if (seq > newest_) {
-      const std::uint32_t by = seq - newest_;
+      const std::uint64_t by = seq - newest_;
       seen_ = by >= kSize ? std::bitset<kSize>{} : seen_ << by;
       newest_ = seq;
       seen_.set(0);
       return true;
     }
-    const std::uint32_t back = newest_ - seq;
-    if (back >= kSize || seen_.test(back)) return false;
-    seen_.set(back);
+    if (!would_pass(seq)) return false;
+    seen_.set(newest_ - seq);
     return true;
+  }
+  bool would_pass(std::uint64_t seq) const {
+    return seq > newest_ || (newest_ - seq < kSize && !seen_.test(newest_ - seq));
+  }
+  std::uint64_t newest() const { return newest_; }
+  /// Nothing up to this number passes any more.
+  void start_after(std::uint64_t seq) {
+    newest_ = seq;
+    seen_.set();
   }
 
   /// Whether enough has come to speak of loss.
@@ -36,10 +46,12 @@ class ReplayWindow {
 
  private:
   static constexpr std::size_t kUnderWay = 8;
-  static constexpr std::uint32_t kEnough = 2 * kUnderWay;
-  static constexpr std::size_t kSize = 1024;  // 17 s at one datagram a tick
+  static constexpr std::uint64_t kEnough = 2 * kUnderWay;
   std::bitset<kSize> seen_;
-  std::uint32_t newest_ = 0;
+  std::uint64_t newest_ = 0;
 };
+
+/// Of a link: 17 s at one datagram a tick.
+using ReplayWindow = NumberWindow<1024>;
 
 }  // namespace padr::node

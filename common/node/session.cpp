@@ -69,6 +69,12 @@ std::optional<PeerId> Session::receive(const Endpoint& from, std::span<const std
   return std::nullopt;
 }
 
+void Session::unreachable(const Endpoint& at, Micros local) {
+  if (membership_ != nullptr) membership_->on_unreachable(at);
+  if (desk_.phase == SessionPhase::kEntering && entrant_) entrant_->on_unreachable(at);
+  if (joiner_) joiner_->on_unreachable(at, local);
+}
+
 void Session::take_membership(const Endpoint& from, const wire::Header& header, std::span<const std::byte> payload,
                               Micros local) {
   const auto message = wire::decode_membership(payload);

@@ -46,6 +46,8 @@ class Session {
   /// A datagram has arrived. If it is a state datagram of this session from the member it claims to be from, that
   /// member's number is returned, and the datagram is the node's to read.
   std::optional<PeerId> receive(const Endpoint& from, std::span<const std::byte> datagram, Micros local);
+  /// The machine at `at` says that nobody listens there.
+  void unreachable(const Endpoint& at, Micros local);
   /// Does what is due; call at least whenever next_due() has come.
   void advance(Micros local);
   Micros next_due() const { return next_due_; }
@@ -60,6 +62,8 @@ class Session {
   SessionPhase phase() const { return desk_.phase; }
   /// Why, once the phase is kFailed.
   const std::string& failure() const { return desk_.failure; }
+  /// It failed because who was letting us in has ended, or fallen silent.
+  bool lost_doorkeeper() const { return desk_.phase == SessionPhase::kFailed && entrant_ && entrant_->lost(); }
   /// This peer's number; kNoPeer until it is a member.
   PeerId self() const { return desk_.self; }
   /// Drawn by the founder, never 0; 0 until known.

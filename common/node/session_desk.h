@@ -26,6 +26,7 @@ struct SessionConfig {
   std::string scenario;  ///< for messages to people: name and seed
   /// Draws the session's number, or the joiner's nonce. Two runs must not have the same.
   std::uint64_t seed = 0;
+  bool sealed = false;  ///< it has a key; for messages to people
   /// us from the beginning to the start of the session at most; 0: no limit.
   Micros patience = 30 * kMicrosPerSecond;
 };

@@ -50,7 +50,7 @@ void Founder::on_join(const Endpoint& from, const wire::Join& join, Micros local
 
 Founder::Guest* Founder::admit(const Endpoint& from, const wire::Join& join, Micros local) {
   // Another attempt from the same address: that program was started anew.
-  std::erase_if(guests_, [&](const Guest& g) { return g.at == from; });
+  std::erase_if(guests_, [&](const Guest& g) { return same_place(g.at, from); });
   PeerId free = 1;
   for (const Guest& g : guests_) {
     if (g.peer != free) break;

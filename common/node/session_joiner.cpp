@@ -1,5 +1,7 @@
 #include "common/node/session_joiner.h"
 
+#include <algorithm>
+
 #include "common/model/rng.h"
 #include "common/node/session_objection.h"
 
@@ -40,8 +42,14 @@ void Joiner::on_join(const Endpoint& from, const wire::Join& join, Micros local)
   desk_.note("passed " + to_string(from) + " on to the founder at " + to_string(target_));
 }
 
+// We may have been told only where it is; who it is, its first answer says.
+bool Joiner::is_target(const Endpoint& from) {
+  if (!target_.has_key() && same_place(from, target_)) target_ = from;
+  return from == target_;
+}
+
 void Joiner::on_welcome(const Endpoint& from, const wire::Header& header, const wire::Welcome& welcome, Micros local) {
-  if (desk_.phase != SessionPhase::kJoining || from != target_ || welcome.nonce != nonce_ || header.session == 0)
+  if (desk_.phase != SessionPhase::kJoining || !is_target(from) || welcome.nonce != nonce_ || header.session == 0)
     return;
   desk_.self = welcome.peer;
   desk_.number = header.session;
@@ -68,8 +76,14 @@ void Joiner::start_over_if_unheard(Micros local) {
   ask(local);
 }
 
+// Where we asked first there is somebody who will know better before long.
+void Joiner::on_unreachable(const Endpoint& at, Micros local) {
+  if (desk_.phase != SessionPhase::kJoining || at != target_) return;
+  redirected_ = std::min(redirected_, local - SessionPace::kUnheard + SessionPace::kJoin);
+}
+
 void Joiner::on_redirect(const Endpoint& from, const wire::Redirect& redirect, Micros local) {
-  if (desk_.phase != SessionPhase::kJoining || from != target_ || redirect.nonce != nonce_) return;
+  if (desk_.phase != SessionPhase::kJoining || !is_target(from) || redirect.nonce != nonce_) return;
   if (++redirects_ > kMostRedirects) return desk_.fail("passed on from member to member, last by " + to_string(from));
   redirected_ = local;
   target_ = as_seen_from(redirect.founder, from);
@@ -78,12 +92,12 @@ void Joiner::on_redirect(const Endpoint& from, const wire::Redirect& redirect, M
 }
 
 void Joiner::on_refuse(const Endpoint& from, const wire::Refuse& refuse) {
-  if (desk_.phase != SessionPhase::kJoining || from != target_ || refuse.nonce != nonce_) return;
+  if (desk_.phase != SessionPhase::kJoining || !is_target(from) || refuse.nonce != nonce_) return;
   desk_.fail("refused by " + to_string(from) + ": " + refuse.reason);
 }
 
 void Joiner::on_other_version(const Endpoint& from, int version) {
-  if (desk_.phase != SessionPhase::kJoining || from != target_) return;
+  if (desk_.phase != SessionPhase::kJoining || !is_target(from)) return;
   desk_.fail("protocol version differs: " + std::to_string(version) + " at " + to_string(from) + ", " +
              std::to_string(wire::kProtocolVersion) + " here");
 }
@@ -144,7 +158,9 @@ void Joiner::give_up_if_late(Micros local) {
                       seconds(SessionPace::kSilence));
   if (desk_.config.patience == 0 || local - desk_.born < desk_.config.patience) return;
   const std::string within = " within " + seconds(desk_.config.patience);
-  if (desk_.phase == SessionPhase::kJoining) return desk_.fail("no answer from " + to_string(target_) + within);
+  if (desk_.phase == SessionPhase::kJoining)
+    return desk_.fail("no answer from " + to_string(target_) + within +
+                      (desk_.config.sealed ? "; it may have another session key, or none" : ""));
   const std::string reason =
       "only " + std::to_string(desk_.present) + " of " + std::to_string(desk_.wanted) + " peers came" + within;
   leave(reason);

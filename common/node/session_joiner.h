@@ -22,6 +22,8 @@ class Joiner {
   void on_bye(const Endpoint& from, const wire::Bye& bye);
   /// Whoever is there speaks another version of the protocol.
   void on_other_version(const Endpoint& from, int version);
+  /// The machine at `at` says that nobody listens there.
+  void on_unreachable(const Endpoint& at, Micros local);
   void advance(Micros local);
   void leave(const std::string& reason);
   Micros round_trip() const { return offset_.round_trip(); }
@@ -29,6 +31,7 @@ class Joiner {
 
  private:
   void ask(Micros local);
+  bool is_target(const Endpoint& from);
   void start_over_if_unheard(Micros local);
   void ping(Micros local);
   bool agreed() const { return offset_.samples() >= SessionPace::kSamples; }

@@ -6,7 +6,7 @@ namespace padr::node {
 
 void Sides::on_change(const MemberChange& change) {
   if (change.kind == MemberChange::Kind::kAdmitted)
-    std::erase_if(gone_, [&](const Gone& g) { return g.at == change.at; });
+    std::erase_if(gone_, [&](const Gone& g) { return same_place(g.at, change.at); });
   if (change.kind == MemberChange::Kind::kRemoved) remember(change.at, change.tick);
 }
 

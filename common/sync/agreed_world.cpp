@@ -52,12 +52,52 @@ void AgreedWorld::begin() {
   if (config_.replay) {
     kept(now()) = current_;
   } else {
-    const auto slots = static_cast<std::size_t>(config_.slots);
-    newest_avatar_.assign(slots, -1);
-    newest_body_.assign(slots, std::vector<Tick>(static_cast<std::size_t>(predicted_.world().bodies()), -1));
+    know_nothing_newest();
   }
   log_.prune(now(), now());
   announce(confirmed_);
+}
+
+void AgreedWorld::know_nothing_newest() {
+  const auto slots = static_cast<std::size_t>(config_.slots);
+  newest_avatar_.assign(slots, -1);
+  newest_body_.assign(slots, std::vector<Tick>(static_cast<std::size_t>(predicted_.world().bodies()), -1));
+}
+
+void AgreedWorld::set_replay(bool on) {
+  if (on == config_.replay) return;
+  catch_up();
+  config_.replay = on;
+  if (on)
+    begin_replay();
+  else
+    end_replay();
+  predicted_.save(current_);
+}
+
+void AgreedWorld::begin_replay() {
+  follower_.reset();
+  ring_.resize(kKeptTicks);
+  for (FoldState& s : ring_) s.tick = -1;
+  kept(confirmed_.tick) = confirmed_;
+  rewind_to(confirmed_.tick);
+}
+
+// Predicted goes on as it is. Updates that are in it count as having arrived, those of ticks to come arrive now.
+void AgreedWorld::end_replay() {
+  ring_.clear();
+  const Scene& scene = predicted_.world().scene();
+  follower_ = std::make_unique<Fold>(scene, config_.slots, 0, config_.authority);
+  follower_->restore(confirmed_);
+  know_nothing_newest();
+  for (const Bundle& b : log_.since(confirmed_.tick)) {
+    if (b.tick > now()) {
+      arrived_.push_back(b);
+      continue;
+    }
+    Bundle known = b;
+    only_newest(known);
+  }
 }
 
 bool AgreedWorld::insert(const Bundle& bundle) {
@@ -71,18 +111,18 @@ bool AgreedWorld::insert(const Bundle& bundle) {
 }
 
 void AgreedWorld::close(PeerId peer, std::uint32_t count) {
-  const Tick changed = log_.close(peer, count);
-  if (config_.replay && changed <= now()) dirty_ = std::min(dirty_, changed);
-  std::erase_if(arrived_, [&](const Bundle& b) { return b.peer == peer && b.index >= count; });
+  undo(peer, count, log_.close(peer, count));
 }
 
 std::vector<Bundle> AgreedWorld::hold(PeerId peer) {
   std::vector<Bundle> held = log_.hold(peer);
-  for (const Bundle& b : held)
-    if (config_.replay && b.tick <= now()) dirty_ = std::min(dirty_, b.tick);
-  const std::uint32_t have = log_.have(peer);
-  std::erase_if(arrived_, [&](const Bundle& b) { return b.peer == peer && b.index >= have; });
+  undo(peer, log_.have(peer), held.empty() ? kClean : held.front().tick);
   return held;
+}
+
+void AgreedWorld::undo(PeerId peer, std::uint32_t from, Tick earliest) {
+  if (config_.replay && earliest <= now()) dirty_ = std::min(dirty_, earliest);
+  std::erase_if(arrived_, [&](const Bundle& b) { return b.peer == peer && b.index >= from; });
 }
 
 void AgreedWorld::enter(Tick since) {
@@ -136,6 +176,12 @@ bool AgreedWorld::catch_up() {
 // As if true now, but never an older word on an entity after a newer one of the same peer.
 void AgreedWorld::arrive(const Bundle& bundle) {
   Bundle b = bundle;
+  only_newest(b);
+  b.tick = now();
+  refused_ += static_cast<std::uint64_t>(predicted_.apply(b));
+}
+
+void AgreedWorld::only_newest(Bundle& b) {
   if (b.leave) newest_avatar_[b.peer] = kClean;
   if (b.admission) {
     newest_avatar_[b.admission->slot] = -1;
@@ -146,8 +192,6 @@ void AgreedWorld::arrive(const Bundle& bundle) {
   std::vector<Tick>& newest = newest_body_[b.peer];
   std::erase_if(b.bodies, [&](const BodyUpdate& u) { return b.tick <= newest[u.body]; });
   for (const BodyUpdate& u : b.bodies) newest[u.body] = b.tick;
-  b.tick = now();
-  refused_ += static_cast<std::uint64_t>(predicted_.apply(b));
 }
 
 void AgreedWorld::step() {

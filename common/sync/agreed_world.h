@@ -61,6 +61,10 @@ class AgreedWorld {
   /// Confirmed updates of ticks from `tick` on are kept, for those who may lack them.
   void keep_from(Tick tick) { keep_ = tick; }
 
+  /// Rewinds and replays from now on, or no longer. Predicted may become another: the caller takes it over. Confirmed
+  /// stays what it is.
+  void set_replay(bool on);
+
   /// Brings predicted up to date with all that has been filed; false if it was already.
   bool catch_up();
   /// Advances predicted by one tick.
@@ -82,12 +86,19 @@ class AgreedWorld {
 
  private:
   void begin();
+  /// Updates of the slot numbered `from` and up are not in the log any more, the first of them of tick `earliest`.
+  void undo(PeerId peer, std::uint32_t from, Tick earliest);
   FoldState& kept(Tick t) { return ring_[static_cast<std::size_t>(t) % ring_.size()]; }
   bool is_kept(Tick t) { return kept(t).tick == t; }
   void apply_known(Tick t);
   void advance_predicted();
   void rewind_to(Tick t);
   void arrive(const Bundle& bundle);
+  void begin_replay();
+  void end_replay();
+  void know_nothing_newest();
+  /// Takes out of it what is older than what has been here.
+  void only_newest(Bundle& b);
   Tick complete_tick() const;
   void announce(const FoldState& s);
   void confirm_from_kept(Tick upto);

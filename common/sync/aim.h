@@ -13,6 +13,7 @@ class Aim {
  public:
   /// `lead`: seconds; 0 tells the target itself.
   explicit Aim(float lead) : lead_(lead) {}
+  void retune(float lead) { lead_ = lead; }
 
   /// The target of this tick, m.
   void follow(Vec2 target) {

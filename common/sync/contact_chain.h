@@ -20,6 +20,7 @@ struct ChainChanges {
 class ContactChain {
  public:
   ContactChain(int bodies, EntityId avatar, Tick patience);
+  void retune(Tick patience) { patience_ = patience; }
 
   /// `contacts`: all touching entities of the tick, sorted.
   ChainChanges update(const std::vector<Contact>& contacts, Tick now);

@@ -38,6 +38,20 @@ float ease(float part) {
 Shown::Shown(Convergence how, std::size_t entities)
     : how_(how), shown_(entities), stride_(entities), jump_(entities), offset_(entities), blends_(entities) {}
 
+void Shown::retune(Convergence how, const std::vector<Vec2>& live) {
+  if (how == how_) return;
+  how_ = how;
+  for (std::size_t e = 0; e < shown_.size(); ++e) {
+    const bool led = !first_ && (offset_[e] != Vec2{} || blends_[e].age >= 0);
+    stop(e);
+    if (!led) continue;
+    const Vec2 offset = shown_[e] - live[e];
+    if (how == Convergence::kBlend) offset_[e] = offset;
+    if (how == Convergence::kPvb)
+      blends_[e] = {shown_[e], stride_[e] * static_cast<float>(kTicksPerSecond), 0, ticks_for(length(offset), 0)};
+  }
+}
+
 Vec2 Shown::lead(std::size_t e, Vec2 live, Vec2 velocity, bool own) {
   const float error = length(jump_[e]);
   if (error >= kTooFar && !own) stop(e);

@@ -21,6 +21,9 @@ namespace padr::sync {
 class Shown {
  public:
   Shown(Convergence how, std::size_t entities);
+  /// Goes on another way; what is being led goes on being led from where it is shown, but for kSnap. `live`: as in the
+  /// last advance.
+  void retune(Convergence how, const std::vector<Vec2>& live);
 
   /// An update (not physics) has moved entities in the live world from `before` to `after`; may be called several times
   /// a tick.

@@ -25,6 +25,11 @@ void LiveWorld::adopt(const FoldState& predicted, const std::vector<bool>& own) 
   world_.restore(predicted.world, own);
 }
 
+void LiveWorld::push(EntityId b, Vec2 velocity) {
+  constexpr float kMost = 60;  // m/s
+  world_.set_velocity(b, clamp_length(world_.velocity(b) + velocity, kMost));
+}
+
 void LiveWorld::settle(const Bundle& told) {
   if (told.avatar && !told.avatar->awake) world_.set_state(avatar(), {told.avatar->position, 0, {}, 0, false});
   for (const BodyUpdate& u : told.bodies)

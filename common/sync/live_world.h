@@ -17,6 +17,9 @@ class LiveWorld {
   /// Advances one tick with the own avatar driven towards `target` (m).
   void step(Vec2 target);
 
+  /// Adds to a body's velocity, m/s; no body gets faster than 60 m/s, half of what Box2D can do.
+  void push(EntityId b, Vec2 velocity);
+
   /// What this peer has just told to be at rest is at rest here too: a neighbour that others own, sleeping and put back
   /// to sleep every tick, would keep Box2D from letting it sleep.
   void settle(const Bundle& told);

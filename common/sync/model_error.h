@@ -16,6 +16,7 @@ class ModelError {
  public:
   /// `seconds`: of the time-space law; 0 switches that off.
   explicit ModelError(float seconds) : seconds_(seconds) {}
+  void retune(float seconds) { seconds_ = seconds; }
 
   /// This tick's error in position (m) and velocity (m/s), against a threshold (m).
   bool exceeds(Vec2 position, Vec2 velocity, float threshold) {

@@ -22,6 +22,8 @@ class InteractionPredictor {
   InteractionPredictor(const Scene& scene, int slots, PeerId self, const Technique& technique);
   ~InteractionPredictor();
 
+  void retune(const Technique& technique) { technique_ = technique; }
+
   /// `live`: this peer's world as of now; `target`: where its avatar is driven; `modelled`: the predicted world's
   /// state, in which the avatar is where its model is.
   Prediction predict(const world::World& live, Vec2 target, const FoldState& modelled);

@@ -34,6 +34,10 @@ constexpr Tick kSettledTicks = 30;
 constexpr Tick kRestAgainTicks = 4 * kStillTicks;
 constexpr float kMisdriven = 0.001F;  // m
 
+Tick patience_of(const Technique& t) {
+  return t.update_every_contact ? 0 : kPatience;
+}
+
 float rim_of(const BodyDef& d) {
   return d.shape == ShapeKind::kCircle ? 0 : length(d.half);
 }
@@ -44,7 +48,7 @@ Reporter::Reporter(const Scene& scene, PeerId self, const Technique& technique)
     : self_(self),
       technique_(technique),
       chain_(static_cast<int>(scene.bodies.size()), static_cast<EntityId>(scene.bodies.size() + self),
-             technique.update_every_contact ? 0 : kPatience),
+             patience_of(technique)),
       aim_(technique.lead),
       model_error_(technique.time_space),
       no_claim_before_(scene.bodies.size(), 0),
@@ -54,6 +58,13 @@ Reporter::Reporter(const Scene& scene, PeerId self, const Technique& technique)
       still_since_(scene.bodies.size(), 0),
       rest_told_(scene.bodies.size(), -kRestAgainTicks) {
   for (const BodyDef& d : scene.bodies) rim_.push_back(rim_of(d));
+}
+
+void Reporter::retune(const Technique& technique) {
+  technique_ = technique;
+  chain_.retune(patience_of(technique));
+  aim_.retune(technique.lead);
+  model_error_.retune(technique.time_space);
 }
 
 Bundle Reporter::report(const Situation& s) {
@@ -66,6 +77,7 @@ Bundle Reporter::report(const Situation& s) {
   if (technique_.authority) {
     note_lost_contests(s);
     report_contacts(s);
+    report_pushes(s);
     report_proxies(s);
     report_bodies(s);
   }
@@ -93,10 +105,10 @@ void Reporter::note_lost_contests(const Situation& s) {
   }
 }
 
-bool Reporter::may_claim(const Situation& s, EntityId b) const {
-  const PeerId holder = s.predicted->authority[b].holder();
-  if (holder == self_ || s.predicted->tick < no_claim_before_[b]) return false;
-  return holder == kNoPeer || (s.predicted->holds[b] & (1U << holder)) == 0;
+bool Reporter::may_claim(const FoldState& predicted, EntityId b) const {
+  const PeerId holder = predicted.authority[b].holder();
+  if (holder == self_ || predicted.tick < no_claim_before_[b]) return false;
+  return holder == kNoPeer || (predicted.holds[b] & (1U << holder)) == 0;
 }
 
 BodyUpdate& Reporter::entry(EntityId b, Cause cause) {
@@ -151,6 +163,13 @@ void Reporter::report_touch(const Situation& s, EntityId b) {
     claim(s, b, Cause::kContactBegin);
   } else {
     entry(b, Cause::kContactBegin);  // only that the avatar touches it
+  }
+}
+
+void Reporter::report_pushes(const Situation& s) {
+  for (const EntityId b : s.pushed) {
+    if (owns(s, b)) tell_state(s, b, Cause::kContactBegin);
+    if (may_claim(s, b)) claim(s, b, Cause::kContactBegin);
   }
 }
 

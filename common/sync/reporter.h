@@ -17,6 +17,8 @@ namespace padr::sync {
 class Reporter {
  public:
   Reporter(const Scene& scene, PeerId self, const Technique& technique);
+  /// From the next report on; `authority` must stay.
+  void retune(const Technique& technique);
 
   struct Situation {
     const LiveWorld* live = nullptr;
@@ -26,6 +28,7 @@ class Reporter {
     float threshold = 0;                   ///< m, in force for the avatar
     Tick round_trip = 0;                   ///< ticks; how long a lost contest keeps this peer from claiming again
     Tick everyone_has = -1;                ///< all peers have this peer's updates up to this tick
+    std::vector<EntityId> pushed{};  ///< bodies that have just been pushed: told as if the avatar had touched them
   };
   /// The updates of this tick: an empty bundle (no avatar, no bodies) if the others' beliefs are right. Peer and tick
   /// are filled in, the index is the caller's.
@@ -33,6 +36,12 @@ class Reporter {
 
   /// Whether the avatar touches a body right now.
   bool holding() const { return holding_; }
+  /// Whether this peer may change what the body does, as its owner or by claiming it now.
+  bool may_change(const FoldState& predicted, EntityId b) const {
+    return predicted.authority[b].holder() == self_ || may_claim(predicted, b);
+  }
+  /// Whether it touches this one, or let go of it so lately that the contact counts as lasting.
+  bool holds(EntityId b) const { return chain_.held(b); }
   /// Times this peer lost a contest for a body.
   int contests_lost() const { return contests_lost_; }
 
@@ -46,6 +55,7 @@ class Reporter {
   void note_lost_contests(const Situation& s);
   void report_contacts(const Situation& s);
   void report_touch(const Situation& s, EntityId b);
+  void report_pushes(const Situation& s);
   void report_proxies(const Situation& s);
   void report_bodies(const Situation& s);
   void report_rest(const Situation& s, EntityId b, bool differs);
@@ -55,7 +65,8 @@ class Reporter {
   bool anything_differs(const Situation& s) const;
   void bound_the_sum(const Situation& s);
   void complete_cluster(const Situation& s);
-  bool may_claim(const Situation& s, EntityId b) const;
+  bool may_claim(const FoldState& predicted, EntityId b) const;
+  bool may_claim(const Situation& s, EntityId b) const { return may_claim(*s.predicted, b); }
   bool at_rest(const Situation& s, EntityId b);
   bool owns(const Situation& s, EntityId b) const { return s.predicted->authority[b].holder() == self_; }
   BodyError error_of(const Situation& s, EntityId b) const;

@@ -9,6 +9,9 @@ class Threshold {
  public:
   explicit Threshold(const Technique& t) : technique_(t), now_m_(t.threshold_high) {}
 
+  /// From the next adapt on.
+  void retune(const Technique& t) { technique_ = t; }
+
   /// Adapts; `holding`: the avatar touches a body right now, which is interaction whatever is predicted.
   void adapt(const Prediction& p, bool holding, Tick now);
   float metres() const { return now_m_; }

@@ -51,29 +51,29 @@ void UpdateLog::mark(PeerId peer, Tick tick, std::uint32_t count) {
   settle(p);
 }
 
+std::vector<Bundle> UpdateLog::take_out(PeerId peer, std::uint32_t from) {
+  Peer& p = peers_[peer];
+  p.beyond.erase(p.beyond.lower_bound(from), p.beyond.end());
+  std::vector<Bundle> out;
+  for (auto& [tick, bundles] : by_tick_) {
+    const auto beyond = [&](const Bundle& b) { return b.peer == peer && b.index >= from; };
+    std::copy_if(bundles.begin(), bundles.end(), std::back_inserter(out), beyond);
+    std::erase_if(bundles, beyond);
+  }
+  return out;
+}
+
 Tick UpdateLog::close(PeerId peer, std::uint32_t count) {
   Peer& p = peers_[peer];
   p.end = count;
   std::erase_if(p.waiting, [count](const Mark& m) { return m.count > count; });
-  p.beyond.erase(p.beyond.lower_bound(count), p.beyond.end());
-  Tick earliest = kForever;
-  for (auto& [tick, bundles] : by_tick_)
-    if (std::erase_if(bundles, [&](const Bundle& b) { return b.peer == peer && b.index >= count; }) > 0)
-      earliest = std::min(earliest, tick);
+  const std::vector<Bundle> forgotten = take_out(peer, count);
   mark(peer, kForever, count);
-  return earliest;
+  return forgotten.empty() ? kForever : forgotten.front().tick;
 }
 
 std::vector<Bundle> UpdateLog::hold(PeerId peer) {
-  Peer& p = peers_[peer];
-  std::vector<Bundle> held;
-  for (auto& [tick, bundles] : by_tick_) {
-    const auto beyond = [&](const Bundle& b) { return b.peer == peer && b.index >= p.have; };
-    std::copy_if(bundles.begin(), bundles.end(), std::back_inserter(held), beyond);
-    std::erase_if(bundles, beyond);
-  }
-  p.beyond.clear();
-  return held;
+  return take_out(peer, peers_[peer].have);
 }
 
 void UpdateLog::open(PeerId peer, Tick since) {

@@ -65,6 +65,8 @@ class UpdateLog {
     std::uint32_t end = 0;      // closed: no bundle is numbered this or higher
   };
   void settle(Peer& p);
+  /// Bundles numbered `from` and up, by tick.
+  std::vector<Bundle> take_out(PeerId peer, std::uint32_t from);
 
   std::map<Tick, std::vector<Bundle>> by_tick_;
   std::vector<Peer> peers_;

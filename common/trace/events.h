@@ -18,7 +18,9 @@ namespace padr::trace {
 
 /// A trace begins with these 7 bytes and the version's byte.
 inline constexpr std::string_view kMagic = "PADRTRC";
-inline constexpr std::uint8_t kFormatVersion = 2;
+inline constexpr std::uint8_t kFormatVersion = 3;
+/// Its traces are read, too: what has come since is only more kinds of records.
+inline constexpr std::uint8_t kOldestVersion = 2;
 
 /// Takes the next bytes of a trace; whole records at a time.
 using ByteSink = std::function<void(std::span<const std::byte>)>;
@@ -80,6 +82,26 @@ struct Locate {
   Endpoint at;
 };
 
+// What is done to a peer from outside while it plays.
+
+/// It plays by these knobs from the next step on.
+struct Retune {
+  Technique technique;
+};
+
+/// A body is pushed, as in node::Node.
+struct Push {
+  EntityId body = 0;
+  Vec2 velocity;  ///< m/s
+};
+
+/// For people: what its core does not know of, such as an impairment of its links.
+struct Remark {
+  std::string kind;  ///< one word
+  PeerId peer = kNoPeer;
+  std::string text;
+};
+
 /// What a step took in and how it went; the live world after it is told beside it.
 struct Step {
   Tick tick = 0;  ///< after the step; 0: the state before the first
@@ -133,6 +155,7 @@ struct Footer {
 };
 
 /// One record after the header.
-using Event = std::variant<Step, Received, Sent, Confirmed, Footer, Begin, Order, Freeze, GiveUp, Excuse, Locate>;
+using Event = std::variant<Step, Received, Sent, Confirmed, Footer, Begin, Order, Freeze, GiveUp, Excuse, Locate,
+                           Retune, Push, Remark>;
 
 }  // namespace padr::trace

@@ -67,23 +67,28 @@ void InconsistencyMeter::settle(Tick tick) {
   pending_.erase(found);
 }
 
+InconsistencyPoint inconsistency_of(const View& view, const std::vector<const View*>& by_slot, const Truth& truth,
+                                    int bodies, Tick tick) {
+  InconsistencyPoint point;
+  point.tick = tick;
+  for (std::size_t e = 0; e < truth.owner.size(); ++e) {
+    if (!truth.present[e]) continue;
+    const PeerId owner = truth.owner[e];
+    const View* owners = owner == kNoPeer ? nullptr : by_slot[owner];
+    const Vec2 there = owners != nullptr ? owners->live[e] : truth.agreed[e];
+    const float error = distance(view.live[e], there);
+    (e < static_cast<std::size_t>(bodies) ? point.bodies_m : point.avatars_m) += error;
+    point.shown_m += distance(view.shown[e], there);
+  }
+  return point;
+}
+
 void InconsistencyMeter::measure(Tick tick, const Pending& p) {
   std::vector<const View*> by_slot(kMaxPeers, nullptr);
   for (const auto& [viewer, view] : p.views) by_slot[slots_[viewer]] = &view;
   for (const auto& [viewer, view] : p.views) {
     if (tick >= gone_from_[viewer]) continue;
-    InconsistencyPoint point;
-    point.tick = tick;
-    for (std::size_t e = 0; e < p.truth.owner.size(); ++e) {
-      if (!p.truth.present[e]) continue;
-      const PeerId owner = p.truth.owner[e];
-      const View* owners = owner == kNoPeer ? nullptr : by_slot[owner];
-      const Vec2 truth = owners != nullptr ? owners->live[e] : p.truth.agreed[e];
-      const float error = distance(view.live[e], truth);
-      (e < static_cast<std::size_t>(bodies_) ? point.bodies_m : point.avatars_m) += error;
-      point.shown_m += distance(view.shown[e], truth);
-    }
-    series_[viewer].push_back(point);
+    series_[viewer].push_back(inconsistency_of(view, by_slot, p.truth, bodies_, tick));
   }
 }
 

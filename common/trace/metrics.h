@@ -49,6 +49,12 @@ struct Truth {
   std::vector<Vec2> agreed;   ///< m, positions in the confirmed world
 };
 
+/// What one view is off by at a tick: the sum over entities that are there of the distance to where their authority has
+/// them. `by_slot`: everybody's view of the same tick by slot, null where there is none; what belongs to nobody, or to
+/// somebody whose view there is not, is where it is agreed to be.
+InconsistencyPoint inconsistency_of(const View& view, const std::vector<const View*>& by_slot, const Truth& truth,
+                                    int bodies, Tick tick);
+
 /// Combined inconsistency as all programs mean it: per tick, the sum over entities of the distance between a peer's
 /// view and the view of the entity's authority at the same session tick; for a body that nobody owns, the agreed world.
 /// Who owned what is known once the tick is confirmed; views wait for that.

@@ -34,6 +34,10 @@ inline Truth nothing_agreed(std::size_t entities) {
   return {std::vector<PeerId>(entities, kNoPeer), std::vector<bool>(entities, false), std::vector<Vec2>(entities)};
 }
 
+void put_technique(const Technique& t, file::Technique& out);
+/// False if a knob is out of range.
+bool take_technique(const file::Technique& in, Technique& t);
+
 void put_header(const Header& h, file::Header& out);
 /// Empty if all is well, otherwise what is wrong with it.
 std::string take_header(const file::Header& in, Header& h);

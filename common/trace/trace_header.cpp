@@ -3,7 +3,6 @@
 #include "common/trace/trace_format.h"
 
 namespace padr::trace {
-namespace {
 
 void put_technique(const Technique& t, file::Technique& out) {
   // Names every field, so that a new one does not compile until it is told here and in take_technique.
@@ -65,8 +64,6 @@ bool take_technique(const file::Technique& in, Technique& t) {
   t.rest_state = !in.no_rest_state();
   return true;
 }
-
-}  // namespace
 
 void put_header(const Header& h, file::Header& out) {
   out.set_program(h.program);

@@ -180,6 +180,25 @@ struct TraceReader::Parser {
     return Excuse{};
   }
 
+  /// What is done to the peer from outside.
+  Event interference(const file::Record& in) const {
+    if (in.has_retune()) {
+      Retune t;
+      if (!take_technique(in.retune(), t.technique)) r.refuse("a knob of the technique is out of range");
+      if (t.technique.authority != r.header_.technique.authority) r.refuse("changes the rule of authority");
+      return t;
+    }
+    if (in.has_push()) {
+      constexpr float kMost = 1000;  // m/s
+      const file::Push& p = in.push();
+      if (p.body() >= static_cast<std::uint32_t>(r.header_.bodies)) r.refuse("pushes no body");
+      if (!(std::abs(p.x()) <= kMost && std::abs(p.y()) <= kMost)) r.refuse("pushes too hard");
+      return Push{static_cast<EntityId>(p.body()), {p.x(), p.y()}};
+    }
+    const std::uint32_t peer = in.remark().peer();
+    return Remark{in.remark().kind(), peer == 0 ? kNoPeer : slot(peer - 1, "is about no slot"), in.remark().text()};
+  }
+
   static Footer footer(const file::Footer& in) {
     Footer f;
     f.bundles = in.bundles();
@@ -212,9 +231,9 @@ TraceReader::TraceReader(std::span<const std::byte> bytes, std::string label)
   if (bytes.size() < preamble)
     throw UserError(label_ + ": ends within the first " + std::to_string(preamble) + " bytes");
   const auto version = std::to_integer<unsigned>(bytes[kMagic.size()]);
-  if (version != kFormatVersion)
-    throw UserError(label_ + ": trace format " + std::to_string(version) + "; this program reads format " +
-                    std::to_string(kFormatVersion));
+  if (version < kOldestVersion || version > kFormatVersion)
+    throw UserError(label_ + ": trace format " + std::to_string(version) + "; this program reads formats " +
+                    std::to_string(kOldestVersion) + " to " + std::to_string(kFormatVersion));
   at_ = preamble;
   const auto first = next_record();
   if (!first) throw UserError(label_ + ": ends before its header is complete");
@@ -272,6 +291,10 @@ std::optional<Event> TraceReader::next() {
     case file::Record::kExcuse:
     case file::Record::kLocate:
       return parser.membership(record);
+    case file::Record::kRetune:
+    case file::Record::kPush:
+    case file::Record::kRemark:
+      return parser.interference(record);
     case file::Record::kStep: {
       Step s;
       parser.check(parser.step(record.step(), s));

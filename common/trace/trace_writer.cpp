@@ -121,6 +121,28 @@ void TraceWriter::locate(const Locate& l) {
   hand_over(record, sink_);
 }
 
+void TraceWriter::retune(const Retune& r) {
+  file::Record record;
+  put_technique(r.technique, *record.mutable_retune());
+  hand_over(record, sink_);
+}
+
+void TraceWriter::push(const Push& p) {
+  file::Record record;
+  record.mutable_push()->set_body(p.body);
+  record.mutable_push()->set_x(p.velocity.x);
+  record.mutable_push()->set_y(p.velocity.y);
+  hand_over(record, sink_);
+}
+
+void TraceWriter::remark(const Remark& r) {
+  file::Record record;
+  record.mutable_remark()->set_kind(r.kind);
+  record.mutable_remark()->set_peer(r.peer == kNoPeer ? 0U : r.peer + 1U);
+  record.mutable_remark()->set_text(r.text);
+  hand_over(record, sink_);
+}
+
 void TraceWriter::step(const Step& s, const LiveView& live) {
   assert(live.states.size() == states_.size() && live.shown.size() == states_.size());
   file::Record record;

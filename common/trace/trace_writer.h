@@ -18,6 +18,9 @@ class TraceWriter {
   void give_up(const GiveUp& g);
   void excuse();
   void locate(const Locate& l);
+  void retune(const Retune& r);
+  void push(const Push& p);
+  void remark(const Remark& r);
   /// `live`: every entity of the header's scene.
   void step(const Step& s, const LiveView& live);
   void received(Micros at, std::span<const std::byte> datagram);

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "common/wire/endpoint_codec.h"
 #include "common/wire/update_codec.h"
 #include "proto/wire.pb.h"
 
@@ -85,7 +86,7 @@ std::size_t with_length(std::size_t bytes) {
 std::size_t size_of(const sync::Admission& a) {
   std::size_t have = 0;
   for (const std::uint32_t count : a.have) have += varint(count);
-  return number(a.slot) + number(a.incarnation) + number(a.first) + with_length(a.at.address.size()) +
+  return number(a.slot) + number(a.incarnation) + number(a.first) + with_length(address_bytes(a.at).size()) +
          number(a.at.port) + with_length(have);
 }
 

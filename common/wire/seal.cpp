@@ -6,9 +6,6 @@
 namespace padr::wire {
 namespace {
 
-constexpr std::byte kMagic0{'P'};
-constexpr std::byte kMagic1{'d'};
-
 std::uint32_t tag_of(std::span<const std::byte> bytes) {
   boost::crc_32_type crc;
   crc.process_bytes(bytes.data(), bytes.size());
@@ -21,8 +18,8 @@ Bytes seal(const Header& header, std::span<const std::byte> payload) {
   assert(payload.size() <= kMaxPayload);
   Bytes out;
   out.reserve(kHeaderBytes + payload.size() + kTagBytes);
-  out.push_back(kMagic0);
-  out.push_back(kMagic1);
+  out.push_back(kDatagramMagic[0]);
+  out.push_back(kDatagramMagic[1]);
   out.push_back(static_cast<std::byte>((kProtocolVersion << 4U) | static_cast<unsigned>(header.kind)));
   out.push_back(static_cast<std::byte>(header.sender));
   out.push_back(static_cast<std::byte>(header.session & 0xFFU));
@@ -41,7 +38,7 @@ std::optional<Opened> open(std::span<const std::byte> datagram, SealError& error
   error = SealError::kNone;
   if (datagram.size() < kHeaderBytes + kTagBytes) return drop(SealError::kTooShort);
   if (datagram.size() > kMaxDatagram) return drop(SealError::kTooLong);
-  if (datagram[0] != kMagic0 || datagram[1] != kMagic1) return drop(SealError::kMagic);
+  if (datagram[0] != kDatagramMagic[0] || datagram[1] != kDatagramMagic[1]) return drop(SealError::kMagic);
   const std::span<const std::byte> covered = datagram.first(datagram.size() - kTagBytes);
   std::uint32_t tag = 0;
   for (std::size_t i = 0; i < kTagBytes; ++i)

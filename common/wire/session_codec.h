@@ -80,6 +80,8 @@ struct Bye {
 
 using SessionMessage = std::variant<Join, Welcome, Redirect, Refuse, Ping, Pong, Start, Ready, Bye>;
 
+/// So many members with public keys fit a Start.
+inline constexpr int kMostKeyedBeginners = 20;
 inline constexpr std::size_t kMaxLabel = 128;
 inline constexpr std::size_t kMaxReason = 400;
 /// Times on anybody's clock lie within this of zero (285 years), so that sums and differences of two never overflow.

@@ -64,7 +64,9 @@ def is_claimed(datagram):
     if datagram[:2] != b"Pd" or len(datagram) < 6:
         return False
     good = len(datagram) >= 10 and zlib.crc32(datagram[:-4]) == int.from_bytes(datagram[-4:], "little")
-    return good or datagram[2] in (0x20, 0x21, 0x22) and (datagram[3] < 32 or datagram[3] == 255)
+    somebody = datagram[3] < 32 or datagram[3] == 255
+    kinds = (0x30, 0x31, 0x32, *((0x34, 0x35, 0x36, 0x38, 0x39, 0x3A) if 30 <= len(datagram) <= 1220 else ()))
+    return good or datagram[2] in kinds and somebody
 
 
 def repeat(path, datagrams, size):
@@ -116,6 +118,26 @@ class Captures(Case):
             self.assertEqual(world["not_rebuilt"], 0, world)  # to the last tick that the peer has confirmed
             self.assertGreater(world["compared"], 60)
         return c
+
+    def test_what_is_sealed_is_checked_and_decrypted(self):
+        key = self.file("key", "5a" * 32)
+        own = [[*self.own(i), "--keylog", self.path(f"{i}.keys"), "--seal", ("auth", "encrypt")[i]] for i in range(2)]
+        peers = self.session(2, "--netem", LINK, "--duration", 5, "--key-file", key, own=own)
+        self.assertEqual([p.end() for p in peers], [0, 0])
+        capture, traces = self.path("0.pcapng"), [self.path("0.trace"), self.path("1.trace")]
+        keys = ["--keylog", self.path("0.keys")]
+        c = self.as_json("compare", capture, *traces, *keys)
+        self.assertTrue(c["agree"])
+        self.check_rebuilt(capture, *keys, least=5)
+        known, unknown = (self.as_json("summary", capture, *more)["sealed"] for more in (keys, []))
+        self.assertEqual((known["unchecked"], known["encrypted"]), (0, 0))
+        self.assertGreaterEqual(known["handshakes"], 4)
+        self.assertGreater(known["checked"], 50)
+        self.assertGreater(known["wrong"], 0)  # the shim's corruption
+        self.assertEqual(unknown["checked"], 0)
+        self.assertGreater(min(unknown["unchecked"], unknown["encrypted"]), 20)
+        keys[1] = self.file("none", "padr-key 12\n")
+        self.assertEqual(self.capture("summary", capture, *keys, code=2), "")
 
     def test_everybody_has_seen_the_same(self):
         tcpdump = Tcpdump(self.path("lo.pcap"))
@@ -222,18 +244,19 @@ class Captures(Case):
         records = [json.loads(line) for line in lines]
         datagrams = pcap.read(file)
         self.assertEqual(len(records), len(datagrams))
+        index = 1  # from before anybody was given the world
         carries = [
-            (of, 5) in zip(r.get("padr.update.peer", []), r.get("padr.update.index", []))
+            (of, index) in zip(r.get("padr.update.peer", []), r.get("padr.update.index", []))
             for r in records
         ]
         self.assertIn(True, carries)
         tick = next(t for r in records for p, i, t in zip(
-            r.get("padr.update.peer", []), r.get("padr.update.index", []), r.get("padr.update.tick", [])) if (p, i) == (of, 5))
+            r.get("padr.update.peer", []), r.get("padr.update.index", []), r.get("padr.update.tick", [])) if (p, i) == (of, index))
         holed = self.path("holed.pcap")
         pcap.write(holed, [d for d, c in zip(datagrams, carries) if not c])
         r = self.as_json("rebuild", holed, code=1)
         self.assertTrue(r["stretches"][0]["gap"])
-        self.assertIn(f"update 5 of peer {of} is not in the capture", r["stretches"][0]["why"])
+        self.assertIn(f"update {index} of peer {of} is not in the capture", r["stretches"][0]["why"])
         self.assertLessEqual(r["stretches"][0]["to"], tick)
         self.assertEqual(r["agreeing"], r["hashes"])
         # A transfer begins another stretch behind the gap.

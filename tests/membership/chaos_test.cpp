@@ -50,8 +50,9 @@ INSTANTIATE_TEST_SUITE_P(
     Once, ChaosInFull,
     testing::Values(41,     // what was passed on of the lost closed a hole beyond which there was more
                     171,    // the same, and to newcomers
-                    280));  // an update that only newcomers had, in a state and not in their logs;
+                    280,    // an update that only newcomers had, in a state and not in their logs;
                             // who was never told of the other side's addresses
+                    368));  // somebody removed while a newcomer waited, whose updates all had but the newcomer
 
 TEST(ChaosScripts, TheSameSeedPlaysTheSame) {
   const lab::ChaosScript script = lab::make_script(77, seconds(20), 6);
@@ -66,7 +67,7 @@ TEST(ChaosScripts, AFailingScriptShrinks) {
   lab::ChaosPlay how = small_play();
   how.quiet = seconds(1);
   lab::ChaosScript script;
-  script.seed = 5;
+  script.seed = 6;  // even: nobody is told that nobody listens there any more
   script.founders = 3;
   script.length = seconds(9);
   using Kind = lab::ChaosEvent::Kind;

@@ -26,6 +26,39 @@ TEST(Losing, WhoVanishesIsDeclaredGoneAndItsAvatarGoes) {
   EXPECT_EQ(party.judge().violation(), "");
 }
 
+// Where machines say that nobody listens at a port, nobody waits for silence; and a newcomer that is being let in by
+// who ends, or is passed on to it, finds somebody else.
+TEST(Losing, WhoseMachineSaysSoIsGoneSooner) {
+  for (int i = 0; i < 20; ++i) {
+    lab::GatheringConfig config = party_config(4, "delay 50ms 10ms loss 5%", 300 + static_cast<std::uint64_t>(i));
+    config.refusals = true;
+    Party party(std::move(config));
+    party.run(6);
+    const int newcomer = i % 2 == 0 ? party.net().start(1) : -1;
+    party.run(0.05 * (i / 2));
+    party.net().kill(0);
+    if (newcomer < 0) party.net().start(1);
+    ASSERT_TRUE(party.run_until(2.5, [&] { return party.united(); }).has_value()) << "try " << i << "\n"
+                                                                                  << party.story();
+    party.run(2);
+    EXPECT_EQ(party.judge().violation(), "") << "try " << i;
+    EXPECT_TRUE(party.net().runs(4)) << "the newcomer has given up, try " << i << "\n" << party.story();
+  }
+}
+
+// Once is not enough: the word may be of a datagram from before it came.
+TEST(Losing, OneWordOfItsMachineIsNotBelieved) {
+  Party party(3, "delay 50ms 10ms", 26);
+  party.run(6);
+  const Endpoint at = party.net().place_of(2);
+  for (int i = 0; i < 10; ++i) {
+    party.net().tell_unreachable(0, at);
+    party.run(1);
+  }
+  EXPECT_TRUE(party.united());
+  EXPECT_EQ(party.judge().violation(), "");
+}
+
 TEST(Losing, LiveAndPredictedGoOnWhileConfirmedWaits) {
   Party party(3, "delay 50ms", 22);
   party.run(6);

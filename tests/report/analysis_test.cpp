@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 
 #include "common/model/rng.h"
@@ -116,6 +117,24 @@ TEST(Report, BytesAreDividedWithoutRest) {
     EXPECT_EQ(seconds.wire_bytes, p.traffic.wire_bytes);
     EXPECT_EQ(seconds.updates, p.traffic.updates);
   }
+}
+
+TEST(Report, WhoWasInterferedWithIsNoted) {
+  test::RunConfig c;
+  c.ticks = 60;
+  c.before_step = [](Tick t, const auto& nodes) {
+    if (t == 20 || t == 30) nodes[1]->retune(technique_by_name("adaptive"));
+    if (t == 25) nodes[1]->push(3, {1, 0});
+    if (t == 26) nodes[1]->remark({"netem", kNoPeer, "delay 1ms"});
+  };
+  const test::RecordedRun run(c);
+  const report::Report r = report::analyse(labelled(run.traces));
+  const std::string what = "peer 1 was interfered with while it played: knobs turned 2 times, bodies pushed 1,";
+  const auto says = [](const std::string& start) {
+    return [start](const std::string& note) { return note.rfind(start, 0) == 0; };
+  };
+  EXPECT_EQ(std::count_if(r.notes.begin(), r.notes.end(), says(what)), 1);
+  EXPECT_EQ(std::count_if(r.notes.begin(), r.notes.end(), says("peer 0 was")), 0);
 }
 
 TEST(Report, LinksShowWhatTheShimDid) {

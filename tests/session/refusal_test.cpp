@@ -100,7 +100,7 @@ TEST(Refusal, AnotherProtocolVersionIsToldOnBothSides) {
   VirtualNet net(1);
   net.add(1, founder(2));
   const auto join = wire::seal({wire::Kind::kSession, kNoPeer, 0}, wire::encode_session(wire::Join{1, 2, 3, true, ""}));
-  net.inject(place(9), 1, of_version(join, 3));
+  net.inject(place(9), 1, of_version(join, wire::kProtocolVersion + 1));
   const auto out = net.at(1).take_outgoing();
   ASSERT_EQ(out.size(), 1U);
   EXPECT_EQ(out[0].to, place(9));
@@ -108,16 +108,16 @@ TEST(Refusal, AnotherProtocolVersionIsToldOnBothSides) {
   EXPECT_EQ(net.at(1).stats().version, 1U);
   const auto notes = net.at(1).take_notes();
   ASSERT_FALSE(notes.empty());
-  EXPECT_NE(notes.back().text.find("protocol version differs: 2 in the session, 3 in the newcomer"), std::string::npos);
+  EXPECT_NE(notes.back().text.find("protocol version differs: 3 in the session, 4 in the newcomer"), std::string::npos);
 
   // And what a program of this version makes of such an answer by another.
   node::SessionConfig c = alike(2);
   c.join = place(1);
   net.add(2, c);
-  net.inject(place(8), 2, of_version(out[0].bytes, 3));
+  net.inject(place(8), 2, of_version(out[0].bytes, wire::kProtocolVersion + 1));
   EXPECT_EQ(net.at(2).phase(), SessionPhase::kJoining) << "not from whom we ask";
-  net.inject(place(1), 2, of_version(out[0].bytes, 3));
-  EXPECT_EQ(net.at(2).failure(), "protocol version differs: 3 at 10.0.0.1:7000, 2 here");
+  net.inject(place(1), 2, of_version(out[0].bytes, wire::kProtocolVersion + 1));
+  EXPECT_EQ(net.at(2).failure(), "protocol version differs: 4 at 10.0.0.1:7000, 3 here");
 }
 
 TEST(Refusal, VersionsDoNotAnswerEachOthersAnswers) {
@@ -125,7 +125,7 @@ TEST(Refusal, VersionsDoNotAnswerEachOthersAnswers) {
   net.add(1, founder(2));
   const auto refusal =
       wire::seal({wire::Kind::kSession, 0, 5}, wire::encode_session(wire::Refuse{0, std::string(400, 'x')}));
-  net.inject(place(9), 1, of_version(refusal, 3));
+  net.inject(place(9), 1, of_version(refusal, wire::kProtocolVersion + 1));
   EXPECT_TRUE(net.at(1).take_outgoing().empty());
 }
 

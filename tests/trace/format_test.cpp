@@ -253,13 +253,15 @@ TEST(TraceFormat, CutAtEveryByte) {
 TEST(TraceFormat, WhatIsNoTraceIsNamed) {
   const Bytes good = small_trace();
   Bytes newer = good;
-  newer[7] = std::byte{3};
+  newer[7] = std::byte{4};
+  Bytes older = good;
+  older[7] = std::byte{1};
   Bytes after = good;
   after.push_back(std::byte{0});
   Bytes endless = small_trace(false);
   endless.insert(endless.end(), 6, std::byte{0xFF});
   Bytes unknown = small_trace(false);
-  unknown.insert(unknown.end(), {std::byte{2}, std::byte{0x78}, std::byte{1}});  // field 15, a number
+  unknown.insert(unknown.end(), {std::byte{3}, std::byte{0xF8}, std::byte{1}, std::byte{1}});  // field 31, a number
   const auto text = [](std::string_view s) {
     Bytes b;
     for (const char c : s) b.push_back(static_cast<std::byte>(c));
@@ -269,11 +271,12 @@ TEST(TraceFormat, WhatIsNoTraceIsNamed) {
       {{}, "some.trace: is empty, not a trace"},
       {text("t,x,y\n0,1,2\n"), "some.trace: not a trace of padr (it does not begin with PADRTRC)"},
       {text("PADR"), "some.trace: ends within the first 8 bytes"},
-      {newer, "some.trace: trace format 3; this program reads format 2"},
+      {newer, "some.trace: trace format 4; this program reads formats 2 to 3"},
+      {older, "some.trace: trace format 1; this program reads formats 2 to 3"},
       {text("PADRTRC\x02"), "some.trace: ends before its header is complete"},
       {after, "some.trace: record 10 at byte " + std::to_string(good.size()) + ": comes after the footer"},
       {endless, "some.trace: record 9 at byte " + std::to_string(endless.size() - 6) + ": its length makes no sense"},
-      {unknown, "some.trace: record 9 at byte " + std::to_string(unknown.size() - 3) +
+      {unknown, "some.trace: record 9 at byte " + std::to_string(unknown.size() - 4) +
                     ": is of a kind that this program does not know"},
   };
   for (const auto& [bytes, expected] : cases) EXPECT_EQ(error_of(bytes), expected);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,6 +25,8 @@ struct RunConfig {
   std::optional<Technique> second_technique;  ///< of peer 1
   Tick leave_at = 0;                          ///< of the last peer; 0: stays
   bool record = true;
+  /// Called before each step with what the nodes are; may interfere.
+  std::function<void(Tick, const std::vector<std::unique_ptr<node::RecordedNode>>&)> before_step;
 };
 
 /// The lab's lock step with recorded nodes: what Simulation does, every peer's trace in `traces`.
@@ -42,6 +45,7 @@ struct RecordedRun {
     }
     for (Tick t = 1; t <= c.ticks; ++t) {
       if (t == c.leave_at) nodes.back()->leave();
+      if (c.before_step) c.before_step(t, nodes);
       step(t);
     }
     if (finish)

@@ -42,6 +42,8 @@ std::string bytes_of(const wire::Bytes& bytes) {
 std::string address_of(const Endpoint& e) {
   std::string s;
   for (const std::uint8_t b : e.address) s += line("%02x", unsigned{b});
+  if (e.has_key())
+    for (const std::uint8_t b : e.key) s += line("%02x", unsigned{b});
   return s;
 }
 

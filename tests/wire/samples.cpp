@@ -34,6 +34,8 @@ Endpoint any_endpoint(Rng& rng) {
     e.address[10] = e.address[11] = 0xFF;
   }
   e.port = static_cast<std::uint16_t>(1 + rng.below(65535));
+  if (rng.chance(0.3))
+    for (std::uint8_t& b : e.key) b = static_cast<std::uint8_t>(rng.below(256));
   return e;
 }
 

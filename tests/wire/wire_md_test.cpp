@@ -17,6 +17,7 @@
 #include "common/sync/admit.h"
 #include "common/sync/authority.h"
 #include "common/wire/codec.h"
+#include "common/wire/handshake.h"
 #include "common/wire/session_codec.h"
 #include "tests/wire/listing.h"
 #include "wire_md.h"
@@ -304,6 +305,11 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("header", kHeaderBytes);
   add("tag", kTagBytes);
   add("max_payload", kMaxPayload);
+  add("sealed_header", kSealedHeaderBytes);
+  add("sealed_tag", kSealedTagBytes);
+  add("max_sealed", kMaxSealed);
+  add("handshake", kHandshakeBytes);
+  add("max_keyed_beginners", kMostKeyedBeginners);
   add("max_peers", kMaxPeers);
   add("no_peer", int{kNoPeer});
   add("no_entity", int{kNoEntity});

@@ -17,11 +17,14 @@ sys.path.insert(0, os.path.join(HERE, "..", "conformance"))
 import pcap  # noqa: E402
 import tshark  # noqa: E402
 from encoder import tagged  # noqa: E402
-from expected import fields, is_claimed  # noqa: E402
+from expected import fields, is_claimed, is_sealed  # noqa: E402
 from limits import cases  # noqa: E402
 from others import packets  # noqa: E402
+from sealed import AUTH, ENCRYPT, sealed  # noqa: E402
+from sealed import vectors as sealed_vectors  # noqa: E402
 
 COUNT = 400  # that the samples' program draws, of each of which there is a damaged copy
+SEAL_KEY, SEAL_ID = bytes(range(32)), bytes(range(100, 132))
 OTHERS = 150  # of each sort of other traffic
 
 
@@ -45,8 +48,8 @@ def damaged(datagrams, rng):
         flipped = datagram[:at] + bytes([datagram[at] ^ 1 << rng.randrange(8)]) + datagram[at + 1:]
         yield flipped
         yield tagged(flipped[:-4])
-        yield tagged(datagram[:2] + bytes([0x30 | datagram[2] & 15]) + datagram[3:-4])
-        yield tagged(datagram[:2] + bytes([0x2F]) + datagram[3:-4])
+        yield tagged(datagram[:2] + bytes([0x40 | datagram[2] & 15]) + datagram[3:-4])
+        yield tagged(datagram[:2] + bytes([0x3F]) + datagram[3:-4])
         yield tagged(datagram[:-4] + bytes(1200))
 
 
@@ -73,7 +76,7 @@ def check_cut_off(path, datagrams):
     for datagram, shown in zip(datagrams, tshark.frames(path), strict=True):
         whole = len(datagram) <= 20
         wanted = fields(datagram) if whole else fields(datagram)[:4]
-        if is_claimed(datagram) and datagram[2] in (0x20, 0x21, 0x22) and len(datagram) <= 1200:
+        if is_claimed(datagram) and datagram[2] in (0x30, 0x31, 0x32) and len(datagram) <= 1200:
             tshark.compare(f"cut off: {datagram.hex(' ')}", wanted, shown)
 
 
@@ -107,11 +110,14 @@ def main(program, wire_md):
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "samples.pcap")
         parts = {"vectors": written, "limits": list(cases()), "samples": drawn}
+        parts["sealed"] = [each for datagram in written + drawn if len(datagram) >= 10 and is_claimed(datagram)
+                           for each in (sealed(SEAL_KEY, AUTH, SEAL_ID, 7, datagram), sealed(SEAL_KEY, ENCRYPT, SEAL_ID, 8, datagram))
+                           if is_sealed(each)] + list(sealed_vectors().values())[-6:]  # fmt: skip
         parts["damaged"] = list(damaged(written + drawn[::4], rng))
         for what, datagrams in parts.items():
             outcomes, values = check(path, datagrams)
             print(f"{what}: {len(datagrams)} datagrams, {values} values as the second decoder has them; {dict(outcomes)}")
-            assert outcomes["read"] > 20 and outcomes["malformed"] > 5, outcomes
+            assert outcomes["read"] > 20 and outcomes["malformed"] > 5 - 5 * (what == "sealed"), outcomes
         check(path, written + drawn[:200], "-2", "-R", "frame")
         check_cut_off(path, written + drawn)
         good = next(datagram for datagram in drawn if dict(fields(datagram)).get("padr.seq"))

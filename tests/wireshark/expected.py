@@ -15,6 +15,8 @@ from updates import CAUSES, MODELS, UPDATE_FIELDS, decode_update
 
 KINDS = ("state", "session", "membership")
 NOBODY = 255
+SEALED = (0x34, 0x35, 0x36, 0x38, 0x39, 0x3A)
+HANDSHAKES = ("hello", "cookie", "introduction", "acceptance")
 
 
 def is_claimed(datagram):
@@ -22,7 +24,21 @@ def is_claimed(datagram):
     if datagram[:2] != b"Pd" or len(datagram) < 6:
         return False
     good = len(datagram) >= 10 and zlib.crc32(datagram[:-4]) == struct.unpack("<I", datagram[-4:])[0]
-    return good or datagram[2] in (0x20, 0x21, 0x22) and (datagram[3] < 32 or datagram[3] == NOBODY)
+    ours = datagram[2] in (0x30, 0x31, 0x32) and (datagram[3] < 32 or datagram[3] == NOBODY)
+    return good or ours or is_handshake(datagram) or is_sealed(datagram) and (datagram[3] < 32 or datagram[3] == NOBODY)
+
+
+def has_crc(datagram):
+    return zlib.crc32(datagram[:-4]) == struct.unpack("<I", datagram[-4:])[0]
+
+
+def is_sealed(datagram):
+    kind = datagram[2] if len(datagram) >= 30 else 0
+    return datagram[:2] == b"Pd" and len(datagram) <= 1220 and kind in SEALED and not has_crc(datagram)
+
+
+def is_handshake(datagram):
+    return len(datagram) == 76 and datagram[:3] == b"Pd\x33" and 1 <= datagram[3] <= 4 and not has_crc(datagram)
 
 
 def fields(datagram):
@@ -31,6 +47,14 @@ def fields(datagram):
 
 def of_datagram(datagram):
     yield "padr.version", datagram[2] >> 4
+    if is_handshake(datagram):
+        yield "padr.handshake", HANDSHAKES[datagram[3] - 1]
+        for name, at, stop in (("handshake.key", 4, 36), ("handshake.number", 36, 44), ("handshake.cookie", 44, 60), ("seal.tag", 60, 76)):
+            yield f"padr.{name}", datagram[at:stop]
+        return
+    if is_sealed(datagram):
+        yield from of_sealed(datagram)
+        return
     yield "padr.kind", datagram[2] & 15
     yield "padr.peer", datagram[3]
     yield "padr.session", struct.unpack_from("<H", datagram, 4)[0]
@@ -38,6 +62,23 @@ def of_datagram(datagram):
         tag = struct.unpack("<I", datagram[-4:])[0]
         yield "padr.tag", tag
         yield "padr.tag_good", tag == zlib.crc32(datagram[:-4])
+    yield from of_content(datagram)
+
+
+def of_sealed(datagram):
+    yield "padr.kind", datagram[2] & 3
+    yield "padr.peer", datagram[3]
+    yield "padr.session", struct.unpack_from("<H", datagram, 4)[0]
+    yield "padr.seal", ("auth", "encrypt")[(datagram[2] >> 2 & 3) - 1]
+    yield "padr.seal.id", struct.unpack_from("<I", datagram, 6)[0]
+    yield "padr.seal.number", struct.unpack_from("<I", datagram, 10)[0]
+    yield "padr.seal.tag", datagram[-16:]
+    if datagram[2] < 0x38:
+        plain = datagram[:2] + bytes([datagram[2] & 0xF3]) + datagram[3:6] + datagram[14:-16]
+        yield from of_content(plain + struct.pack("<I", zlib.crc32(plain)))
+
+
+def of_content(datagram):
     try:
         decoded = decode(datagram)
     except Drop as drop:

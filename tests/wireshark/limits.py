@@ -113,7 +113,9 @@ def order_cases():
         yield state(passed_on(b"", index=value))
     for have in (32, 33):
         yield state(admission(have=[1] * have))
-    for address, port in ((bytes(16), 1), (ADDRESS[:15], 1), (ADDRESS, 0), (ADDRESS, 65535), (ADDRESS, 65536)):
+    for address, port in ((bytes(16), 1), (ADDRESS[:15], 1), (ADDRESS, 0), (ADDRESS, 65535), (ADDRESS, 65536),
+                          (ADDRESS + bytes(range(32)), 1), (ADDRESS + bytes(32), 1), (ADDRESS + bytes(31), 1),
+                          (bytes(16) + bytes(range(32)), 1)):  # fmt: skip
         yield state(admission(address=address, port=port))
     for tick in (100, 101, 1 << 31):
         yield state(passed_on(b"", tick=tick))

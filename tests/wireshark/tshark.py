@@ -111,6 +111,8 @@ def is_same(expected, shown):
         return both_none or struct.pack("<f", float(shown)) == struct.pack("<f", expected)
     if isinstance(expected, int):
         return int(shown, 0) == expected
+    if isinstance(expected, bytes) and len(expected) == 48 and shown.count(":") < 15:
+        expected = expected[:16]  # of a place and who is there, the place is shown
     if isinstance(expected, bytes) and len(expected) == 16 and ":" in shown and shown.count(":") < 15:
         return ipaddress.IPv6Address(expected) == ipaddress.IPv6Address(shown)
     if isinstance(expected, bytes):

@@ -8,12 +8,20 @@
 
 namespace padr::capture {
 
-void declare_captures(CLI::App& app, std::vector<std::string>& files) {
+void declare_keylogs(CLI::App& app, std::vector<std::string>& keylogs) {
+  app.add_option("--keylog", keylogs,
+                 "What padr-peer --keylog has written: checks who has sent what, and decrypts. May be repeated")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+}
+
+void declare_captures(CLI::App& app, std::vector<std::string>& files, std::vector<std::string>& keylogs) {
   app.add_option("CAPTURE", files,
                  "pcap or pcapng; - is standard input. Several of one session count as one: in the order of time,\n"
                  "and what more than one of them has seen counts once")
       ->required()
       ->type_name("FILE");
+  declare_keylogs(app, keylogs);
 }
 
 void write_text(const std::string& flag, const std::string& file, const std::string& text) {
@@ -35,14 +43,15 @@ int warn_incomplete(const std::vector<std::string>& troubles) {
 Run declare_summary(CLI::App& app) {
   struct Options {
     std::vector<std::string> files;
+    std::vector<std::string> keylogs;
     std::string json;
   };
   const auto o = std::make_shared<Options>();
-  declare_captures(app, o->files);
+  declare_captures(app, o->files, o->keylogs);
   app.add_option("--json", o->json, "Write everything as JSON; - for standard output, in place of the tables")
       ->type_name("FILE|-");
   return [o](const std::vector<std::string>& command) {
-    Captures captures(o->files);
+    Captures captures(o->files, o->keylogs);
     Tally tally;
     while (const Datagram* d = captures.next()) tally.take(*d);
     const Source source{o->files, captures.contents(), captures.troubles()};

@@ -8,9 +8,9 @@
 #include "tools/capture/comparison.h"
 #include "tools/capture/names.h"
 #include "tools/capture/rebuild.h"
-#include "tools/report/utf8.h"
 #include "tools/support/json.h"
 #include "tools/support/run_main.h"
+#include "tools/support/text.h"
 
 namespace padr::capture {
 namespace {
@@ -31,6 +31,7 @@ constexpr const char* kFooter =
 
 struct Options {
   std::vector<std::string> files;
+  std::vector<std::string> keylogs;
   std::string json;
   bool losses = false;
 };
@@ -105,7 +106,7 @@ std::string named(const std::vector<Passage>& list, std::size_t most) {
 }
 
 std::string links_text(const std::vector<LinkStory>& links, bool all) {
-  Table table(
+  support::Table table(
       {"link", "sent", "captured", "received", "lost before", "lost behind", "duplicates", "outside", "contradict"});
   std::string names;
   std::string unseen;
@@ -170,7 +171,7 @@ std::string as_json(const Comparison& c, const std::vector<LinkStory>& links, co
   }
   j.end_array().key("confirmed").begin_array();
   for (const WorldCheck& w : worlds) {
-    j.begin_object().field("trace", report::valid_utf8(w.label)).field("compared", w.compared).field("alike", w.alike);
+    j.begin_object().field("trace", support::valid_utf8(w.label)).field("compared", w.compared).field("alike", w.alike);
     j.field("not_rebuilt", w.beyond).field("superseded", w.superseded).end_object();
   }
   j.end_array().end_object();
@@ -189,7 +190,7 @@ int run(const Options& o) {
   }
   if (captures_files.empty() || comparison.traces().empty())
     throw UserError("compare: give at least one capture and one trace of padr-peer --trace");
-  Captures captures(captures_files);
+  Captures captures(captures_files, o.keylogs);
   Bookkeeper books;
   while (const Datagram* d = captures.next()) {
     comparison.add(*d);
@@ -221,6 +222,7 @@ Run declare_compare(CLI::App& app) {
   app.add_option("FILE", o->files, "Captures and traces in any order; the files say which they are")
       ->required()
       ->type_name("CAPTURE|TRACE");
+  declare_keylogs(app, o->keylogs);
   app.add_flag("--losses", o->losses, "Name every datagram that was lost, not only the first of each link");
   app.add_option("--json", o->json, "Everything as JSON; - for standard output, in place of the text")
       ->type_name("FILE|-");

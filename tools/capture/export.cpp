@@ -25,6 +25,7 @@ constexpr const char* kFooter =
 
 struct Options {
   std::vector<std::string> files;
+  std::vector<std::string> keylogs;
   bool json = false;
   bool csv = false;
   std::string out = "-";
@@ -38,7 +39,7 @@ std::string csv_head() {
 
 int run(const Options& o) {
   if (o.json == o.csv) throw UserError("export: give one of --json and --csv");
-  Captures captures(o.files);
+  Captures captures(o.files, o.keylogs);
   std::unique_ptr<support::OutputFile> file;
   if (o.out != "-") file = std::make_unique<support::OutputFile>("--out", o.out);
   const auto write = [&file](const std::string& text) {
@@ -60,7 +61,7 @@ int run(const Options& o) {
 
 Run declare_export(CLI::App& app) {
   const auto o = std::make_shared<Options>();
-  declare_captures(app, o->files);
+  declare_captures(app, o->files, o->keylogs);
   app.footer(kFooter);
   app.add_flag("--json", o->json, "One JSON object a line");
   app.add_flag("--csv", o->csv, "One row a datagram, a column for every field there is");

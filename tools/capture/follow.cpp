@@ -23,6 +23,7 @@ constexpr const char* kFooter =
 
 struct Options {
   std::string file;
+  std::vector<std::string> keylogs;
   bool json = false;
   double idle = 0;
 };
@@ -36,7 +37,7 @@ void say(Recorder& recorder, const Datagram& d, bool json) {
 int run(const Options& o) {
   constexpr auto kLook = std::chrono::milliseconds(50);
   // One file, which is asked again at its end: a pipe has none before the last writer is gone.
-  Captures captures({o.file});
+  Captures captures({o.file}, o.keylogs);
   Recorder recorder;
   auto heard = Steady::now();
   while (true) {
@@ -60,6 +61,7 @@ Run declare_follow(CLI::App& app) {
   app.add_option("CAPTURE", o->file, "pcap or pcapng that is being written; - is standard input")
       ->required()
       ->type_name("FILE");
+  declare_keylogs(app, o->keylogs);
   app.add_flag("--json", o->json, "Datagrams as padr-capture export --json has them");
   app.add_option("--idle", o->idle, "Stop after so many seconds without a datagram; 0: never")
       ->type_name("S")

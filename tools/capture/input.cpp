@@ -10,7 +10,7 @@
 #include <system_error>
 
 #include "common/model/user_error.h"
-#include "common/wire/seal.h"
+#include "common/wire/handshake.h"
 
 namespace padr::capture {
 namespace {
@@ -93,10 +93,12 @@ struct Captures::File {
   FrameReader reader;
   std::size_t index;
   Datagram datagram;
+  wire::Bytes unsealed;  ///< that the datagram is in, if it came sealed
   bool done = false;
 };
 
-Captures::Captures(const std::vector<std::string>& files) : progress_(size_of(files)) {
+Captures::Captures(const std::vector<std::string>& files, const std::vector<std::string>& keylogs)
+    : keys_(keylogs), progress_(size_of(files)) {
   for (const std::string& f : files) files_.push_back(std::make_unique<File>(f, files_.size()));
 }
 
@@ -109,7 +111,14 @@ bool Captures::advance(File& file) {
     const Content content = udp_of(*frame, d);
     ++contents_.of[static_cast<std::size_t>(content)];
     if (content != Content::kUdp && content != Content::kCutUdp) continue;
-    if (!is_ours(d.payload)) {
+    d.seal_bytes = 0;
+    if (content == Content::kUdp && wire::is_handshake(d.payload)) {
+      ++contents_.handshakes;
+      continue;
+    }
+    if (content == Content::kUdp && wire::read_sealed(d.payload)) {
+      if (!unseal(file)) continue;
+    } else if (!is_ours(d.payload)) {
       ++contents_.others;
       continue;
     }
@@ -121,6 +130,17 @@ bool Captures::advance(File& file) {
   }
   file.done = true;
   return false;
+}
+
+bool Captures::unseal(File& file) {
+  Datagram& d = file.datagram;
+  Keyring::Result result = keys_.read(*wire::read_sealed(d.payload), d.payload);
+  ++contents_.sealed[static_cast<std::size_t>(result.reading)];
+  if (!result.unsealed) return false;
+  d.seal_bytes = wire::kSealGrowth;
+  file.unsealed = std::move(*result.unsealed);
+  d.payload = file.unsealed;
+  return true;
 }
 
 const Datagram* Captures::next() {

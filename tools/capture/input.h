@@ -11,16 +11,18 @@
 
 #include "common/capture/frame_reader.h"
 #include "common/capture/udp_datagram.h"
+#include "tools/capture/keyring.h"
 #include "tools/capture/progress.h"
 
 namespace padr::capture {
 
 /// A UDP datagram of a capture that may be one of ours: by its first bytes or its checksum.
 struct Datagram : UdpDatagram {
-  std::int64_t time_ns = 0;  ///< since 1970
-  std::uint64_t packet = 0;  ///< its number in the file
-  std::size_t file = 0;      ///< index of the file
-  bool cut = false;          ///< the capture has not all of it
+  std::int64_t time_ns = 0;    ///< since 1970
+  std::uint64_t packet = 0;    ///< its number in the file
+  std::size_t file = 0;        ///< index of the file
+  bool cut = false;            ///< the capture has not all of it
+  std::size_t seal_bytes = 0;  ///< that `payload` had and has not any more, as it has been unsealed
 };
 
 /// What the files held.
@@ -30,6 +32,8 @@ struct Contents {
   std::uint64_t others = 0;                   ///< UDP datagrams that are not ours
   std::uint64_t ours = 0;                     ///< that are, each once
   std::uint64_t seen_again = 0;               ///< that another of the files has too
+  std::array<std::uint64_t, 4> sealed{};      ///< by Keyring::Reading; the last two are not among ours
+  std::uint64_t handshakes = 0;               ///< of sessions with a key; not among ours
 };
 
 /// The captures of one session, as one: by time, and what several of them have seen counts once. Two equal datagrams
@@ -37,8 +41,9 @@ struct Contents {
 /// files.
 class Captures {
  public:
-  /// `files`: "-" is standard input. Shows progress on long files if standard error is a terminal. Throws UserError.
-  explicit Captures(const std::vector<std::string>& files);
+  /// `files`: "-" is standard input. Shows progress on long files if standard error is a terminal. What is sealed comes
+  /// out unsealed, checked and decrypted with the keys in `keylogs`. Throws UserError.
+  explicit Captures(const std::vector<std::string>& files, const std::vector<std::string>& keylogs = {});
   ~Captures();
 
   /// The next datagram, valid until the next call; nothing at the end.
@@ -62,9 +67,11 @@ class Captures {
     std::vector<std::pair<std::size_t, std::uint32_t>> seen;  ///< how often, by file
   };
   bool advance(File& file);
+  bool unseal(File& file);
   bool seen_elsewhere(const Datagram& d);
   void forget(std::int64_t now_ns);
 
+  Keyring keys_;
   std::vector<std::unique_ptr<File>> files_;
   File* given_ = nullptr;  ///< whose datagram was given out last
   bool begun_ = false;

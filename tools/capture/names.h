@@ -17,20 +17,4 @@ std::string_view name_of(wire::Kind kind);
 std::string_view name_of(const wire::SessionMessage& message);
 std::string_view name_of(const wire::MembershipMessage& message);
 
-/// A table for people: columns of these headings, as wide as need be. Numbers to the right, the first column to the
-/// left.
-class Table {
- public:
-  explicit Table(std::vector<std::string> headings) : rows_{std::move(headings)} {}
-  void row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
-  /// Each line begins with two spaces.
-  std::string text() const;
-
- private:
-  std::vector<std::vector<std::string>> rows_;
-};
-
-/// Fixed digits, independent of locale; "-" if not finite.
-std::string fixed(double v, int digits);
-
 }  // namespace padr::capture

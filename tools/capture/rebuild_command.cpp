@@ -24,12 +24,13 @@ constexpr const char* kFooter =
 
 struct Options {
   std::vector<std::string> files;
+  std::vector<std::string> keylogs;
   SettingFlags setting;
   std::string json, csv, svg;
 };
 
 int run(const Options& o, const std::vector<std::string>& command) {
-  Captures captures(o.files);
+  Captures captures(o.files, o.keylogs);
   Bookkeeper books;
   while (const Datagram* d = captures.next()) books.take(*d);
   const Ledger& ledger = books.choose(o.setting.session());
@@ -59,7 +60,7 @@ int run(const Options& o, const std::vector<std::string>& command) {
 
 Run declare_rebuild(CLI::App& app) {
   const auto o = std::make_shared<Options>();
-  declare_captures(app, o->files);
+  declare_captures(app, o->files, o->keylogs);
   app.footer(kFooter);
   o->setting.declare(app);
   app.add_option("--csv", o->csv, "Write the confirmed state of every entity at every tick")->type_name("FILE");

@@ -7,15 +7,10 @@
 #include "common/scenarios/scenarios.h"
 #include "tools/support/command_line.h"
 #include "tools/support/scenario_flags.h"
+#include "tools/support/text.h"
 
 namespace padr::capture {
 namespace {
-
-std::string hex(std::uint64_t v) {
-  std::string s(16, '0');
-  for (auto c = s.rbegin(); c != s.rend(); ++c, v >>= 4U) *c = "0123456789abcdef"[v & 15U];
-  return s;
-}
 
 /// A Join's label is "NAME seed N"; false if it is not.
 bool split_label(const std::string& label, std::string& name, std::uint64_t& seed) {
@@ -36,8 +31,7 @@ bool is_built_in(const std::string& name) {
 
 }  // namespace
 
-void SettingFlags::declare(CLI::App& app) {
-  const std::string group = "Session";
+void SettingFlags::declare(CLI::App& app, const std::string& group) {
   app.add_option("--session", session_, "Number of the session; default: the one with most state datagrams")
       ->type_name("N")
       ->check(CLI::Range(1, 65535))
@@ -79,8 +73,8 @@ Setting SettingFlags::setting(const Ledger& ledger) const {
     const std::uint64_t ours = scene_hash(s.scene);
     if (ours != ledger.join->scene_hash)
       throw UserError("--scenario: the session was played in '" + ledger.join->scenario + "' (hash " +
-                      hex(ledger.join->scene_hash) + "), and '" + s.label + "' is another here (hash " + hex(ours) +
-                      ")");
+                      support::hex(ledger.join->scene_hash) + "), and '" + s.label + "' is another here (hash " +
+                      support::hex(ours) + ")");
     s.checked = true;
   }
   const int most = static_cast<int>(s.scene.avatar.spawns.size());

@@ -12,7 +12,8 @@ namespace padr::capture {
 /// What the packets may not tell: flags, and how they and a session's Join and Welcome go together.
 class SettingFlags {
  public:
-  void declare(CLI::App& app);
+  /// `group`: the heading in help texts.
+  void declare(CLI::App& app, const std::string& group = "Session");
   const std::optional<int>& session() const { return session_; }
   /// Throws UserError if the scenario is not known, or is another than that of the capture.
   Setting setting(const Ledger& ledger) const;

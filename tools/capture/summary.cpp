@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "tools/capture/names.h"
+#include "tools/support/text.h"
 
 namespace padr::capture {
 namespace {
@@ -13,7 +14,7 @@ std::string count(std::uint64_t n) {
 }
 
 std::string percent(std::uint64_t part, std::uint64_t whole) {
-  return whole == 0 ? "-" : fixed(100.0 * static_cast<double>(part) / static_cast<double>(whole), 1);
+  return whole == 0 ? "-" : support::fixed_or_dash(100.0 * static_cast<double>(part) / static_cast<double>(whole), 1);
 }
 
 double per_second(std::uint64_t n, double seconds) {
@@ -29,12 +30,18 @@ std::string contents_text(const Source& s, const Tally& t) {
   for (const std::string& f : s.files) out += (out.empty() ? "" : ", ") + (f == "-" ? "standard input" : f);
   const Contents& c = s.contents;
   out += ": " + plural(c.packets, "packet") + ", " + plural(c.ours, "datagram") + " of PADR in " +
-         fixed(t.all().seconds(), 1) + " s";
+         support::fixed_or_dash(t.all().seconds(), 1) + " s";
   const auto add = [&out](std::uint64_t n, const std::string& what) {
     if (n > 0) out += ", " + count(n) + " " + what;
   };
   const auto of = [&c](Content k) { return c.of[static_cast<std::size_t>(k)]; };
   add(c.seen_again, "seen in another file, too");
+  const auto sealed = [&c](Keyring::Reading r) { return c.sealed[static_cast<std::size_t>(r)]; };
+  add(sealed(Keyring::Reading::kChecked), "sealed and checked");
+  add(sealed(Keyring::Reading::kUnchecked), "sealed and not checked");
+  add(sealed(Keyring::Reading::kHidden), "encrypted");
+  add(sealed(Keyring::Reading::kWrong), "damaged or forged");
+  add(c.handshakes, "of handshakes");
   add(c.others, "of other UDP");
   add(of(Content::kOther), "without UDP");
   add(of(Content::kFragment), "fragments left out");
@@ -56,8 +63,8 @@ std::string session_text(std::uint16_t number, const SessionTally& s) {
 }
 
 std::string lives_text(const Tally& t, std::uint16_t session) {
-  Table table({"peer", "at", "s", "dgrams", "dgrams/s", "kbit/s", "mean B", "most B", "updates/s", "threshold", "begin",
-               "end", "proxy", "body", "rest", "left"});
+  support::Table table({"peer", "at", "s", "dgrams", "dgrams/s", "kbit/s", "mean B", "most B", "updates/s", "threshold",
+                        "begin", "end", "proxy", "body", "rest", "left"});
   for (const auto& [key, life] : t.lives()) {
     if (key.session != session) continue;
     const Traffic& f = life.traffic;
@@ -66,13 +73,13 @@ std::string lives_text(const Tally& t, std::uint16_t session) {
     std::vector<std::string> row{
         life_name(key),
         to_string(life.at),
-        fixed(f.seconds(), 1),
+        support::fixed_or_dash(f.seconds(), 1),
         count(f.datagrams),
-        fixed(per_second(f.datagrams, f.seconds()), 1),
-        fixed(per_second(f.bytes * 8, f.seconds()) / 1000, 1),
-        fixed(static_cast<double>(f.bytes - f.header_bytes) / static_cast<double>(f.datagrams), 0),
+        support::fixed_or_dash(per_second(f.datagrams, f.seconds()), 1),
+        support::fixed_or_dash(per_second(f.bytes * 8, f.seconds()) / 1000, 1),
+        support::fixed_or_dash(static_cast<double>(f.bytes - f.header_bytes) / static_cast<double>(f.datagrams), 0),
         count(f.most_size),
-        fixed(per_second(updates, f.seconds()), 1)};
+        support::fixed_or_dash(per_second(updates, f.seconds()), 1)};
     for (std::size_t c = 0; c < 6; ++c) row.push_back(count(life.updates[c]));
     row.emplace_back(life.left ? "yes" : "no");
     table.row(std::move(row));
@@ -81,20 +88,23 @@ std::string lives_text(const Tally& t, std::uint16_t session) {
 }
 
 std::string links_text(const Tally& t, std::uint16_t session, const SessionTally& s) {
-  Table table({"link", "dgrams", "missing", "dupl", "late", "told lost %", "gap ms", "p95", "delay ms", "p50", "p95",
-               "least", "jitter", "peers' least", "marks", "resent", "ack ms"});
+  support::Table table({"link", "dgrams", "missing", "dupl", "late", "told lost %", "gap ms", "p95", "delay ms", "p50",
+                        "p95", "least", "jitter", "peers' least", "marks", "resent", "ack ms"});
   for (const auto& [key, tally] : links_of(t, session)) {
     const LinkTally& link = *tally;
     const DelayFigures d = delays_of(link, s);
-    table.row({link_name(t, key), count(link.traffic.datagrams), count(link.seqs.missing()), count(link.duplicates),
-               count(link.reordered),
-               link.losses_told == 0
-                   ? "-"
-                   : fixed(static_cast<double>(link.loss_told) / static_cast<double>(link.losses_told), 1),
-               fixed(link.gaps.mean_us() / 1000, 1), fixed(link.gaps.percentile_us(0.95) / 1000, 1),
-               fixed(d.mean_ms, 1), fixed(d.p50_ms, 1), fixed(d.p95_ms, 1), fixed(d.least_ms, 1), fixed(d.jitter_ms, 1),
-               link.transit ? fixed(*link.transit / 10.0, 1) : "-", count(link.marks), count(link.repeats),
-               link.acks.count() == 0 ? "-" : fixed(link.acks.mean_us() / 1000, 1)});
+    table.row(
+        {link_name(t, key), count(link.traffic.datagrams), count(link.seqs.missing()), count(link.duplicates),
+         count(link.reordered),
+         link.losses_told == 0
+             ? "-"
+             : support::fixed_or_dash(static_cast<double>(link.loss_told) / static_cast<double>(link.losses_told), 1),
+         support::fixed_or_dash(link.gaps.mean_us() / 1000, 1),
+         support::fixed_or_dash(link.gaps.percentile_us(0.95) / 1000, 1), support::fixed_or_dash(d.mean_ms, 1),
+         support::fixed_or_dash(d.p50_ms, 1), support::fixed_or_dash(d.p95_ms, 1),
+         support::fixed_or_dash(d.least_ms, 1), support::fixed_or_dash(d.jitter_ms, 1),
+         link.transit ? support::fixed_or_dash(*link.transit / 10.0, 1) : "-", count(link.marks), count(link.repeats),
+         link.acks.count() == 0 ? "-" : support::fixed_or_dash(link.acks.mean_us() / 1000, 1)});
   }
   std::string out =
       "\nLinks. Missing: numbers that are not in the capture. Delay: from the begin of the tick of sending, by ";
@@ -107,7 +117,7 @@ std::string links_text(const Tally& t, std::uint16_t session, const SessionTally
 
 std::string bandwidth_text(const Tally& t) {
   const Traffic& a = t.all();
-  Table table({"bytes on the wire", "bytes", "%"});
+  support::Table table({"bytes on the wire", "bytes", "%"});
   const auto row = [&](const std::string& what, std::uint64_t n) { table.row({what, count(n), percent(n, a.bytes)}); };
   row("IP and UDP headers", a.header_bytes);
   row("envelopes", a.envelope_bytes);

@@ -40,8 +40,8 @@ void Traffic::add(const Datagram& d) {
   }
   last_ns = d.time_ns;
   bytes += d.wire_bytes;
-  header_bytes += d.wire_bytes - std::min(d.wire_bytes, d.payload.size());
-  envelope_bytes += std::min(kEnvelope, d.payload.size());
+  header_bytes += d.wire_bytes - std::min(d.wire_bytes, d.payload.size() + d.seal_bytes);
+  envelope_bytes += std::min(kEnvelope, d.payload.size()) + d.seal_bytes;
   least_size = std::min(least_size, size);
   most_size = std::max(most_size, size);
 }

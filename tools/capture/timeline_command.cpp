@@ -10,6 +10,7 @@ namespace {
 
 struct Options {
   std::vector<std::string> files;
+  std::vector<std::string> keylogs;
   std::optional<int> session;
   std::string csv, svg, json;
 };
@@ -34,7 +35,7 @@ std::pair<std::uint16_t, std::vector<Event>> choose(const Timeline& t, std::opti
 }
 
 int run(const Options& o) {
-  Captures captures(o.files);
+  Captures captures(o.files, o.keylogs);
   Timeline timeline;
   while (const Datagram* d = captures.next()) timeline.take(*d);
   const auto [session, events] = choose(timeline, o.session);
@@ -49,7 +50,7 @@ int run(const Options& o) {
 
 Run declare_timeline(CLI::App& app) {
   const auto o = std::make_shared<Options>();
-  declare_captures(app, o->files);
+  declare_captures(app, o->files, o->keylogs);
   app.footer("Events:\n" + std::string(kEventsHelp) +
              "\n\nThe time is that of the capture, the tick that at which it is true. Without any of --csv, --svg and "
              "--json\nthe CSV goes to standard output.\n\nExample:\n"

@@ -5,8 +5,8 @@
 #include "tools/capture/timeline.h"
 #include "tools/plot/palette.h"
 #include "tools/plot/svg.h"
-#include "tools/report/utf8.h"
 #include "tools/support/json.h"
+#include "tools/support/text.h"
 
 namespace padr::capture {
 namespace {
@@ -89,7 +89,7 @@ class Picture {
     for (int i = 0; end_ / step > 12; ++i) step *= i % 3 == 1 ? 2.5 : 2.0;  // 0.1, 0.2, 0.5, 1, ...
     for (int i = 0; i * step <= end_; ++i) {
       svg.line({{x(i * step), kTop - 6}, {x(i * step), height_ - 34}}, {.stroke = "#E4E4E4"});
-      svg.text(x(i * step), height_ - 18, fixed(i * step, step < 1 ? 1 : 0),
+      svg.text(x(i * step), height_ - 18, support::fixed_or_dash(i * step, step < 1 ? 1 : 0),
                {.size = 11, .anchor = plot::Anchor::kMiddle});
     }
     svg.text(kWidth - kRight, height_ - 4, "s since the first event", {.size = 11, .anchor = plot::Anchor::kEnd});
@@ -148,8 +148,8 @@ std::string timeline_csv(const std::vector<Event>& events) {
     std::string detail = e.detail;
     std::replace(detail.begin(), detail.end(), '"', '\'');
     if (detail.find(',') != std::string::npos) detail = '"' + detail + '"';
-    out += fixed(seconds(e, events), 6) + "," + number(e.tick) + "," + peer_of(e) + "," + std::string(e.what) + "," +
-           number(e.entity) + "," + number(e.other) + "," + detail + "\n";
+    out += support::fixed_or_dash(seconds(e, events), 6) + "," + number(e.tick) + "," + peer_of(e) + "," +
+           std::string(e.what) + "," + number(e.entity) + "," + number(e.other) + "," + detail + "\n";
   }
   return out;
 }
@@ -163,7 +163,7 @@ std::string timeline_json(std::uint16_t session, const std::vector<Event>& event
     if (e.by.slot != kNoPeer) j.field("peer", static_cast<int>(e.by.slot)).field("incarnation", e.by.incarnation);
     if (e.entity >= 0) j.field("entity", e.entity);
     if (e.other >= 0) j.field("other", e.other);
-    if (!e.detail.empty()) j.field("detail", report::valid_utf8(e.detail));
+    if (!e.detail.empty()) j.field("detail", support::valid_utf8(e.detail));
     j.end_object();
   }
   j.end_array().end_object();

@@ -5,6 +5,8 @@
 #include <deque>
 #include <optional>
 #include <span>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "common/model/user_error.h"
@@ -55,10 +57,13 @@ bool same(const ConfirmedWorld& a, const ConfirmedWorld& b) {
          a.truth.present == b.truth.present && a.truth.agreed == b.truth.agreed;
 }
 
+}  // namespace
+
 /// The node that does it all again, and what it and the trace say that has not been compared yet.
-class Again {
+class Replay::Again {
  public:
-  Again(const Scene& scene, const trace::TraceReader& t) : scene_(scene), label_(t.label()), header_(t.header()) {
+  Again(const trace::TraceReader& t, node::Node::ConfirmedSink on_confirmed)
+      : scene_(scene_of(t)), label_(t.label()), header_(t.header()), on_confirmed_(std::move(on_confirmed)) {
     if (header_.incarnation == 0) node_.emplace(scene_, config_of(header_), sink());
   }
 
@@ -84,6 +89,9 @@ class Again {
   void take(const trace::GiveUp& g) { node_->give_up(g.peer); }
   void take(const trace::Excuse&) { node_->excuse_silence(); }
   void take(const trace::Locate& l) { node_->locate(l.peer, l.at); }
+  void take(const trace::Retune& r) { node_->retune(r.technique); }
+  void take(const trace::Push& p) { node_->push(p.body, p.velocity); }
+  void take(const trace::Remark&) {}
   void take(const trace::Footer&) {}
   void take(const trace::Confirmed& c, const trace::Truth& truth) {
     compare_rest();
@@ -120,11 +128,17 @@ class Again {
   }
 
   ReplayResult& result() { return result_; }
+  const Scene& scene() const { return scene_; }
+  const node::Node* node() const { return node_ ? &*node_ : nullptr; }
+  std::vector<node::MemberChange> take_changes() {
+    return node_ ? node_->take_changes() : std::vector<node::MemberChange>{};
+  }
 
  private:
   node::Node::ConfirmedSink sink() {
     return [this](const sync::FoldState& s, std::uint64_t hash) {
       ours_.push_back({{s.tick, hash}, trace::truth_of(s, header_.technique.authority)});
+      if (on_confirmed_) on_confirmed_(s, hash);
     };
   }
 
@@ -161,48 +175,71 @@ class Again {
 
   std::deque<ConfirmedWorld> ours_;  ///< before the node, which confirms tick 0 while it is built
   std::deque<ConfirmedWorld> recorded_;
-  const Scene& scene_;
+  Scene scene_;
   std::string label_;
   trace::Header header_;
+  node::Node::ConfirmedSink on_confirmed_;
   std::optional<node::Node> node_;
   bool stepped_ = false;  ///< the first step of a trace is the state before any
   std::size_t next_out_ = 0;
   ReplayResult result_;
 };
 
-template <typename E>
-void take(Again& again, const E& event, const trace::TraceReader&) {
-  again.take(event);
-}
-void take(Again& again, const trace::Confirmed& c, const trace::TraceReader& t) {
-  again.take(c, t.truth());
-}
-void take(Again& again, const trace::Step& s, const trace::TraceReader& t) {
-  again.take(s, t.live());
+Replay::Replay(trace::TraceReader& trace, node::Node::ConfirmedSink on_confirmed)
+    : trace_(trace), again_(std::make_unique<Again>(trace, std::move(on_confirmed))) {}
+
+Replay::~Replay() = default;
+
+std::optional<trace::Event> Replay::next() {
+  if (!again_->result().identical()) return std::nullopt;
+  auto event = trace_.next();
+  if (!event) {
+    // A trace that broke off may lack what its last step sent.
+    if (trace_.clean()) again_->compare_rest();
+    again_->result().truncated = !trace_.clean();
+    return std::nullopt;
+  }
+  std::visit(
+      [&](const auto& e) {
+        using E = std::decay_t<decltype(e)>;
+        if constexpr (std::is_same_v<E, trace::Confirmed>) {
+          again_->take(e, trace_.truth());
+        } else if constexpr (std::is_same_v<E, trace::Step>) {
+          again_->take(e, trace_.live());
+        } else {
+          again_->take(e);
+        }
+      },
+      *event);
+  return again_->result().identical() ? event : std::nullopt;
 }
 
-}  // namespace
+const Scene& Replay::scene() const {
+  return again_->scene();
+}
+const node::Node* Replay::node() const {
+  return again_->node();
+}
+std::vector<node::MemberChange> Replay::take_changes() {
+  return again_->take_changes();
+}
+const ReplayResult& Replay::result() const {
+  return again_->result();
+}
 
 ReplayResult replay(trace::TraceReader& trace) {
-  const Scene scene = scene_of(trace);
-  Again again(scene, trace);
-  bool ended = false;
-  while (again.result().identical()) {
-    const auto event = trace.next();
-    if (!event) {
-      ended = true;
-      break;
-    }
-    std::visit([&](const auto& e) { take(again, e, trace); }, *event);
+  Replay r(trace);
+  while (r.next()) {
   }
-  // A trace that broke off may lack what its last step sent.
-  if (ended && trace.clean()) again.compare_rest();
-  again.result().truncated = ended && !trace.clean();
-  return again.result();
+  return r.result();
+}
+
+std::string read_trace_file(const std::string& file) {
+  return support::read_file("TRACE", file, kMostBytes);
 }
 
 int run_replay(const std::string& file) {
-  const std::string text = support::read_file("TRACE", file, kMostBytes);
+  const std::string text = read_trace_file(file);
   trace::TraceReader reader(std::as_bytes(std::span(text)), file);
   const ReplayResult r = replay(reader);
   if (!r.identical()) {

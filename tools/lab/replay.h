@@ -1,8 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "common/node/node.h"
 #include "common/trace/trace_reader.h"
 
 namespace padr::lab {
@@ -19,9 +23,38 @@ struct ReplayResult {
 
 /// Feeds a trace's inputs and received datagrams to a fresh node in the order they were recorded in, and compares what
 /// it does with what was recorded: the live world's hash after every tick, what is shown, every confirmed hash, every
-/// datagram sent. Stops at the first difference. Throws UserError if the trace is damaged, or is of a scenario or a
-/// physics that this program does not reproduce.
+/// datagram sent. Stops at the first difference.
+class Replay {
+ public:
+  /// `trace` must outlive it. `on_confirmed` sees what the node confirms, and may be empty. Throws UserError if the
+  /// trace is of a scenario or a physics that this program does not reproduce.
+  explicit Replay(trace::TraceReader& trace, node::Node::ConfirmedSink on_confirmed = {});
+  ~Replay();
+  Replay(const Replay&) = delete;
+  Replay& operator=(const Replay&) = delete;
+
+  /// What the trace has next, after the node has done it; nothing at the end, and after a difference. Spans in it hold
+  /// until the next call. Throws UserError if the trace is damaged.
+  std::optional<trace::Event> next();
+
+  const Scene& scene() const;
+  /// Null before the trace has said what it begins with.
+  const node::Node* node() const;
+  /// Who came and went, as the node has it, since the last call.
+  std::vector<node::MemberChange> take_changes();
+  const ReplayResult& result() const;
+
+ private:
+  class Again;
+  trace::TraceReader& trace_;
+  std::unique_ptr<Again> again_;
+};
+
+/// All of a trace. Throws UserError as Replay does.
 ReplayResult replay(trace::TraceReader& trace);
+
+/// A whole trace file, of hours of a busy session at most. Throws UserError, which calls it TRACE.
+std::string read_trace_file(const std::string& file);
 
 /// `padr-lab replay TRACE`: one line on standard output with the verdict and what differs first. Returns 0 if nothing
 /// does, else 1. Throws UserError.

@@ -146,6 +146,10 @@ class Analysis {
     meter_.truth(t.tick, truth);
   }
 
+  static void take(Cursor& c, const trace::Retune&) { ++c.peer.retunes; }
+  static void take(Cursor& c, const trace::Push&) { ++c.peer.pushes; }
+  static void take(Cursor& c, const trace::Remark&) { ++c.peer.remarks; }
+
   template <typename Other>
   void take(Cursor&, const Other&) {}
 

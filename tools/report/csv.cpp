@@ -1,7 +1,10 @@
 #include "tools/report/outputs.h"
+#include "tools/support/text.h"
 
 namespace padr::report {
 namespace {
+
+using support::fixed;
 
 std::string seconds(Tick t) {
   return fixed(static_cast<double>(t) / kTicksPerSecond, 4);

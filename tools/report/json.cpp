@@ -1,8 +1,8 @@
 #include "tools/support/json.h"
 #include "tools/report/outputs.h"
 #include "tools/report/rates.h"
-#include "tools/report/utf8.h"
 #include "tools/support/revision.h"
+#include "tools/support/text.h"
 
 namespace padr::report {
 namespace {
@@ -31,30 +31,27 @@ void put(Json& j, const Traffic& t, double seconds) {
   j.end_object().end_object();
 }
 
-std::string hex(std::uint64_t v) {
-  std::string s(16, '0');
-  for (std::size_t i = 16; i-- > 0; v >>= 4U) s[i] = "0123456789abcdef"[v & 15U];
-  return s;
-}
-
 void put_provenance(Json& j, const Peer& p) {
   const trace::Header& h = p.header;
   j.key("provenance").begin_object();
-  j.field("program", valid_utf8(h.program)).field("revision", valid_utf8(h.revision));
+  j.field("program", support::valid_utf8(h.program)).field("revision", support::valid_utf8(h.revision));
   j.key("command").begin_array();
-  for (const std::string& word : h.command) j.value(valid_utf8(word));
+  for (const std::string& word : h.command) j.value(support::valid_utf8(word));
   j.end_array();
-  j.field("scenario", valid_utf8(h.scenario)).field("scenario_seed", h.scenario_seed);
-  j.field("netem", valid_utf8(h.netem)).field("netem_seed", h.netem_seed).field("input", valid_utf8(h.input));
+  j.field("scenario", support::valid_utf8(h.scenario)).field("scenario_seed", h.scenario_seed);
+  j.field("netem", support::valid_utf8(h.netem))
+      .field("netem_seed", h.netem_seed)
+      .field("input", support::valid_utf8(h.input));
   j.field("start_unix_us", h.start_unix_us).end_object();
 }
 
 void put_peer(Json& j, const Peer& p) {
   j.begin_object();
   j.field("peer", p.header.peer).field("name", p.name).field("incarnation", p.header.incarnation);
-  j.field("trace", valid_utf8(p.label)).field("clean_end", p.clean).field("superseded", p.superseded);
+  j.field("trace", support::valid_utf8(p.label)).field("clean_end", p.clean).field("superseded", p.superseded);
   j.field("came_tick", p.came).field("went_tick", p.went());
-  j.field("technique", valid_utf8(p.header.technique.name)).field("knobs", valid_utf8(describe(p.header.technique)));
+  j.field("technique", support::valid_utf8(p.header.technique.name))
+      .field("knobs", support::valid_utf8(describe(p.header.technique)));
   j.field("ticks", p.last_tick)
       .field("left_at_tick", p.left_at)
       .field("seconds", p.seconds())
@@ -66,6 +63,8 @@ void put_peer(Json& j, const Peer& p) {
   j.field("snaps", p.snaps).field("snap_m", p.snap_m);
   j.field("late_ticks", p.late_ticks).field("worst_lateness_us", p.worst_lateness);
   j.field("damaged_datagrams_received", p.damaged);
+  j.key("interference").begin_object();
+  j.field("knobs_turned", p.retunes).field("pushes", p.pushes).field("links_and_pauses", p.remarks).end_object();
   put_provenance(j, p);
   j.end_object();
 }
@@ -91,7 +90,7 @@ void put_hand_overs(Json& j, const Report& r) {
 void put_groups(Json& j, const Report& r) {
   j.key("by_technique").begin_array();
   for (const Group& g : r.groups) {
-    j.begin_object().field("knobs", valid_utf8(g.technique)).key("peers").begin_array();
+    j.begin_object().field("knobs", support::valid_utf8(g.technique)).key("peers").begin_array();
     for (const std::size_t i : g.peers) j.value(r.peers[i].name);
     j.end_array();
     put(j, g.inconsistency);
@@ -108,15 +107,15 @@ std::string json(const Report& r, const std::vector<std::string>& command) {
   Json j;
   j.begin_object().field("revision", support::revision());
   j.key("command").begin_array();
-  for (const std::string& word : command) j.value(valid_utf8(word));
+  for (const std::string& word : command) j.value(support::valid_utf8(word));
   j.end_array();
-  j.field("scenario", valid_utf8(h.scenario))
+  j.field("scenario", support::valid_utf8(h.scenario))
       .field("scenario_seed", h.scenario_seed)
-      .field("scene_hash", hex(h.scene_hash));
+      .field("scene_hash", support::hex(h.scene_hash));
   j.field("peers", r.peers_at_start()).field("lives", r.peers.size()).field("session", h.session);
   j.field("noise_m", trace::kNoiseMetres);
   j.key("notes").begin_array();
-  for (const std::string& n : r.notes) j.value(valid_utf8(n));
+  for (const std::string& n : r.notes) j.value(support::valid_utf8(n));
   j.end_array();
   j.field("confirmed_ticks", r.confirmed.ticks).field("confirmed_mismatches", r.confirmed.mismatches);
   j.field("first_mismatch_tick", r.confirmed.first_mismatch).field("first_mismatch_peers", r.confirmed.who);

@@ -25,7 +25,4 @@ std::vector<NamedText> plot_files(const Report& r);
 /// Names of the plots in plot_files.
 std::vector<std::string> plot_names();
 
-/// "0.123" and so on: fixed digits, independent of locale.
-std::string fixed(double v, int digits);
-
 }  // namespace padr::report

@@ -7,9 +7,12 @@
 
 #include "tools/plot/palette.h"
 #include "tools/report/outputs.h"
+#include "tools/support/text.h"
 
 namespace padr::report {
 namespace {
+
+using support::fixed;
 
 constexpr std::string_view kGrey = "#BBBBBB";
 constexpr std::string_view kMissing = " ?";

@@ -73,6 +73,10 @@ struct Peer {
   std::uint32_t snaps = 0;  ///< jumps of shown positions by more than 3 cm
   double snap_m = 0;
   double threshold_mean_m = 0;
+  // What was done to it while it played:
+  std::uint64_t retunes = 0;  ///< its knobs were turned
+  std::uint64_t pushes = 0;   ///< it was told to push a body
+  std::uint64_t remarks = 0;  ///< impairments, cuts, pauses
   Tick went() const { return left_at >= 0 ? left_at : last_tick; }
   Tick played() const { return went() - came; }
   double seconds() const { return static_cast<double>(played()) / kTicksPerSecond; }

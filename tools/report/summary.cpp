@@ -40,6 +40,16 @@ void note_ends(Report& r) {
                         ": its program crashed, or is still running");
 }
 
+// What the trace's header says of the technique and the network is then true of its begin only.
+void note_interference(Report& r) {
+  for (const Peer& p : r.peers)
+    if (p.retunes + p.pushes + p.remarks > 0)
+      r.notes.push_back("peer " + p.name + " was interfered with while it played: knobs turned " +
+                        std::to_string(p.retunes) + " times, bodies pushed " + std::to_string(p.pushes) +
+                        ", links impaired or cut or itself paused " + std::to_string(p.remarks) +
+                        "; technique and network are those of its begin, figures those of all of it");
+}
+
 void note_confirmed(Report& r) {
   if (r.peers.size() < 2) r.notes.push_back("a single trace: there is nothing to compare its confirmed worlds with");
   for (const Peer& p : r.peers)
@@ -61,6 +71,7 @@ void summarize(Report& r) {
   r.overall = group_of(r, by_technique.size() == 1 ? by_technique.begin()->first : "several", all);
   note_missing(r);
   note_ends(r);
+  note_interference(r);
   note_confirmed(r);
 }
 

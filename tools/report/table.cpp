@@ -1,38 +1,14 @@
 #include <algorithm>
-#include <array>
-#include <charconv>
 
 #include "tools/report/outputs.h"
 #include "tools/report/rates.h"
+#include "tools/support/text.h"
 
 namespace padr::report {
 namespace {
 
-/// Columns as wide as their widest cell; the first is flush left, the others flush right.
-class Grid {
- public:
-  explicit Grid(std::vector<std::string> heading) { rows_.push_back(std::move(heading)); }
-  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
-
-  std::string text() const {
-    std::vector<std::size_t> widths(rows_[0].size(), 0);
-    for (const auto& row : rows_)
-      for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
-    std::string s;
-    for (const auto& row : rows_) {
-      std::string line;
-      for (std::size_t c = 0; c < row.size(); ++c) {
-        const std::string gap(widths[c] - row[c].size(), ' ');
-        line += c == 0 ? row[c] + gap : "  " + gap + row[c];
-      }
-      s += "  " + line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
-    }
-    return s;
-  }
-
- private:
-  std::vector<std::vector<std::string>> rows_;
-};
+using support::fixed;
+using support::Table;
 
 // More links than this are not read but searched.
 constexpr std::size_t kMostLinks = 30;
@@ -62,18 +38,18 @@ std::vector<std::string> traffic_row(const std::string& name, const Traffic& t, 
 
 /// One row per peer, per technique if there are several, and overall.
 template <typename Row>
-void rows(Grid& grid, const Report& r, Row row) {
+void rows(Table& table, const Report& r, Row row) {
   for (const Peer& p : r.peers) {
     Group alone;
     alone.inconsistency = p.inconsistency;
     alone.traffic = p.traffic;
     alone.seconds = p.seconds();
-    grid.add(row("peer " + p.name, alone));
+    table.row(row("peer " + p.name, alone));
   }
   if (r.groups.size() > 1)
     for (std::size_t g = 0; g < r.groups.size(); ++g)
-      grid.add(row("technique " + std::string(1, static_cast<char>('A' + g % 26)), r.groups[g]));
-  if (r.peers.size() > 1) grid.add(row("overall", r.overall));
+      table.row(row("technique " + std::string(1, static_cast<char>('A' + g % 26)), r.groups[g]));
+  if (r.peers.size() > 1) table.row(row("overall", r.overall));
 }
 
 /// s
@@ -126,10 +102,10 @@ std::string links_table(const Report& r) {
     which = "Links: of " + count(r.links.size()) + " the " + count(kMostLinks) +
             " with the highest loss (--csv and --json have all)";
   }
-  Grid g({"link", "sent", "received", "loss %", "duplicates", "reordered %", "delay mean ms", "p50 ms", "p95 ms",
-          "jitter ms"});
+  Table g({"link", "sent", "received", "loss %", "duplicates", "reordered %", "delay mean ms", "p50 ms", "p95 ms",
+           "jitter ms"});
   for (const Link& l : links)
-    g.add({l.from_name + " -> " + l.to_name, count(l.sent), count(l.received), fixed(l.loss_percent(), 2),
+    g.row({l.from_name + " -> " + l.to_name, count(l.sent), count(l.received), fixed(l.loss_percent(), 2),
            count(l.duplicates), fixed(l.reordered_percent(), 2), fixed(l.delay_mean_ms, 1), fixed(l.delay_p50_ms, 1),
            fixed(l.delay_p95_ms, 1), fixed(l.jitter_ms, 1)});
   return "\n" + which +
@@ -137,10 +113,10 @@ std::string links_table(const Report& r) {
 }
 
 std::string peers_table(const Report& r) {
-  Grid g({"peer", "ticks", "confirmed to", "late ticks", "worst ms", "replayed steps/tick", "mean threshold m", "snaps",
-          "snap m", "damaged in"});
+  Table g({"peer", "ticks", "confirmed to", "late ticks", "worst ms", "replayed steps/tick", "mean threshold m",
+           "snaps", "snap m", "damaged in"});
   for (const Peer& p : r.peers)
-    g.add({"peer " + p.name, std::to_string(p.last_tick), std::to_string(p.last_confirmed), count(p.late_ticks),
+    g.row({"peer " + p.name, std::to_string(p.last_tick), std::to_string(p.last_confirmed), count(p.late_ticks),
            fixed(static_cast<double>(p.worst_lateness) / 1000, 1),
            fixed(per_tick(p.replayed_steps, p.last_tick - p.first_tick), 2), fixed(p.threshold_mean_m, 3),
            count(p.snaps), fixed(p.snap_m, 2), count(p.damaged)});
@@ -150,11 +126,11 @@ std::string peers_table(const Report& r) {
 
 std::string lives_table(const Report& r) {
   if (!comings_and_goings(r)) return "";
-  Grid g({"who", "came s", "went s", "how", "trace"});
+  Table g({"who", "came s", "went s", "how", "trace"});
   const auto seconds = [](Tick t) { return fixed(static_cast<double>(t) / kTicksPerSecond, 2); };
   for (const Peer& p : r.peers) {
     const char* how = p.left_at >= 0 ? "left" : p.superseded ? "began anew" : p.clean ? "ended" : "broke off";
-    g.add({"peer " + p.name, seconds(p.came), seconds(p.went()), how, p.label});
+    g.row({"peer " + p.name, seconds(p.came), seconds(p.went()), how, p.label});
   }
   return "\nWho came and went.\n" + g.text();
 }
@@ -180,23 +156,17 @@ std::string verdict(const Report& r) {
 
 }  // namespace
 
-std::string fixed(double v, int digits) {
-  std::array<char, 400> text{};
-  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), v, std::chars_format::fixed, digits);
-  return {text.data(), end};
-}
-
 std::string table(const Report& r) {
   std::string s = heading(r);
-  Grid inconsistency({"inconsistency", "mean m", "avatars m", "bodies m", "p95 m", "p99 m", "peak m", "final m",
-                      "area m*s", "shown mean m", "shown peak m"});
+  Table inconsistency({"inconsistency", "mean m", "avatars m", "bodies m", "p95 m", "p99 m", "peak m", "final m",
+                       "area m*s", "shown mean m", "shown peak m"});
   rows(inconsistency, r,
        [](const std::string& name, const Group& g) { return inconsistency_row(name, g.inconsistency); });
   s += "\nCombined inconsistency, all entities summed; below about 5 mm it is noise.\n" + inconsistency.text();
   std::vector<std::string> causes{"traffic", "updates/s", "datagrams/s", "kbit/s"};
   causes.insert(causes.end(), sync::kCauseNames.begin(), sync::kCauseNames.end());
   causes.emplace_back("repeats");
-  Grid traffic(causes);
+  Table traffic(causes);
   rows(traffic, r, [](const std::string& name, const Group& g) { return traffic_row(name, g.traffic, g.seconds); });
   s += "\nTraffic until goodbye. Rates per peer, IPv4 and UDP headers included; then entity updates by cause, each "
        "counted once.\n" +

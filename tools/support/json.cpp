@@ -30,6 +30,7 @@ void append_quoted(std::string& out, std::string_view text) {
 }  // namespace
 
 void Json::line() {
+  if (layout_ == Layout::kOneLine) return;
   out_ += '\n';
   out_.append(2 * open_.size(), ' ');
 }
@@ -55,7 +56,7 @@ Json& Json::key(std::string_view name) {
   first_ = false;
   line();
   append_quoted(out_, name);
-  out_ += ": ";
+  out_ += layout_ == Layout::kOneLine ? ":" : ": ";
   after_key_ = true;
   return *this;
 }
@@ -98,7 +99,7 @@ Json& Json::value(double number) {
 
 std::string Json::text() const {
   assert(open_.empty());
-  return out_ + "\n";
+  return layout_ == Layout::kOneLine ? out_ : out_ + "\n";
 }
 
 }  // namespace padr::support

@@ -8,13 +8,16 @@
 
 namespace padr::support {
 
-/// Writes one JSON document (RFC 8259), indented, as text. Calls must nest properly: that is asserted.
+/// Writes one JSON document (RFC 8259), indented or in one line, as text. Calls must nest properly: that is asserted.
 ///
 ///   Json j;
 ///   j.begin_object().key("name").value("arena").key("ticks").value(600).end_object();
 ///   j.text();
 class Json {
  public:
+  enum class Layout : std::uint8_t { kIndented, kOneLine };
+  explicit Json(Layout layout = Layout::kIndented) : layout_(layout) {}
+
   Json& begin_object() { return open('{'); }
   Json& end_object() { return close('}'); }
   Json& begin_array() { return open('['); }
@@ -35,7 +38,10 @@ class Json {
     return key(name).value(v);
   }
 
-  /// The finished document, with a newline at its end.
+  /// A finished document of this class, in one line, as a value.
+  Json& document(std::string_view text) { return raw(text); }
+
+  /// The finished document; indented ones have a newline at their end.
   std::string text() const;
 
  private:
@@ -45,6 +51,7 @@ class Json {
   void before_token();
   void line();
 
+  Layout layout_;
   std::string out_;
   std::vector<char> open_;  ///< closing brackets still due
   bool first_ = true;       ///< nothing yet in the innermost bracket

@@ -46,12 +46,33 @@ function padr.init()
   history.reset()
 end
 
+local function show_handshake(show, tree, envelope)
+  local tvb = show.tvb
+  show:add(tree, "padr.handshake", envelope.handshake, tvb(3, 1))
+  if not envelope.whole then return end
+  show:raw(tree, "padr.handshake.key", tvb(4, 32))
+  show:raw(tree, "padr.handshake.number", tvb(36, 8))
+  show:raw(tree, "padr.handshake.cookie", tvb(44, 16))
+  show:raw(tree, "padr.seal.tag", tvb(60, datagram.SEALED_TAG))
+end
+
+local function show_seal(show, tree, envelope, size)
+  local tvb = show.tvb
+  show:add(tree, "padr.seal", envelope.seal, tvb(2, 1))
+  if not envelope.seal_id then return end
+  show:add(tree, "padr.seal.id", envelope.seal_id, tvb(6, 4))
+  show:add(tree, "padr.seal.number", envelope.seal_number, tvb(10, 4))
+  if envelope.whole then show:raw(tree, "padr.seal.tag", tvb(size - datagram.SEALED_TAG, datagram.SEALED_TAG)) end
+end
+
 local function show_envelope(show, tree, envelope, size)
   local tvb = show.tvb
   show:add(tree, "padr.version", envelope.version, tvb(2, 1))
+  if envelope.handshake then return show_handshake(show, tree, envelope) end
   show:add(tree, "padr.kind", envelope.kind, tvb(2, 1))
   show:add(tree, "padr.peer", envelope.peer, tvb(3, 1))
   show:add(tree, "padr.session", envelope.session, tvb(4, 2))
+  if envelope.seal then show_seal(show, tree, envelope, size) end
   if not envelope.tag then return end
   local range = tvb(size - datagram.TAG, datagram.TAG)
   show:add(tree, "padr.tag", envelope.tag, range)
@@ -124,11 +145,11 @@ end
 local proto_is_installed = is_proto_installed()
 
 -- Wireshark's own reading of the payload. What goes wrong in it must not spoil ours.
-local function show_protobuf(tvb, pinfo, root, kind)
-  local size, wanted = tvb:len() - datagram.HEADER - datagram.TAG, padr.prefs.protobuf
+local function show_protobuf(tvb, pinfo, root, envelope)
+  local size, wanted = tvb:len() - envelope.header_size - envelope.tag_size, padr.prefs.protobuf
   if not protobuf or size < 1 or wanted == NEVER or wanted == INSTALLED and not proto_is_installed then return end
-  pinfo.private["pb_msg_type"] = "message," .. MESSAGES[kind]
-  pcall(Dissector.call, protobuf, tvb(datagram.HEADER, size):tvb(), pinfo, root)
+  pinfo.private["pb_msg_type"] = "message," .. MESSAGES[envelope.kind]
+  pcall(Dissector.call, protobuf, tvb(envelope.header_size, size):tvb(), pinfo, root)
 end
 
 local function show_drop(show, tree, reason, detail)
@@ -140,7 +161,8 @@ end
 local function dissect(tvb, pinfo, root, data, envelope)
   local size = tvb:reported_len()
   local reason, said, detail = datagram.envelope_drop(envelope, size)
-  if not reason and envelope.whole then
+  local hidden = envelope.handshake or envelope.seal == "encrypt"
+  if not reason and envelope.whole and not hidden then
     said, reason, detail = datagram.decode(data, envelope)
   end
   local to = history.place(pinfo.dst, pinfo.dst_port)
@@ -156,6 +178,8 @@ local function dissect(tvb, pinfo, root, data, envelope)
   if found.to then show:add(tree, "padr.to", found.to) end
   if reason then
     show_drop(show, tree, reason, detail)
+  elseif hidden then
+    -- Nothing to read.
   elseif not envelope.whole then
     tree:add_proto_expert_info(experts.cut)
   elseif said.name == "state" then
@@ -163,7 +187,7 @@ local function dissect(tvb, pinfo, root, data, envelope)
   else
     show_message(show, tree, said, found)
   end
-  if said then show_protobuf(tvb, pinfo, root, envelope.kind) end
+  if said then show_protobuf(tvb, pinfo, root, envelope) end
   pinfo.cols.protocol:set("PADR")
   local info = sentence.of(envelope, said, found, reason)
   pinfo.cols.info:set(info)
@@ -181,7 +205,7 @@ end
 -- Whether what begins with the magic is ours: the tag fits or, for what was damaged or cut off, the header is as ours are. Of
 -- bytes at random that begin so, one in six hundred has such a header.
 local function is_ours(envelope)
-  if envelope.tag_good then return true end
+  if envelope.tag_good or envelope.handshake then return true end
   local sender_is_one = envelope.peer < 32 or envelope.peer == datagram.NOBODY
   return envelope.version == datagram.VERSION and datagram.KINDS[envelope.kind] ~= nil and sender_is_one
 end

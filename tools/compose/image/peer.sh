@@ -75,11 +75,15 @@ fi
 netem=${PADR_NETEM_OWN:-${PADR_NETEM:-}}
 if [ -n "$netem" ]; then set -- "$@" --netem "$netem"; fi
 
+if [ -n "${PADR_MONITOR:-}" ]; then set -- "$@" --monitor "$PADR_MONITOR" --control; fi
 if [ -n "${PADR_OWN_CAPTURE:-}" ]; then set -- "$@" --pcap "$file.pcapng"; fi
 
-# The network is the session's own; see there. PADR_ARGS is a list of words.
+# The network is the session's own; see there. A key, if there is one, padr-peer takes from PADR_KEY itself.
+if [ -z "${PADR_KEY:-}" ]; then set -- "$@" --insecure; fi
+
+# PADR_ARGS is a list of words.
 # shellcheck disable=SC2086
-exec padr-peer "$@" --listen "0.0.0.0:$port" --insecure --join-timeout "$patience" \
+exec padr-peer "$@" --listen "0.0.0.0:$port" --join-timeout "$patience" \
   --scenario "${PADR_SCENARIO:-arena}" --seed "${PADR_SEED:-1}" --technique "${PADR_TECHNIQUE:-full}" \
   --input "${PADR_INPUT:-wander}" --duration "${PADR_DURATION:-60}" \
   --netem-seed "$((${PADR_SEED:-1} * 100 + number))" \

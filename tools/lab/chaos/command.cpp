@@ -44,6 +44,8 @@ void ChaosCommand::declare(CLI::App& app) {
   app.add_option("--scenario", scenario_, "Built-in name or file")->type_name("NAME|FILE")->capture_default_str();
   app.add_option("--bodies", bodies_, "Of the scenario")->check(CLI::Range(1, 5000))->capture_default_str();
   technique_.declare(app);
+  app.add_flag_callback(
+      "--sealed", [this] { how_.seal = wire::SealMode::kAuth; }, "Sessions have a key");
   app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
   app.add_flag("--story", story_, "Also print every script, and what the peers noted");
   app.add_option("--json", json_, "Results to a file, or - for standard output in place of the table")

@@ -1,8 +1,8 @@
 #include "tools/lab/chaos/gathering.h"
 
 #include <cmath>
+#include <utility>
 
-#include "common/model/rng.h"
 #include "common/world/world.h"
 
 namespace padr::lab {
@@ -58,9 +58,20 @@ int Gathering::start(std::optional<int> by) {
   c.on_confirmed = [this, n](int life, const sync::FoldState& s, std::uint64_t hash) {
     if (on_confirmed) on_confirmed(n, life, s, hash);
   };
+  if (config_.seal != wire::SealMode::kNone) c.gate = gate_of(n, rng);
   by_place_[p.place] = n;
   p.peer = std::make_unique<node::Participant>(config_.scene, std::move(c), local(p));
   return n;
+}
+
+node::GateConfig Gathering::gate_of(int person, Rng& rng) const {
+  node::GateConfig g;
+  g.mode = config_.seal;
+  Rng key(derive_seed(config_.seed, 0x5EA1));
+  for (auto& b : g.session) b = static_cast<std::uint8_t>(key.below(256));
+  for (auto& b : g.seed) b = static_cast<std::uint8_t>(rng.below(256));
+  if (on_gate) on_gate(person, g);
+  return g;
 }
 
 bool Gathering::knocks_in_vain(int person) const {
@@ -81,6 +92,13 @@ void Gathering::kill(int person) {
 
 void Gathering::pause(int person, bool paused) {
   persons_[at(person)].paused = paused;
+}
+
+void Gathering::move(int person, const Endpoint& place) {
+  Person& p = persons_[at(person)];
+  by_place_.erase(p.place);
+  p.place = place;
+  by_place_[place] = person;
 }
 
 void Gathering::shape(const link::NetemSpec& netem) {
@@ -109,7 +127,11 @@ void Gathering::deliver() {
   for (auto& [ends, s] : shims_) {
     while (auto datagram = s->release(now_)) {
       Person& to = persons_[at(ends.second)];
-      if (!to.runs || !connected(ends.first, ends.second)) continue;
+      if (!connected(ends.first, ends.second)) continue;
+      if (!to.runs) {
+        if (config_.refusals) persons_[at(ends.first)].refused.push_back(to.place);
+        continue;
+      }
       if (to.buffer.size() < kSocketBuffer)
         to.buffer.emplace_back(persons_[at(ends.first)].place, std::move(*datagram));
     }
@@ -124,6 +146,7 @@ void Gathering::turn(int person) {
     p.peer->receive(p.buffer.front().first, p.buffer.front().second, now);
     p.buffer.pop_front();
   }
+  for (const Endpoint& e : std::exchange(p.refused, {})) p.peer->unreachable(e, now);
   if (now >= p.peer->next_due()) p.peer->advance(now);
   for (int i = 0; i < kStepsPerTurn && p.peer->playing() && now >= p.peer->next_step(); ++i) {
     if (p.took < 0) p.took = now_ - p.born;
@@ -132,6 +155,7 @@ void Gathering::turn(int person) {
   }
   for (node::Parcel& d : p.peer->take_outgoing()) {
     const auto to = by_place_.find(d.to);
+    if (to != by_place_.end() && on_datagram) on_datagram(p.place, to->second, d.bytes);
     if (to != by_place_.end()) shim(person, to->second).accept(now_, d.bytes);
   }
   for (const node::SessionNote& n : p.peer->take_notes())

@@ -6,10 +6,12 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "common/link/shim.h"
+#include "common/model/rng.h"
 #include "common/node/participant.h"
 #include "common/scenarios/input.h"
 
@@ -22,6 +24,8 @@ struct GatheringConfig {
   std::uint64_t seed = 1;
   int slots = 12;
   int wanted = 2;                                ///< peers the founder waits for
+  wire::SealMode seal = wire::SealMode::kNone;   ///< not kNone: the session has a key, drawn with the seed
+  bool refusals = false;                         ///< senders are told where nobody listens any more
   double most_ppm = 100;                         ///< how far a peer's clock may be off its rate
   std::function<sync::Fault(int person)> fault;  ///< for tests only
   /// Where a person's life 0, 1, ... is recorded to.
@@ -43,6 +47,9 @@ class Gathering {
   /// Datagrams between persons of different sides vanish; by person, who are not named are on side 0.
   void divide(std::map<int, int> sides) { sides_ = std::move(sides); }
   void shape(const link::NetemSpec& netem);
+  /// Somebody says so in the name of the machine that is there.
+  void tell_unreachable(int person, const Endpoint& where) { persons_[at(person)].refused.push_back(where); }
+  const Endpoint& place_of(int person) const { return persons_[at(person)].place; }
   /// All avatars are drawn to this point until told otherwise.
   void attract(std::optional<Vec2> where) { attraction_ = where; }
 
@@ -66,6 +73,16 @@ class Gathering {
 
   /// A tick has become final in a life of a person's.
   std::function<void(int person, int life, const sync::FoldState&, std::uint64_t hash)> on_confirmed;
+  /// Somebody is about to get this way to the network; it may be spoilt.
+  std::function<void(int person, node::GateConfig&)> on_gate;
+  /// Whatever is on its way to somebody, from a place.
+  std::function<void(const Endpoint& from, int to, std::span<const std::byte> datagram)> on_datagram;
+  /// Somebody who is at no person's place sends something, which arrives at once.
+  void inject(const Endpoint& from, int to, std::span<const std::byte> datagram) {
+    persons_[at(to)].buffer.emplace_back(from, std::vector<std::byte>(datagram.begin(), datagram.end()));
+  }
+  /// From now on a person's datagrams come from, and reach it at, another place.
+  void move(int person, const Endpoint& place);
   /// A person has been worked on.
   std::function<void(int person)> on_turn;
 
@@ -86,9 +103,11 @@ class Gathering {
     bool paused = false;
     bool leaving = false;
     std::deque<std::pair<Endpoint, std::vector<std::byte>>> buffer;  ///< the socket's
+    std::vector<Endpoint> refused;
     std::vector<std::string> notes;
   };
   static std::size_t at(int person) { return static_cast<std::size_t>(person); }
+  node::GateConfig gate_of(int person, Rng& rng) const;
   Micros local(const Person& p) const;
   void deliver();
   void turn(int person);

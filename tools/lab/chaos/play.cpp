@@ -109,7 +109,9 @@ ChaosOutcome play(const ChaosPlay& how, const ChaosScript& script) {
   config.netem = link::parse_netem(chaos_links().front());
   config.seed = script.seed;
   config.slots = how.slots;
+  config.seal = how.seal;
   config.wanted = script.founders;
+  config.refusals = script.seed % 2 == 1;  // some networks tell, some do not
   Gathering g(std::move(config));
   Judge judge(g);
   Stage stage(g, how.scene);

@@ -4,6 +4,7 @@
 
 #include "common/model/scene.h"
 #include "common/model/technique.h"
+#include "common/wire/sealed.h"
 #include "tools/lab/chaos/script.h"
 
 namespace padr::lab {
@@ -21,7 +22,8 @@ struct ChaosPlay {
   Scene scene;
   Technique technique;
   int slots = 12;
-  Micros quiet = 20 * kMicrosPerSecond;  ///< after the script, all healed
+  wire::SealMode seal = wire::SealMode::kNone;  ///< not kNone: the sessions have a key
+  Micros quiet = 20 * kMicrosPerSecond;         ///< after the script, all healed
   bool story = false;
 };
 

@@ -1,18 +1,15 @@
 #pragma once
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <string>
+
+#include "tools/support/text.h"
 
 namespace padr::lab::figures {
 
 /// Fixed digits; "-" for what there is no number for.
 inline std::string fixed(double v, int digits) {
-  if (!std::isfinite(v)) return "-";
-  std::array<char, 64> text{};
-  const int n = std::snprintf(text.data(), text.size(), "%.*f", digits, v);
-  return {text.data(), static_cast<std::size_t>(n)};
+  return support::fixed_or_dash(v, digits);
 }
 
 /// 0.5 is "50 %".

@@ -6,10 +6,15 @@ local updates = require("padr.updates")
 local datagram = {}
 
 datagram.MAGIC = 0x5064
-datagram.VERSION = 2
+datagram.VERSION = 3
 datagram.KINDS = { [0] = "state", "session", "membership" }
 datagram.HEADER, datagram.TAG = 6, 4
 datagram.SHORTEST, datagram.LONGEST = 10, 1200
+-- The same of a sealed one, and the size of a handshake (section 14).
+datagram.SEALED_HEADER, datagram.SEALED_TAG = 14, 16
+datagram.SHORTEST_SEALED, datagram.LONGEST_SEALED, datagram.HANDSHAKE = 30, 1220, 76
+datagram.SEALS = { "auth", "encrypt" }
+datagram.HANDSHAKES = { "hello", "cookie", "introduction", "acceptance" }
 datagram.NOBODY = 255
 
 local require_that = protobuf.require
@@ -28,6 +33,18 @@ function datagram.crc(data, size)
   return bit.bnot(crc) % 4294967296
 end
 
+-- What is not as section 1 has it may be as section 14 has it.
+local function note_seal(out, data, size)
+  local mode, kind = math.floor(out.kind / 4), out.kind % 4
+  if out.kind == 3 and size == datagram.HANDSHAKE and datagram.HANDSHAKES[out.peer] then
+    out.handshake, out.tag, out.tag_good = datagram.HANDSHAKES[out.peer], nil, nil
+  elseif datagram.SEALS[mode] and kind < 3 and size >= datagram.SHORTEST_SEALED and size <= datagram.LONGEST_SEALED then
+    out.seal, out.kind, out.tag, out.tag_good = datagram.SEALS[mode], kind, nil, nil
+    out.header_size, out.tag_size = datagram.SEALED_HEADER, datagram.SEALED_TAG
+    if #data >= datagram.SEALED_HEADER then out.seal_id, out.seal_number = Struct.unpack("<I4I4", data, datagram.HEADER + 1) end
+  end
+end
+
 -- The header and the tag of at least a header's bytes. `size` is that of the datagram on the wire: what a capture cut
 -- off is missing in `data`, and then there is neither tag nor tag_good.
 function datagram.envelope(data, size)
@@ -40,11 +57,14 @@ function datagram.envelope(data, size)
     out.tag = Struct.unpack("<I4", data, size - datagram.TAG + 1)
     out.tag_good = out.tag == datagram.crc(data, size - datagram.TAG)
   end
+  out.header_size, out.tag_size = datagram.HEADER, datagram.TAG
+  if not out.tag_good and out.magic == datagram.MAGIC and out.version == datagram.VERSION then note_seal(out, data, size) end
   return out
 end
 
 -- The reason of section 1 for which it is dropped, if any.
 function datagram.envelope_drop(envelope, size)
+  if envelope.seal or envelope.handshake then return end
   if size < datagram.SHORTEST then return "short" end
   if size > datagram.LONGEST then return "long" end
   if envelope.magic ~= datagram.MAGIC then return "magic" end
@@ -159,7 +179,7 @@ end
 -- What a payload says, positions counted in the whole datagram from 1; or nil, the reason and the detail of its being
 -- dropped. Anything else that goes wrong is an error of this program and is raised.
 function datagram.decode(data, envelope)
-  local at, stop = datagram.HEADER + 1, #data - datagram.TAG + 1
+  local at, stop = envelope.header_size + 1, #data - envelope.tag_size + 1
   local readers = { [0] = decode_state, decode_session, decode_membership }
   local ok, out = pcall(readers[envelope.kind], data, at, stop, envelope.peer)
   if ok then return out end

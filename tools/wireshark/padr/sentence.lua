@@ -86,12 +86,16 @@ local DROPPED = {
   malformed = "malformed", order = "updates out of order", value = "a value out of range",
 }
 
+local KINDS = datagram.KINDS
+
 local sentence = {}
 
 -- `said` is nil if everybody drops the datagram, and `reason` says why.
 function sentence.of(envelope, said, found, reason)
   local from = envelope.peer == datagram.NOBODY and "newcomer" or "peer " .. envelope.peer
   if found.to then from = from .. " → " .. found.to end
+  if envelope.handshake then return "handshake: " .. envelope.handshake end
+  if envelope.seal == "encrypt" then return ("%s: encrypted %s"):format(from, KINDS[envelope.kind]) end
   if not said then
     if reason == "version" then return ("%s: protocol version %d"):format(from, envelope.version) end
     if reason == "kind" then return ("%s: kind %d, which is none"):format(from, envelope.kind) end

@@ -26,6 +26,11 @@ function Show:add(tree, name, value, range)
   return item
 end
 
+-- Bytes as they are.
+function Show:raw(tree, name, range)
+  return tree:add(self.f[name], range)
+end
+
 -- Adds a value {v, at, stop}. One that is absent has no bytes, and is shown with its default.
 function Show:value(tree, name, value)
   local range = self:range(value.at, value.stop)
@@ -48,7 +53,7 @@ end
 
 function Show:address(tree, name, value)
   local range = self:range(value.at, value.stop)
-  if range and range:len() == 16 then tree:add(self.f[name], range) end
+  if range and range:len() >= 16 then tree:add(self.f[name], range(0, 16)) end
 end
 
 function Show:node(tree, name, label, at, stop)

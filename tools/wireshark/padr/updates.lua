@@ -34,7 +34,9 @@ end
 
 function updates.require_place(message)
   local address, port = message.address.v, message.port.v
-  require_that(#address == 16 and address ~= ("\0"):rep(16), "an address that is none")
+  local key = address:sub(17) -- of whoever is there, in a session with a key
+  require_that(#address == 16 or #address == 48 and key ~= ("\0"):rep(32), "an address that is none")
+  require_that(address:sub(1, 16) ~= ("\0"):rep(16), "an address that is none")
   require_that(port >= 1 and port <= 65535, "a port that is none")
 end
 

@@ -1,0 +1,165 @@
+#include "common/monitor/sampler.h"
+
+#include <numeric>
+#include <utility>
+
+#include "common/trace/truth.h"
+
+namespace padr::monitor {
+namespace {
+
+float milliseconds(float ticks) {
+  return ticks * 1000.0F / kTicksPerSecond;
+}
+
+Place place_of(const world::Kinematics& k) {
+  return {k.position, k.angle};
+}
+
+LinkStatus link_of(const node::Node& node, PeerId p) {
+  const node::Neighbour& n = node.other(p);
+  LinkStatus l;
+  l.to = p;
+  l.incarnation = n.incarnation;
+  l.there = n.there();
+  l.at = n.at;
+  l.round_trip_ms = milliseconds(n.link.round_trip());
+  l.measured = n.clock.measured();
+  if (l.measured) l.delay_in_ms = static_cast<float>(n.clock.least()) * 1e-3F;
+  l.loss_in = n.window.loss();
+  l.silence_ms = milliseconds(static_cast<float>(node.silence(p)));
+  return l;
+}
+
+}  // namespace
+
+void Sampler::begin(const node::Node& node, const std::string& text) {
+  const auto bodies = static_cast<std::size_t>(node.live().world().bodies());
+  owner_.assign(bodies, kNoPeer);
+  held_.assign(bodies, 0);
+  for (EntityId b = 0; b < bodies; ++b) owner_[b] = node.agreed().predicted_state().authority[b].holder();
+  differed_ = false;
+  say({0, node.now(), EventKind::kLife, kNoEntity, node.self(), 0, text});
+}
+
+void Sampler::observe(const node::Node& node) {
+  for (EntityId b = 0; b < owner_.size(); ++b) observe_body(node, b);
+  if (!differed_ && node.stats().hash_mismatches > 0) {
+    differed_ = true;
+    say({0, node.now(), EventKind::kMismatch, kNoEntity, node.differs_from(), 0,
+         "confirmed worlds differ from tick " + std::to_string(node.stats().first_mismatch) + " on"});
+  }
+}
+
+void Sampler::observe_body(const node::Node& node, EntityId b) {
+  const PeerId owner = node.agreed().predicted_state().authority[b].holder();
+  if (owner != owner_[b])
+    say({0, node.now(), owner == kNoPeer ? EventKind::kRelease : EventKind::kAuthority, b,
+         owner == kNoPeer ? owner_[b] : owner, 0, ""});
+  owner_[b] = owner;
+  const char held = node.reporter().holds(b) ? 1 : 0;
+  if (held != held_[b])
+    say({0, node.now(), held != 0 ? EventKind::kContactBegin : EventKind::kContactEnd, b, node.self(), 0, ""});
+  held_[b] = held;
+}
+
+void Sampler::observe(const node::MemberChange& c) {
+  using Kind = node::MemberChange::Kind;
+  const EventKind kind = c.kind == Kind::kAdmitted ? EventKind::kJoined
+                         : c.kind == Kind::kLeft   ? EventKind::kLeft
+                                                   : EventKind::kRemoved;
+  say({0, c.tick, kind, kNoEntity, c.slot, 0, ""});
+}
+
+void Sampler::say(Event event) {
+  event.number = ++number_;
+  events_.push_back(std::move(event));
+}
+
+std::vector<Event> Sampler::take_events() {
+  return std::exchange(events_, {});
+}
+
+bool Sampler::due(Tick t) const {
+  const std::int64_t now = std::int64_t{t} * rate_ / kTicksPerSecond;
+  const std::int64_t before = (std::int64_t{t} - 1) * rate_ / kTicksPerSecond;
+  return t > 0 && now != before;
+}
+
+void Sampler::frame(const node::Node& node, Vec2 target, Frame& out) const {
+  const world::World& live = node.live().world();
+  const sync::FoldState& predicted = node.agreed().predicted_state();
+  const Technique& technique = node.config().technique;
+  const sync::Prediction& p = node.prediction();
+  const auto entities = static_cast<std::size_t>(live.entities());
+  out.tick = node.now();
+  out.threshold = node.threshold();
+  out.target = target;
+  out.holding = node.reporter().holding();
+  out.interaction = p.interaction;
+  out.contact_in = p.contact_in;
+  out.level = p.level;
+  out.radius = technique.predictor == Predictor::kNone ? 0 : technique.radius;
+  out.first = 0;
+  out.total = static_cast<EntityId>(entities);
+  out.flags.resize(entities);
+  out.shown.resize(entities);
+  out.live.resize(detail_ >= Detail::kLive ? entities : 0);
+  out.predicted.resize(detail_ >= Detail::kAll ? entities : 0);
+  for (EntityId e = 0; e < entities; ++e) {
+    const BodyState s = live.state(e);
+    const bool avatar = live.is_avatar(e);
+    const auto peer = static_cast<PeerId>(avatar ? e - live.bodies() : kNoPeer);
+    out.flags[e] = {live.present(e), s.awake, !avatar && node.reporter().holds(e),
+                    avatar ? peer : predicted.authority[e].holder()};
+    out.shown[e] = {node.shown().positions()[e], s.angle};
+    if (detail_ >= Detail::kLive) out.live[e] = {s.position, s.angle};
+    if (detail_ >= Detail::kAll) out.predicted[e] = place_of(predicted.world.entities[e]);
+  }
+}
+
+void Sampler::agreed(const sync::FoldState& confirmed, std::uint64_t hash, bool authority, Agreed& out) {
+  const trace::Truth truth = trace::truth_of(confirmed, authority);
+  const std::size_t entities = confirmed.world.entities.size();
+  out.tick = confirmed.tick;
+  out.hash = hash;
+  out.first = 0;
+  out.total = static_cast<EntityId>(entities);
+  out.flags.resize(entities);
+  out.at.resize(entities);
+  for (std::size_t e = 0; e < entities; ++e) {
+    out.flags[e] = {truth.present[e], confirmed.world.entities[e].awake, false, truth.owner[e]};
+    out.at[e] = place_of(confirmed.world.entities[e]);
+  }
+}
+
+Status Sampler::status(const node::Node& node) {
+  const node::NodeStats& n = node.stats();
+  Status s;
+  s.tick = node.now();
+  s.updates_by_cause = n.updates_by_cause;
+  s.datagrams_sent = n.datagrams_sent;
+  s.bytes_sent = n.wire_bytes_sent;
+  s.repeats = n.repeats;
+  s.datagrams_received = n.datagrams_received;
+  s.dropped = std::accumulate(n.dropped.begin(), n.dropped.end(), std::uint64_t{0});
+  s.confirmed = node.agreed().confirmed().tick;
+  s.hash = node.agreed().confirmed_hash();
+  s.hash_checks = n.hash_checks;
+  s.hash_mismatches = n.hash_mismatches;
+  s.replayed_steps = node.agreed().replayed_steps();
+  s.clock_lead_us = node.clock_lead();
+  s.own_error_m = node.own_error();
+  s.snaps = static_cast<std::uint32_t>(node.shown().snaps());
+  s.snap_m = node.shown().snap_metres();
+  s.present = 1;
+  for (PeerId p = 0; p < node.config().slots; ++p) {
+    if (p == node.self()) continue;
+    if (node.other(p).there()) ++s.present;
+    if (node.other(p).incarnation > 0 || node.other(p).at.is_set() || node.other(p).there())
+      s.links.push_back(link_of(node, p));
+  }
+  return s;
+}
+
+}  // namespace padr::monitor

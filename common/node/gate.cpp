@@ -1,0 +1,294 @@
+#include "common/node/gate.h"
+
+#include <algorithm>
+#include <cassert>
+#include <type_traits>
+#include <utility>
+
+#include "common/model/rng.h"
+
+namespace padr::node {
+namespace {
+
+/// Between two Hellos to one place.
+constexpr Micros kGreetAgain = 100'000;
+/// The same to somebody whom we knew and have not heard for kQuiet.
+constexpr Micros kGreetQuiet = 1'000'000;
+constexpr Micros kQuiet = 2'000'000;
+/// A cookie is good for this long at its maker's, and then some; whoever has one counts on less.
+constexpr Micros kCookieAge = 10'000'000;
+constexpr Micros kCookieFresh = 5'000'000;
+/// Whoever has been quiet for so long may be forgotten for somebody else.
+constexpr Micros kForgettable = 60'000'000;
+
+/// The number whose lower half this is, as near to the newest as can be.
+std::uint64_t whole_number(std::uint64_t newest, std::uint32_t low) {
+  constexpr std::uint64_t kRound = std::uint64_t{1} << 32U;
+  const std::uint64_t near = (newest & ~(kRound - 1)) | low;
+  if (near > newest && near - newest > kRound / 2 && near >= kRound) return near - kRound;
+  if (near < newest && newest - near > kRound / 2) return near + kRound;
+  return near;
+}
+
+std::uint64_t first_word(const wire::Key& key) {
+  std::uint64_t v = 0;
+  for (unsigned i = 0; i < 8; ++i) v |= std::uint64_t{key[i]} << (8 * i);
+  return v;
+}
+
+}  // namespace
+
+Gate::Gate(GateConfig config)
+    : config_(std::move(config)),
+      secret_(wire::derive_key(config_.seed, "secret")),
+      public_(wire::public_key(secret_)),
+      id_(wire::short_id(public_)),
+      handshake_(wire::handshake_key(config_.session)),
+      cookies_(wire::derive_key(config_.seed, "cookies")),
+      nonces_(first_word(wire::derive_key(config_.seed, "nonces"))) {
+  assert(config_.mode != wire::SealMode::kNone);
+}
+
+Gate::Channel* Gate::known(const PublicKey& key) {
+  const auto it = std::find_if(channels_.begin(), channels_.end(), [&](const Channel& c) { return c.key == key; });
+  return it == channels_.end() ? nullptr : &*it;
+}
+
+Gate::Channel* Gate::lately_at(const Endpoint& place, Micros local) {
+  const auto it = std::find_if(channels_.begin(), channels_.end(), [&](const Channel& c) {
+    return same_place(c.at, place) && (local - c.heard <= kQuiet || (c.cookie && local - c.baked <= kCookieFresh));
+  });
+  return it == channels_.end() ? nullptr : &*it;
+}
+
+// Those whom we were told of come in by force: their number is that of the session's slots and of who has been there.
+Gate::Channel* Gate::make(const PublicKey& key, const Endpoint& at, bool by_force, Micros local) {
+  if (channels_.size() >= kMostChannels) {
+    const auto quietest = std::min_element(channels_.begin(), channels_.end(),
+                                           [](const Channel& a, const Channel& b) { return a.heard < b.heard; });
+    if (!by_force && local - quietest->heard < kForgettable) return nullptr;
+    channels_.erase(quietest);
+  }
+  const auto keys = wire::pair_keys(config_.session, secret_, public_, key);
+  if (!keys) return nullptr;
+  if (config_.on_key) {
+    config_.on_key(public_, key, keys->out);
+    config_.on_key(key, public_, keys->in);
+  }
+  Channel& c = channels_.emplace_back();
+  c.key = key;
+  c.id = wire::short_id(key);
+  c.keys = *keys;
+  c.at = at.place();
+  c.name = c.at;
+  c.name.key = key;
+  c.heard = local;
+  return &c;
+}
+
+// ---- out
+
+void Gate::send(const Parcel& parcel, Micros local) {
+  Channel* c = nullptr;
+  if (parcel.to.has_key()) {
+    c = known(parcel.to.key);
+    if (c == nullptr) c = make(parcel.to.key, parcel.to, true, local);
+    if (c == nullptr) return;
+    c->name = parcel.to;
+    if (!c->met) c->at = parcel.to.place();
+  } else {
+    c = lately_at(parcel.to, local);
+    if (c == nullptr) return call(parcel, local);
+  }
+  keep_company(*c, local);
+  post(*c, parcel);
+}
+
+void Gate::call(const Parcel& parcel, Micros local) {
+  auto it =
+      std::find_if(callers_.begin(), callers_.end(), [&](const Caller& c) { return same_place(c.place, parcel.to); });
+  if (it == callers_.end()) {
+    if (callers_.size() >= kMostWaiting) callers_.pop_front();
+    callers_.emplace_back().place = parcel.to.place();
+    it = std::prev(callers_.end());
+  }
+  it->waiting = parcel;
+  greet(it->place, it->nonce, it->greeted, kGreetAgain, local);
+}
+
+void Gate::greet(const Endpoint& place, std::uint64_t& nonce, Micros& greeted, Micros pace, Micros local) {
+  if (local - greeted < pace) return;
+  greeted = local;
+  // The same for as long as it is not answered: an answer that takes longer than the pace is an answer, too.
+  while (nonce == 0) nonce = splitmix64(nonces_);
+  outgoing_.push_back({place, kNoPeer, wire::encode_handshake(wire::Hello{public_, nonce}, handshake_)});
+}
+
+void Gate::introduce(Channel& to) {
+  const wire::Introduction i{public_, ++number_, *to.cookie};
+  outgoing_.push_back({to.at, kNoPeer, wire::encode_handshake(i, to.keys.out)});
+}
+
+// It may not know us yet, or not any more.
+void Gate::keep_company(Channel& c, Micros local) {
+  if (c.met && local - c.heard <= kQuiet) return;
+  if (c.cookie && local - c.baked <= kCookieFresh) {
+    if (local - c.greeted < kGreetAgain) return;
+    c.greeted = local;
+    return introduce(c);
+  }
+  c.cookie.reset();
+  greet(c.at, c.nonce, c.greeted, c.met ? kGreetQuiet : kGreetAgain, local);
+}
+
+void Gate::post(Channel& to, const Parcel& parcel) {
+  outgoing_.push_back(
+      {to.at, parcel.state_to, wire::seal_with(to.keys.out, config_.mode, id_, ++number_, parcel.bytes)});
+}
+
+std::vector<Parcel> Gate::take_outgoing() {
+  return std::exchange(outgoing_, {});
+}
+
+// ---- in
+
+std::optional<Gate::Arrival> Gate::drop(GateDrop why) {
+  ++stats_.dropped[static_cast<std::size_t>(why)];
+  return std::nullopt;
+}
+
+std::optional<Gate::Arrival> Gate::receive(const Endpoint& place, std::span<const std::byte> datagram, Micros local) {
+  ++stats_.datagrams;
+  if (const auto sealed = wire::read_sealed(datagram)) {
+    GateDrop why = GateDrop::kStranger;
+    for (Channel& c : channels_) {
+      if (c.id != sealed->id) continue;
+      const std::uint64_t number = whole_number(c.window.newest(), sealed->number);
+      if (!c.window.would_pass(number)) {
+        why = GateDrop::kReplay;
+        continue;
+      }
+      auto unsealed = wire::unseal_with(c.keys.in, number, datagram);
+      if (!unsealed) {
+        why = GateDrop::kTag;
+        continue;
+      }
+      heard(c, place, number, local);
+      ++stats_.passed;
+      return Arrival{c.name, std::move(*unsealed)};
+    }
+    return drop(why);
+  }
+  if (wire::is_handshake(datagram)) {
+    const auto message = wire::decode_handshake(datagram, handshake_);
+    if (!message) return drop(GateDrop::kTag);
+    std::visit(
+        [&](const auto& m) {
+          using Type = std::decay_t<decltype(m)>;
+          if constexpr (std::is_same_v<Type, wire::Hello> || std::is_same_v<Type, wire::Cookie>)
+            take(place, m, local);
+          else
+            take(place, m, datagram, local);
+        },
+        *message);
+    return std::nullopt;
+  }
+  wire::SealError error{};
+  return drop(wire::open(datagram, error) ? GateDrop::kUnsealed : GateDrop::kForm);
+}
+
+// Only the newest says where somebody is: what was under way when it moved comes from where it was.
+void Gate::heard(Channel& c, const Endpoint& place, std::uint64_t number, Micros local) {
+  const bool newest = number > c.window.newest();
+  c.window.pass(number);
+  if (newest && !same_place(c.at, place)) {
+    if (c.met) ++stats_.moves;
+    c.at = place.place();
+  }
+  c.met = true;
+  c.heard = local;
+}
+
+wire::Tag Gate::cookie_for(const Endpoint& place, const PublicKey& key, std::int64_t age) const {
+  wire::Bytes text;
+  for (const std::uint8_t b : place.address) text.push_back(static_cast<std::byte>(b));
+  for (unsigned i = 0; i < 16; i += 8) text.push_back(static_cast<std::byte>(place.port >> i));
+  for (const std::uint8_t b : key) text.push_back(static_cast<std::byte>(b));
+  for (unsigned i = 0; i < 64; i += 8) text.push_back(static_cast<std::byte>(static_cast<std::uint64_t>(age) >> i));
+  return wire::tag_of(cookies_, text);
+}
+
+void Gate::take(const Endpoint& place, const wire::Hello& hello, Micros local) {
+  ++stats_.handshakes;
+  const wire::Cookie c{public_, hello.nonce, cookie_for(place, hello.key, local / kCookieAge)};
+  outgoing_.push_back({place.place(), kNoPeer, wire::encode_handshake(c, handshake_)});
+}
+
+void Gate::take(const Endpoint& place, const wire::Cookie& cookie, Micros local) {
+  Parcel waiting;
+  Channel* c = known(cookie.key);
+  const auto caller = std::find_if(callers_.begin(), callers_.end(), [&](const Caller& k) {
+    return k.nonce == cookie.nonce && same_place(k.place, place);
+  });
+  if (caller != callers_.end()) {
+    waiting = std::move(caller->waiting);
+    callers_.erase(caller);
+    if (c == nullptr) c = make(cookie.key, place, true, local);
+    if (c == nullptr) return;
+    if (!c->met) c->at = place.place();
+  } else if (c == nullptr || c->nonce == 0 || c->nonce != cookie.nonce) {
+    drop(GateDrop::kCookie);
+    return;
+  }
+  ++stats_.handshakes;
+  c->nonce = 0;
+  c->cookie = cookie.cookie;
+  c->baked = local;
+  c->greeted = local;
+  introduce(*c);
+  if (!waiting.bytes.empty()) post(*c, waiting);
+}
+
+void Gate::take(const Endpoint& place, const wire::Introduction& in, std::span<const std::byte> datagram,
+                Micros local) {
+  const std::int64_t age = local / kCookieAge;
+  if (!wire::same(in.cookie, cookie_for(place, in.key, age)) &&
+      !wire::same(in.cookie, cookie_for(place, in.key, age - 1))) {
+    drop(GateDrop::kCookie);
+    return;
+  }
+  Channel* c = known(in.key);
+  const bool fresh = c == nullptr;
+  if (fresh) c = make(in.key, place, false, local);
+  if (c == nullptr) {
+    drop(GateDrop::kFull);
+    return;
+  }
+  if (!c->window.would_pass(in.number) || !wire::proves(datagram, c->keys.in, in.number)) {
+    drop(c->window.would_pass(in.number) ? GateDrop::kTag : GateDrop::kReplay);
+    if (fresh) channels_.pop_back();
+    return;
+  }
+  // Whatever it has sent before was to somebody here who knew it and has forgotten it.
+  if (fresh) c->window.start_after(in.number);
+  heard(*c, place, in.number, local);
+  ++stats_.handshakes;
+  const wire::Acceptance a{public_, ++number_};
+  outgoing_.push_back({c->at, kNoPeer, wire::encode_handshake(a, c->keys.out)});
+}
+
+void Gate::take(const Endpoint& place, const wire::Acceptance& in, std::span<const std::byte> datagram, Micros local) {
+  Channel* c = known(in.key);
+  if (c == nullptr) {
+    drop(GateDrop::kStranger);
+    return;
+  }
+  if (!c->window.would_pass(in.number) || !wire::proves(datagram, c->keys.in, in.number)) {
+    drop(c->window.would_pass(in.number) ? GateDrop::kTag : GateDrop::kReplay);
+    return;
+  }
+  heard(*c, place, in.number, local);
+  ++stats_.handshakes;
+}
+
+}  // namespace padr::node

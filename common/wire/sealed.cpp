@@ -1,0 +1,84 @@
+#include "common/wire/sealed.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace padr::wire {
+namespace {
+
+constexpr unsigned kModeShift = 2;
+constexpr unsigned kKindMask = 3;
+
+void put32(std::span<std::byte> to, std::uint32_t v) {
+  for (unsigned i = 0; i < 4; ++i) to[i] = static_cast<std::byte>(v >> (8 * i));
+}
+
+std::uint32_t get32(std::span<const std::byte> from) {
+  std::uint32_t v = 0;
+  for (unsigned i = 0; i < 4; ++i) v |= std::to_integer<std::uint32_t>(from[i]) << (8 * i);
+  return v;
+}
+
+/// The unsealed datagram with this header and payload.
+Bytes unsealed(std::span<const std::byte> head, std::span<const std::byte> payload) {
+  Header h;
+  h.kind = static_cast<Kind>(std::to_integer<unsigned>(head[2]) & kKindMask);
+  h.sender = std::to_integer<PeerId>(head[3]);
+  h.session = static_cast<std::uint16_t>(std::to_integer<unsigned>(head[4]) | std::to_integer<unsigned>(head[5]) << 8U);
+  return seal(h, payload);
+}
+
+}  // namespace
+
+std::uint32_t short_id(const PublicKey& key) {
+  return get32(std::as_bytes(std::span(key)));
+}
+
+std::optional<SealedHeader> read_sealed(std::span<const std::byte> d) {
+  if (d.size() < kSealedHeaderBytes + kSealedTagBytes || d.size() > kMaxSealed) return std::nullopt;
+  if (d[0] != kDatagramMagic[0] || d[1] != kDatagramMagic[1]) return std::nullopt;
+  const auto kind = std::to_integer<unsigned>(d[2]);
+  const unsigned mode = kind >> kModeShift & 3U;
+  if (kind >> 4U != kProtocolVersion || (mode != 1 && mode != 2)) return std::nullopt;
+  if ((kind & kKindMask) > static_cast<unsigned>(Kind::kMembership)) return std::nullopt;
+  return SealedHeader{static_cast<SealMode>(mode), get32(d.subspan(kHeaderBytes)), get32(d.subspan(kHeaderBytes + 4))};
+}
+
+Bytes seal_with(const Key& key, SealMode mode, std::uint32_t id, std::uint64_t number,
+                std::span<const std::byte> plain) {
+  assert(mode != SealMode::kNone && plain.size() >= kHeaderBytes + kTagBytes && plain.size() <= kMaxDatagram);
+  const auto payload = plain.subspan(kHeaderBytes, plain.size() - kHeaderBytes - kTagBytes);
+  Bytes out(plain.size() + kSealGrowth);
+  const std::span<std::byte> all(out);
+  std::copy_n(plain.begin(), kHeaderBytes, out.begin());
+  out[2] |= static_cast<std::byte>(static_cast<unsigned>(mode) << kModeShift);
+  put32(all.subspan(kHeaderBytes), id);
+  put32(all.subspan(kHeaderBytes + 4), static_cast<std::uint32_t>(number));
+  std::copy(payload.begin(), payload.end(), out.begin() + kSealedHeaderBytes);
+  const std::size_t open = kSealedHeaderBytes + (mode == SealMode::kAuth ? payload.size() : 0);
+  const std::size_t end = kSealedHeaderBytes + payload.size();
+  const Tag tag = encrypt(key, number, all.first(open), all.subspan(open, end - open));
+  std::copy(tag.begin(), tag.end(), out.begin() + static_cast<std::ptrdiff_t>(end));
+  return out;
+}
+
+std::optional<Bytes> unseal_with(const Key& key, std::uint64_t number, std::span<const std::byte> sealed) {
+  const auto h = read_sealed(sealed);
+  if (!h) return std::nullopt;
+  const std::size_t end = sealed.size() - kSealedTagBytes;
+  const std::size_t open = h->mode == SealMode::kAuth ? end : kSealedHeaderBytes;
+  Tag tag{};
+  std::copy(sealed.begin() + static_cast<std::ptrdiff_t>(end), sealed.end(), tag.begin());
+  Bytes text(sealed.begin() + static_cast<std::ptrdiff_t>(open), sealed.begin() + static_cast<std::ptrdiff_t>(end));
+  if (!decrypt(key, number, sealed.first(open), text, tag)) return std::nullopt;
+  if (h->mode == SealMode::kEncrypt) return unsealed(sealed, text);
+  return unsealed(sealed, sealed.subspan(kSealedHeaderBytes, end - kSealedHeaderBytes));
+}
+
+std::optional<Bytes> unseal_unchecked(std::span<const std::byte> sealed) {
+  const auto h = read_sealed(sealed);
+  if (!h || h->mode != SealMode::kAuth) return std::nullopt;
+  return unsealed(sealed, sealed.subspan(kSealedHeaderBytes, sealed.size() - kSealedHeaderBytes - kSealedTagBytes));
+}
+
+}  // namespace padr::wire

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "common/model/endpoint.h"
+
+namespace padr::wire {
+
+// What there is of cryptography, all of it libsodium's; nobody else calls that. Nothing here is random: whoever calls
+// brings what has to be unpredictable.
+
+using Key = std::array<std::uint8_t, 32>;
+using Tag = std::array<std::byte, 16>;
+
+/// Lets libsodium look at the processor and choose faster code with the same results. Once, before anything else here.
+void choose_fast_code();
+
+/// BLAKE2b-256 of `name`, keyed with `secret`: keys for several purposes out of one.
+Key derive_key(const Key& secret, std::string_view name);
+
+/// BLAKE2b-128, keyed.
+Tag tag_of(const Key& key, std::span<const std::byte> bytes);
+/// In a time that does not depend on where they differ.
+bool same(const Tag& a, const Tag& b);
+
+/// X25519.
+PublicKey public_key(const Key& secret);
+
+/// For what goes from us to another and for what comes from there.
+struct PairKeys {
+  Key out{};
+  Key in{};
+  friend bool operator==(const PairKeys&, const PairKeys&) = default;
+};
+/// The keys of two peers of a session: BLAKE2b-256, keyed with the session's key, of "padr pair", what X25519 makes of
+/// our secret and their public key, the sender's public key and the receiver's. Nothing if theirs is none that X25519
+/// can use.
+std::optional<PairKeys> pair_keys(const Key& session, const Key& secret, const PublicKey& ours,
+                                  const PublicKey& theirs);
+
+/// XChaCha20-Poly1305 (IETF) with the nonce `number`, little endian, and sixteen zeros; a key sees each number once.
+/// Encrypts `text` in place; the tag covers it and `open`, which stays as it is. Either may be empty.
+Tag encrypt(const Key& key, std::uint64_t number, std::span<const std::byte> open, std::span<std::byte> text);
+/// The way back; false, and `text` is worth nothing, if the tag is another.
+bool decrypt(const Key& key, std::uint64_t number, std::span<const std::byte> open, std::span<std::byte> text,
+             const Tag& tag);
+
+}  // namespace padr::wire

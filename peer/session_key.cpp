@@ -1,0 +1,104 @@
+#include "peer/session_key.h"
+
+#include <fcntl.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <string_view>
+#include <system_error>
+
+#include "common/model/user_error.h"
+#include "tools/support/key_text.h"
+#include "tools/support/run_main.h"
+
+namespace padr::peer {
+namespace {
+
+constexpr const char* kEnvironment = "PADR_KEY";
+constexpr mode_t kOwnersOnly = S_IRUSR | S_IWUSR;
+
+wire::Key unpredictable_bytes() {
+  wire::Key key{};
+  if (::getentropy(key.data(), key.size()) != 0)
+    throw std::system_error(errno, std::generic_category(), "no random numbers from the system");
+  return key;
+}
+
+/// Creates a file that only its owner may read.
+void create(std::string_view flag, const std::string& file, int how) {
+  const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | how, kOwnersOnly);
+  if (fd < 0)
+    throw UserError(std::string(flag) + ": cannot write '" + file + "': " + std::generic_category().message(errno));
+  ::close(fd);
+}
+
+}  // namespace
+
+int keygen(int argc, const char* const* argv) {
+  const std::string file = argc > 2 ? argv[2] : "";
+  if (argc > 3 || (file.size() > 1 && file[0] == '-')) {
+    if (argc == 3 && file == "--help") {
+      std::puts(
+          "usage: padr-peer keygen [FILE]\n\n"
+          "Prints a new session key, or writes it to FILE, which must not exist and which only you may read.\n"
+          "All peers of a session need the same key: --key-file FILE, or the key itself in PADR_KEY.");
+      return support::kExitFine;
+    }
+    throw UserError("keygen: '" + std::string(argv[argc - 1]) + "' is not expected; give one file, or nothing");
+  }
+  const std::string text = support::key_text(unpredictable_bytes()) + "\n";
+  if (file.empty() || file == "-") {
+    std::fputs(text.c_str(), stdout);
+    return support::kExitFine;
+  }
+  create("keygen", file, O_EXCL);
+  support::OutputFile out("keygen", file);
+  out.write(text);
+  out.close();
+  return support::kExitFine;
+}
+
+std::optional<wire::Key> session_key(const std::string& file, std::vector<std::string>& warnings) {
+  constexpr std::string_view kWanted = "64 hexadecimal digits, such as padr-peer keygen makes";
+  if (!file.empty()) {
+    const auto key = support::parse_key(support::read_file("--key-file", file, 4096));
+    if (!key) throw UserError("--key-file: '" + file + "' has no key in it; a key is " + std::string(kWanted));
+    struct stat s {};
+    if (::stat(file.c_str(), &s) == 0 && S_ISREG(s.st_mode) && (s.st_mode & (S_IRWXG | S_IRWXO)) != 0)
+      warnings.push_back("--key-file: others than its owner may read '" + file + "'");
+    return key;
+  }
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): before any thread is there, and nobody sets variables
+  const char* text = std::getenv(kEnvironment);
+  if (text == nullptr || *text == '\0') return std::nullopt;
+  const auto key = support::parse_key(text);
+  // What it is instead may be somebody's secret all the same.
+  if (!key) throw UserError(std::string(kEnvironment) + ": is no key; a key is " + std::string(kWanted));
+  return key;
+}
+
+Keylog::Keylog(const std::string& file) : file_((create("--keylog", file, 0), "--keylog"), file) {}
+
+void Keylog::add(const PublicKey& from, const PublicKey& to, const wire::Key& key) {
+  file_.write(support::keylog_line({from, to, key}));
+  file_.flush();
+}
+
+std::optional<node::GateConfig> gate_config(const Options& options, Keylog* keylog) {
+  if (!options.key) return std::nullopt;
+  node::GateConfig c;
+  c.session = *options.key;
+  c.seed = unpredictable_bytes();
+  c.mode = options.seal;
+  if (keylog != nullptr)
+    c.on_key = [keylog](const PublicKey& from, const PublicKey& to, const wire::Key& key) {
+      keylog->add(from, to, key);
+    };
+  return c;
+}
+
+}  // namespace padr::peer

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/node/gate.h"
+#include "peer/options.h"
+#include "tools/support/files.h"
+
+namespace padr::peer {
+
+/// `padr-peer keygen [FILE]`: prints a new session key, or writes it to a file that only its owner may read. The exit
+/// code. Throws UserError.
+int keygen(int argc, const char* const* argv);
+
+/// The session's key by --key-file or else PADR_KEY; nothing if neither is given. Throws UserError.
+std::optional<wire::Key> session_key(const std::string& file, std::vector<std::string>& warnings);
+
+/// The keys of a session as they are made, for those who analyse captures.
+class Keylog {
+ public:
+  /// A file that only its owner may read. Throws UserError.
+  explicit Keylog(const std::string& file);
+  void add(const PublicKey& from, const PublicKey& to, const wire::Key& key);
+
+ private:
+  support::OutputFile file_;
+};
+
+/// For a peer in a session with a key; nothing if there is none. `keylog` may be null, and must outlive the gate.
+std::optional<node::GateConfig> gate_config(const Options& options, Keylog* keylog);
+
+}  // namespace padr::peer

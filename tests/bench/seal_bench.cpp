@@ -1,0 +1,55 @@
+// What sealing a datagram and opening it again costs, beside what the same costs unsealed: one item is one datagram
+// there and back. The counter `times` is the ratio of the two, measured in turns.
+#include <benchmark/benchmark.h>
+
+#include <chrono>
+
+#include "common/wire/sealed.h"
+
+namespace padr {
+namespace {
+
+constexpr int kBatch = 64;
+
+double seconds_of(const auto& work) {
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < kBatch; ++i) work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// `payload`: bytes; a typical state datagram has some 100, the largest 1,190.
+void sealing(benchmark::State& state, wire::SealMode mode) {
+  wire::choose_fast_code();
+  const wire::Bytes payload(static_cast<std::size_t>(state.range(0)), std::byte{7});
+  const wire::Key key = wire::derive_key({}, "bench");
+  std::uint64_t number = 0;
+  const auto unsealed = [&] {
+    wire::SealError error{};
+    const wire::Bytes d = wire::seal({wire::Kind::kState, 1, 2}, payload);
+    benchmark::DoNotOptimize(wire::open(d, error));
+  };
+  const auto sealed = [&] {
+    const wire::Bytes plain = wire::seal({wire::Kind::kState, 1, 2}, payload);
+    const wire::Bytes d = wire::seal_with(key, mode, 3, ++number, plain);
+    const auto back = wire::unseal_with(key, number, d);
+    wire::SealError error{};
+    benchmark::DoNotOptimize(wire::open(*back, error));
+  };
+  double with = 0;
+  double without = 0;
+  for (auto unused : state) {
+    (void)unused;
+    without += seconds_of(unsealed);
+    with += seconds_of(sealed);
+  }
+  const double datagrams = static_cast<double>(state.iterations()) * kBatch;
+  state.counters["unsealed_us"] = without * 1e6 / datagrams;
+  state.counters["sealed_us"] = with * 1e6 / datagrams;
+  state.counters["times"] = with / without;
+}
+
+BENCHMARK_CAPTURE(sealing, auth, wire::SealMode::kAuth)->Arg(100)->Arg(1190);
+BENCHMARK_CAPTURE(sealing, encrypt, wire::SealMode::kEncrypt)->Arg(100)->Arg(1190);
+
+}  // namespace
+}  // namespace padr

@@ -1,0 +1,85 @@
+"""Section 14 of proto/WIRE.md, from its text alone: keys, sealed datagrams, the handshake."""
+import struct
+import zlib
+from hashlib import blake2b
+
+from ciphers import public_key, seal, unseal, x25519
+
+AUTH, ENCRYPT = 1, 2
+HEADER, TAG, LARGEST, HANDSHAKE = 14, 16, 1220, 76
+
+
+def blake(key, text, size):
+    return blake2b(text, key=key, digest_size=size).digest()
+
+
+def pair_key(session, secret, theirs, sender, receiver):
+    """What goes from `sender` to `receiver`, by the secret of either and the public key of the other."""
+    return blake(session, b"padr pair" + x25519(secret, theirs) + sender + receiver, 32)
+
+
+def handshake_key(session):
+    return blake(session, b"padr handshake", 32)
+
+
+def nonce(number):
+    return struct.pack("<Q", number) + bytes(16)
+
+
+def sealed(key, mode, sender, number, unsealed):
+    """An unsealed datagram, sealed by whoever has the public key `sender`."""
+    head = unsealed[:2] + bytes([unsealed[2] | mode << 2]) + unsealed[3:6] + sender[:4] + struct.pack("<I", number & 0xFFFFFFFF)
+    payload = unsealed[6:-4]
+    open, text = (head + payload, b"") if mode == AUTH else (head, payload)
+    cipher, tag = seal(key, nonce(number), open, text)
+    return open + cipher + tag
+
+
+def unsealed(key, number, datagram):
+    """The unsealed datagram in a sealed one, or None."""
+    if not HEADER + TAG <= len(datagram) <= LARGEST or datagram[:2] != b"Pd" or datagram[2] >> 4 != 3:
+        return None
+    mode = datagram[2] >> 2 & 3
+    if mode not in (AUTH, ENCRYPT) or datagram[2] & 3 == 3:
+        return None
+    at = len(datagram) - TAG if mode == AUTH else HEADER
+    text = unseal(key, nonce(number), datagram[:at], datagram[at:-TAG], datagram[-TAG:])
+    if text is None:
+        return None
+    head = datagram[:2] + bytes([datagram[2] & 0xF3]) + datagram[3:6]
+    plain = head + (datagram[HEADER:-TAG] if mode == AUTH else text)
+    return plain + struct.pack("<I", zlib.crc32(plain))
+
+
+def handshake(type, public, number, cookie):
+    return b"Pd\x33" + bytes([type]) + public + struct.pack("<Q", number) + cookie
+
+
+def hello(session, public, number, type=1, cookie=bytes(16)):
+    """Also a Cookie, by type 2."""
+    text = handshake(type, public, number, cookie)
+    return text + blake(handshake_key(session), text, 16)
+
+
+def introduction(key, public, number, cookie, type=3):
+    """Also an Acceptance, by type 4."""
+    text = handshake(type, public, number, cookie)
+    return text + seal(key, nonce(number), text, b"")[1]
+
+
+def vectors():
+    """Those of the standard, by name; they are made of these secrets."""
+    session, a, b = (bytes(range(n, n + 32)) for n in (0, 32, 64))
+    pa, pb = public_key(a), public_key(b)
+    ab, ba = pair_key(session, a, pb, pa, pb), pair_key(session, b, pa, pb, pa)
+    plain = bytes.fromhex("506430023412080110641805")
+    plain += struct.pack("<I", zlib.crc32(plain))
+    number = (5 << 32) + 7
+    cookie = bytes(range(160, 176))
+    return {
+        "session_key": session, "secret_a": a, "public_a": pa, "secret_b": b, "public_b": pb, "key_a_to_b": ab,
+        "key_b_to_a": ba, "unsealed": plain, "auth": sealed(ab, AUTH, pa, number, plain),
+        "encrypt": sealed(ab, ENCRYPT, pa, number, plain), "hello": hello(session, pa, 0x1122334455667788),
+        "cookie": hello(session, pb, 0x1122334455667788, 2, cookie), "introduction": introduction(ab, pa, 1, cookie),
+        "acceptance": introduction(ba, pb, 1, bytes(16), 4),
+    }  # fmt: skip

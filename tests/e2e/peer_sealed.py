@@ -1,0 +1,172 @@
+"""Sessions with a key: who has it plays, who has not stays out, and nothing forged, replayed or reflected gets in.
+
+Usage: peer_sealed.py PADR_PEER [--datagrams N]: so many are forged, 20,000 if not said.
+"""
+
+import os
+import random
+import stat
+import sys
+
+from peers import PLAYING, Case, main, run, unittest  # noqa: F401
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "conformance"))
+
+from relay import Relay, loopback_socket  # noqa: E402
+
+FORGED = int(sys.argv.pop(sys.argv.index("--datagrams") + 1)) if "--datagrams" in sys.argv else 20_000
+if "--datagrams" in sys.argv:
+    sys.argv.remove("--datagrams")
+KEY, OTHER_KEY = "11" * 32, "22" * 32
+SECONDS = 8
+
+
+def with_key(key):
+    return {**os.environ, "PADR_KEY": key}
+
+
+class Keys(Case):
+    def test_keygen(self):
+        code, out, _ = run("keygen")
+        self.assertEqual((code, len(bytes.fromhex(out.strip()))), (0, 32))
+        self.assertNotEqual(run("keygen")[1], out)
+        path = os.path.join(self.folder.name, "key")
+        self.assertEqual(run("keygen", path)[:2], (0, ""))
+        self.assertEqual(stat.S_IMODE(os.stat(path).st_mode), 0o600)
+        code, _, err = run("keygen", path)
+        self.assertEqual((code, path in err), (2, True), err)  # nobody's key is overwritten
+
+    def test_what_is_no_key_is_said(self):
+        bad = self.file("bad", "11" * 31)
+        for arguments, words in ((["--key-file", bad], ("--key-file", bad, "64 hexadecimal")),
+                                 (["--key-file", bad + "x"], ("--key-file", "cannot read")),
+                                 (["--seal", "encrypt"], ("--seal", "--key-file")),
+                                 (["--keylog", bad], ("--keylog", "--key-file"))):  # fmt: skip
+            code, _, err = run(*arguments)
+            self.assertEqual(code, 2, err)
+            for word in words:
+                self.assertIn(word, err)
+        good = self.file("good", KEY)
+        code, _, err = run("--key-file", good, "--seal", "loudly")
+        self.assertEqual((code, "auth or encrypt" in err), (2, True), err)
+
+    def test_a_key_lets_a_peer_listen_to_the_network(self):
+        peer = self.peer("--listen", "0.0.0.0:0", "--wait-peers", 1, "--duration", 0.5, env=with_key(KEY))
+        self.assertEqual(peer.end(), 0, peer.text())
+
+
+class Sessions(Case):
+    def test_peers_of_both_modes_play(self):
+        path = self.file("key", KEY + "\n")
+        own = [["--seal", "auth"], ["--seal", "encrypt"], []]
+        peers = self.session(3, "--key-file", path, "--duration", 4, "--scenario", "arena", own=own)
+        for p in peers:
+            self.assertEqual(p.end(), 0, p.text())
+        self.check_agreement(peers, 5)
+        for p, mode in zip(peers, ("auth", "encrypt", "auth")):
+            seal = p.summary()["seal"]
+            self.assertEqual((seal["mode"], seal["moves"], seal["dropped"]["tag"]), (mode, 0, 0))
+
+    def test_who_has_another_key_or_none_is_not_answered(self):
+        founder = self.peer("--wait-peers", 2, "--join-timeout", 5, env=with_key(KEY))
+        port = founder.port()
+        for env in (with_key(OTHER_KEY), None):
+            joiner = self.peer("--join", f"127.0.0.1:{port}", "--join-timeout", 1.5, env=env)
+            self.assertEqual(joiner.end(), 1)
+            self.assertIn("no answer", joiner.text())
+        self.assertEqual(founder.end(), 1)
+        self.assertIn("not made with this session's key", founder.text())
+        seal = founder.summary()["seal"]
+        self.assertEqual((seal["passed"], seal["handshakes"]), (0, 0))
+        self.assertGreater(seal["dropped"]["tag"] + seal["dropped"]["unsealed"], 5)
+
+    def test_a_newcomer_comes_in_and_keys_are_logged(self):
+        log = os.path.join(self.folder.name, "keys")
+        founder = self.peer("--wait-peers", 1, "--slots", 3, "--duration", 6, "--keylog", log, env=with_key(KEY))
+        founder.wait_for(PLAYING)
+        joiner = self.peer("--join", f"127.0.0.1:{founder.port()}", "--duration", 3, env=with_key(KEY))
+        self.assertEqual((joiner.end(), founder.end()), (0, 0))
+        self.check_agreement([founder, joiner], 3)
+        with open(log) as lines:
+            words = [line.split() for line in lines]
+        ours, theirs = (p.summary()["seal"]["public_key"] for p in (founder, joiner))
+        self.assertEqual([w[:3] for w in words], [["padr-key", ours, theirs], ["padr-key", theirs, ours]])
+        self.assertEqual(stat.S_IMODE(os.stat(log).st_mode), 0o600)
+
+
+class Forger:
+    """Sees every datagram of a session, and adds to them: copies, as they were and damaged, from here and elsewhere, to whom
+    they were for, to others, and back to who sent them."""
+
+    def __init__(self, peers, wanted, seed):
+        self.random = random.Random(seed)
+        self.genuine = [set() for _ in range(peers)]
+        self.heap = []
+        self.forged = 0
+        self.wanted = wanted
+        self.peers = peers
+        self.elsewhere = loopback_socket()
+        self.relay = None
+
+    def __call__(self, sender, receiver, datagram):
+        if datagram[2] & 12:  # not of the handshake
+            self.genuine[receiver].add(datagram)
+            self.heap.append((sender, receiver, datagram))
+        if len(self.heap) > 300 and self.forged < self.wanted:
+            for _ in range(60):
+                self.forge()
+        return []
+
+    def forge(self):
+        sender, receiver, datagram = self.random.choice(self.heap[-3000:-200])
+        self.forged += 1
+        sort = self.random.randrange(5)
+        if sort == 0:
+            at = self.random.randrange(len(datagram))
+            datagram = datagram[:at] + bytes([datagram[at] ^ self.random.randrange(1, 256)]) + datagram[at + 1:]
+        elif sort == 1:
+            datagram = datagram[:6] + self.random.randbytes(len(datagram) - 6)
+        elif sort == 2:
+            sender, receiver = receiver, sender
+        elif sort == 3:
+            receiver = self.random.randrange(self.peers)
+        if receiver == sender:
+            receiver = (receiver + 1) % self.peers
+        from_here = self.random.random() < 0.5
+        (self.relay.sockets[sender] if from_here else self.elsewhere).sendto(datagram, self.relay.addresses[receiver])
+
+
+class Forgeries(Case):
+    def test_none_is_taken_in(self):
+        seed = int(os.environ.get("PADR_SEED", "5"))
+        print(f"seed {seed}, {FORGED} datagrams", file=sys.stderr)
+        count = 3
+        env = with_key(KEY)
+        seconds = max(SECONDS, FORGED // 2500)
+        founder = self.peer("--listen", "127.0.0.1:0", "--wait-peers", count, "--duration", seconds, env=env)
+        peers = [founder]
+        forger = Forger(count, FORGED, seed)
+        relay = forger.relay = Relay(("127.0.0.1", founder.port()), count, forger, seed)
+        try:
+            for number in range(1, count):
+                peers.append(self.peer("--join", f"127.0.0.1:{relay.port(0)}", "--duration", seconds, env=env))
+                relay.run_while(lambda: len(relay.addresses) <= number and peers[-1].process.poll() is None)
+            relay.run_while(lambda: any(p.process.poll() is None for p in peers))
+        finally:
+            relay.close()
+            forger.elsewhere.close()
+        for p in peers:
+            self.assertEqual(p.end(), 0, p.text())
+        self.check_agreement(peers, 5)
+        came = 0
+        for number, p in enumerate(peers):
+            seal = p.summary()["seal"]
+            print(f"peer {number}: {seal}", file=sys.stderr)
+            self.assertLessEqual(seal["passed"], len(forger.genuine[number]))
+            self.assertEqual((seal["moves"], p.summary()["others"]["removed"]), (0, 0))
+            came += seal["dropped"]["tag"] + seal["dropped"]["replay"] + seal["dropped"]["stranger"]
+        self.assertGreaterEqual(forger.forged, FORGED)
+        self.assertGreater(came, 0.8 * forger.forged)
+
+
+main()

@@ -1,0 +1,244 @@
+#include "common/node/gate.h"
+
+#include "tests/gate/two_gates.h"
+
+namespace padr::test {
+namespace {
+
+using node::Gate;
+using node::GateDrop;
+
+TEST(Gate, WhoKnowsOnlyAPlaceGetsThroughAfterOneHandshake) {
+  TwoGates g;
+  g.say("first");
+  g.say("second");  // only the last is kept, and nobody is greeted twice at once
+  auto out = g.a.take_outgoing();
+  ASSERT_EQ(out.size(), 1U);
+  EXPECT_EQ(out[0].to, place(2));
+  g.take(g.b, g.at_b, place(1), out[0].bytes);
+  g.carry();
+  EXPECT_EQ(g.at_b, std::vector<wire::Bytes>{words("second")});
+  ASSERT_EQ(g.names.size(), 1U);
+  EXPECT_TRUE(same_place(g.names[0], place(1)));
+  EXPECT_EQ(g.names[0].key, g.a.key());
+  g.b.send({g.names[0], kNoPeer, words("back")}, g.now);
+  g.carry();
+  EXPECT_EQ(g.at_a, std::vector<wire::Bytes>{words("back")});
+  EXPECT_EQ(g.names[1].key, g.b.key());
+}
+
+TEST(Gate, WhoIsToldOfAKeyNeedsNoHandshakeIfTheOtherIsToldToo) {
+  TwoGates g;
+  Endpoint to_b = place(2);
+  to_b.key = g.b.key();
+  Endpoint to_a = place(1);
+  to_a.key = g.a.key();
+  g.a.send({to_b, 1, words("a")}, g.now);
+  g.b.send({to_a, 0, words("b")}, g.now);
+  g.carry();
+  EXPECT_EQ(g.at_a, std::vector<wire::Bytes>{words("b")});
+  EXPECT_EQ(g.at_b, std::vector<wire::Bytes>{words("a")});
+  g.a.send({to_b, 1, words("c")}, g.now);
+  const auto out = g.a.take_outgoing();
+  ASSERT_EQ(out.size(), 1U) << "nothing but the datagram once they have met";
+  EXPECT_EQ(out[0].state_to, 1);
+}
+
+TEST(Gate, WhoIsToldAloneIntroducesItself) {
+  TwoGates g;
+  Endpoint to_b = place(2);
+  to_b.key = g.b.key();
+  g.a.send({to_b, 1, words("lost")}, g.now);
+  g.carry();
+  EXPECT_EQ(g.dropped_at_b(GateDrop::kStranger), 1U);
+  g.a.send({to_b, 1, words("heard")}, g.now);
+  g.carry();
+  EXPECT_EQ(g.at_b, std::vector<wire::Bytes>{words("heard")});
+}
+
+TEST(Gate, AnotherSessionsKeyOpensNothing) {
+  TwoGates g;
+  Gate other(gate_config(3, wire::SealMode::kAuth, 2));
+  other.send({place(2), kNoPeer, words("let me in")}, g.now);
+  for (const auto& p : other.take_outgoing()) EXPECT_FALSE(g.b.receive(place(3), p.bytes, g.now));
+  EXPECT_TRUE(g.b.take_outgoing().empty()) << "no answer either";
+  EXPECT_EQ(g.dropped_at_b(GateDrop::kTag), 1U);
+}
+
+TEST(Gate, WhatIsNotSealedIsNotRead) {
+  TwoGates g;
+  g.meet();
+  EXPECT_FALSE(g.b.receive(place(1), words("plain"), g.now));
+  EXPECT_EQ(g.dropped_at_b(GateDrop::kUnsealed), 1U);
+  EXPECT_FALSE(g.b.receive(place(1), wire::Bytes(50), g.now));
+  EXPECT_FALSE(g.b.receive(place(1), wire::Bytes{}, g.now));
+  EXPECT_EQ(g.dropped_at_b(GateDrop::kForm), 2U);
+  EXPECT_TRUE(g.b.take_outgoing().empty());
+}
+
+TEST(Gate, ADatagramPassesOnce) {
+  TwoGates g;
+  g.meet();
+  const wire::Bytes d = g.sealed("once");
+  EXPECT_TRUE(g.b.receive(place(1), d, g.now));
+  EXPECT_FALSE(g.b.receive(place(1), d, g.now));
+  EXPECT_FALSE(g.b.receive(place(9), d, g.now)) << "from elsewhere";
+  EXPECT_EQ(g.dropped_at_b(GateDrop::kReplay), 2U);
+  EXPECT_FALSE(g.a.receive(place(2), d, g.now)) << "sent back to its sender";
+}
+
+TEST(Gate, LateOnesPassAsFarAsTheWindowReaches) {
+  TwoGates g;
+  g.meet();
+  std::vector<wire::Bytes> d;
+  for (int i = 0; i < 4097; ++i) d.push_back(g.sealed("x"));
+  EXPECT_TRUE(g.b.receive(place(1), d[4096], g.now));
+  EXPECT_TRUE(g.b.receive(place(1), d[1], g.now)) << "4095 behind";
+  EXPECT_FALSE(g.b.receive(place(1), d[0], g.now)) << "4096 behind";
+}
+
+TEST(Gate, AThirdMemberCannotSpeakForAnother) {
+  TwoGates g;
+  g.meet();
+  // It has the session's key and knows all public keys, but not the secret one.
+  node::GateConfig c = gate_config(3);
+  Gate third(c);
+  const auto keys = wire::pair_keys(c.session, wire::derive_key(c.seed, "secret"), g.a.key(), g.b.key());
+  ASSERT_TRUE(keys);
+  const wire::Bytes forged =
+      wire::seal_with(keys->out, wire::SealMode::kAuth, wire::short_id(g.a.key()), 1000, words("forged"));
+  EXPECT_FALSE(g.b.receive(place(1), forged, g.now));
+  EXPECT_EQ(g.dropped_at_b(GateDrop::kTag), 1U);
+  // Nor can it introduce itself with another's key, though it can get a cookie for it.
+  third.receive(place(2), wire::Bytes{}, g.now);
+  const wire::Key h = wire::handshake_key(c.session);
+  g.b.receive(place(3), wire::encode_handshake(wire::Hello{g.a.key(), 5}, h), g.now);
+  const auto out = g.b.take_outgoing();
+  ASSERT_EQ(out.size(), 1U);
+  const auto cookie = std::get<wire::Cookie>(*wire::decode_handshake(out[0].bytes, h));
+  g.b.receive(place(3), wire::encode_handshake(wire::Introduction{g.a.key(), 2000, cookie.cookie}, keys->out), g.now);
+  EXPECT_EQ(g.dropped_at_b(GateDrop::kTag), 2U);
+  EXPECT_TRUE(g.b.receive(place(1), g.sealed("still there"), g.now));
+}
+
+TEST(Gate, ACookieIsForOneAddressAndSomeSeconds) {
+  TwoGates g;
+  const wire::Key h = wire::handshake_key(gate_config(1).session);
+  const auto introduction_from = [&](const Endpoint& from, Micros later) {
+    TwoGates fresh;
+    fresh.b.receive(place(1), wire::encode_handshake(wire::Hello{fresh.a.key(), 5}, h), fresh.now);
+    const auto cookie = std::get<wire::Cookie>(*wire::decode_handshake(fresh.b.take_outgoing()[0].bytes, h));
+    const auto keys = wire::pair_keys(gate_config(1).session, wire::derive_key(gate_config(1).seed, "secret"),
+                                      fresh.a.key(), fresh.b.key());
+    fresh.b.receive(from, wire::encode_handshake(wire::Introduction{fresh.a.key(), 1, cookie.cookie}, keys->out),
+                    fresh.now + later);
+    return fresh.b.take_outgoing().size() == 1 && fresh.b.channels() == 1;
+  };
+  EXPECT_TRUE(introduction_from(place(1), 0));
+  EXPECT_FALSE(introduction_from(place(4), 0));
+  EXPECT_TRUE(introduction_from(place(1), 9'000'000));
+  EXPECT_FALSE(introduction_from(place(1), 20'000'000));
+}
+
+TEST(Gate, AnIntroductionPassesOnce) {
+  TwoGates g;
+  g.say("hello");
+  g.take(g.b, g.at_b, place(1), g.a.take_outgoing()[0].bytes);
+  const auto cookie = g.b.take_outgoing();
+  g.a.receive(place(2), cookie[0].bytes, g.now);
+  const auto out = g.a.take_outgoing();
+  ASSERT_EQ(out.size(), 2U) << "introduction and what waited";
+  g.b.receive(place(1), out[0].bytes, g.now);
+  EXPECT_EQ(g.b.take_outgoing().size(), 1U);
+  g.b.receive(place(1), out[0].bytes, g.now);
+  EXPECT_EQ(g.b.take_outgoing().size(), 0U);
+  EXPECT_EQ(g.dropped_at_b(GateDrop::kReplay), 1U);
+}
+
+TEST(Gate, WhoMovesKeepsItsName) {
+  TwoGates g;
+  g.meet();
+  const Endpoint name = g.names[0];
+  const wire::Bytes early = g.sealed("early");
+  const auto moved = g.b.receive(place(5), g.sealed("from elsewhere"), g.now);
+  ASSERT_TRUE(moved);
+  EXPECT_EQ(moved->from, name);
+  EXPECT_EQ(g.b.stats().moves, 1U);
+  g.b.send({name, kNoPeer, words("to you")}, g.now);
+  EXPECT_EQ(g.b.take_outgoing().at(0).to, place(5));
+  // What was under way before does not move it back.
+  EXPECT_TRUE(g.b.receive(place(1), early, g.now));
+  g.b.send({name, kNoPeer, words("to you")}, g.now);
+  EXPECT_EQ(g.b.take_outgoing().at(0).to, place(5));
+}
+
+TEST(Gate, ForgedDatagramsDoNotMoveAnybody) {
+  TwoGates g;
+  g.meet();
+  wire::Bytes d = g.sealed("x");
+  d.back() ^= std::byte{1};
+  EXPECT_FALSE(g.b.receive(place(5), d, g.now));
+  g.b.send({g.names[0], kNoPeer, words("to you")}, g.now);
+  EXPECT_EQ(g.b.take_outgoing().at(0).to, place(1));
+}
+
+TEST(Gate, MemoryIsBoundedWhoeverComes) {
+  TwoGates g;
+  for (std::uint64_t i = 0; i < Gate::kMostChannels + 50; ++i) {
+    Gate other(gate_config(100 + i));
+    TwoGates pair;
+    other.send({place(2), kNoPeer, words("in")}, g.now);
+    for (int round = 0; round < 3; ++round) {
+      for (const auto& p : other.take_outgoing()) g.b.receive(place(7), p.bytes, g.now);
+      for (const auto& p : g.b.take_outgoing()) other.receive(place(2), p.bytes, g.now);
+    }
+  }
+  EXPECT_EQ(g.b.channels(), Gate::kMostChannels);
+  EXPECT_EQ(g.dropped_at_b(GateDrop::kFull), 50U);
+  // After a minute they make room.
+  g.now += 61'000'000;
+  g.meet();
+  EXPECT_EQ(g.b.channels(), Gate::kMostChannels);
+}
+
+TEST(Gate, KeysAreToldOncePerDirection) {
+  std::vector<std::pair<PublicKey, PublicKey>> told;
+  node::GateConfig c = gate_config(1);
+  c.on_key = [&](const PublicKey& from, const PublicKey& to, const wire::Key&) { told.emplace_back(from, to); };
+  Gate a(c);
+  Endpoint b = place(2);
+  b.key = wire::public_key(key_of(50));
+  a.send({b, 1, words("x")}, 0);
+  a.send({b, 1, words("y")}, 0);
+  ASSERT_EQ(told.size(), 2U);
+  EXPECT_EQ(told[0], (std::pair{a.key(), b.key}));
+  EXPECT_EQ(told[1], (std::pair{b.key, a.key()}));
+}
+
+TEST(Gate, DamagedDatagramsNeverPassNorCrash) {
+  const std::uint64_t seed = 7;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  Rng rng(seed);
+  TwoGates g;
+  g.meet();
+  std::vector<wire::Bytes> genuine{g.sealed("one"), g.sealed("two")};
+  const wire::Key h = wire::handshake_key(gate_config(1).session);
+  genuine.push_back(wire::encode_handshake(wire::Hello{g.a.key(), 9}, h));
+  genuine.push_back(wire::encode_handshake(wire::Introduction{g.a.key(), 9, {}}, h));
+  for (int i = 0; i < 200'000; ++i) {
+    wire::Bytes d = genuine[rng.below(static_cast<std::uint32_t>(genuine.size()))];
+    const std::uint32_t flips = 1 + rng.below(4);
+    for (std::uint32_t f = 0; f < flips; ++f)
+      d[rng.below(static_cast<std::uint32_t>(d.size()))] ^= static_cast<std::byte>(1 + rng.below(255));
+    if (rng.chance(0.1)) d.resize(rng.below(1300));
+    bool changed = true;
+    for (const wire::Bytes& was : genuine) changed = changed && d != was;
+    if (changed) {
+      ASSERT_FALSE(g.b.receive(place(static_cast<int>(rng.below(5))), d, g.now));
+    }
+  }
+  EXPECT_TRUE(g.b.receive(place(1), genuine[0], g.now));
+}
+
+}  // namespace
+}  // namespace padr::test

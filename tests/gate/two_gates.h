@@ -1,0 +1,87 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string_view>
+
+#include "common/model/rng.h"
+#include "common/node/gate.h"
+#include "common/wire/codec.h"
+
+namespace padr::test {
+
+/// 10.0.0.n:7000.
+inline Endpoint place(int n) {
+  Endpoint e;
+  e.address[10] = e.address[11] = 0xFF;
+  e.address[12] = 10;
+  e.address[15] = static_cast<std::uint8_t>(n);
+  e.port = 7000;
+  return e;
+}
+
+inline wire::Key key_of(std::uint64_t seed) {
+  Rng rng(seed);
+  wire::Key k{};
+  for (auto& b : k) b = static_cast<std::uint8_t>(rng.below(256));
+  return k;
+}
+
+inline node::GateConfig gate_config(std::uint64_t seed, wire::SealMode mode = wire::SealMode::kAuth,
+                                    std::uint64_t session = 1) {
+  node::GateConfig c;
+  c.session = key_of(session);
+  c.seed = key_of(1000 + seed);
+  c.mode = mode;
+  return c;
+}
+
+/// An unsealed datagram with this in it.
+inline wire::Bytes words(std::string_view text) {
+  wire::Bytes payload;
+  for (const char c : text) payload.push_back(static_cast<std::byte>(c));
+  return wire::seal({wire::Kind::kState, 3, 77}, payload);
+}
+
+/// Two gates at the places 1 and 2, between which whoever tests carries everything.
+struct TwoGates {
+  explicit TwoGates(wire::SealMode mode = wire::SealMode::kAuth) : a(gate_config(1, mode)), b(gate_config(2, mode)) {}
+  node::Gate a;
+  node::Gate b;
+  Micros now = 1'000'000;
+  std::vector<wire::Bytes> at_a;  ///< what has come out there, unsealed
+  std::vector<wire::Bytes> at_b;
+  std::vector<Endpoint> names;  ///< of whom it came from
+
+  void take(node::Gate& to, std::vector<wire::Bytes>& into, const Endpoint& from, const wire::Bytes& bytes) {
+    if (auto arrival = to.receive(from, bytes, now)) {
+      into.push_back(std::move(arrival->datagram));
+      names.push_back(arrival->from);
+    }
+  }
+  /// Until nobody has anything to say.
+  void carry() {
+    for (bool more = true; more;) {
+      more = false;
+      for (const auto& p : a.take_outgoing()) more = true, take(b, at_b, place(1), p.bytes);
+      for (const auto& p : b.take_outgoing()) more = true, take(a, at_a, place(2), p.bytes);
+    }
+  }
+  void say(std::string_view text) { a.send({place(2), kNoPeer, words(text)}, now); }
+  /// `a` has said something to `b`, who knows it by now.
+  void meet() {
+    say("hello");
+    carry();
+    ASSERT_EQ(at_b.size(), 1U);
+  }
+  /// What `a` makes of this for `b`, not yet carried.
+  wire::Bytes sealed(std::string_view text) {
+    say(text);
+    const auto out = a.take_outgoing();
+    EXPECT_EQ(out.size(), 1U);
+    return out.empty() ? wire::Bytes{} : out.front().bytes;
+  }
+  std::uint64_t dropped_at_b(node::GateDrop why) const { return b.stats().dropped[static_cast<std::size_t>(why)]; }
+};
+
+}  // namespace padr::test

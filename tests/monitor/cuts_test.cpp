@@ -1,0 +1,43 @@
+// Links that are cut for a while.
+#include "peer/cuts.h"
+
+#include <gtest/gtest.h>
+
+namespace padr::test {
+namespace {
+
+Endpoint at(std::uint8_t n) {
+  Endpoint e;
+  e.address[15] = n;
+  e.port = 7000;
+  return e;
+}
+
+TEST(Cuts, OneOrAllUntilTheirTime) {
+  peer::Cuts cuts;
+  EXPECT_FALSE(cuts.any());
+  cuts.cut(PeerId{2}, at(2), 1000);
+  EXPECT_TRUE(cuts.is_cut(at(2)));
+  EXPECT_FALSE(cuts.is_cut(at(3)));
+  cuts.cut({}, {}, 500);
+  EXPECT_TRUE(cuts.is_cut(at(3)));
+  EXPECT_EQ(cuts.next_due(), 500);
+  EXPECT_EQ(cuts.take_over(499), std::vector<PeerId>{});
+  EXPECT_EQ(cuts.take_over(500), std::vector<PeerId>{kNoPeer});
+  EXPECT_FALSE(cuts.is_cut(at(3)));
+  EXPECT_EQ(cuts.take_over(1000), std::vector<PeerId>{2});
+  EXPECT_FALSE(cuts.any());
+}
+
+// In a session with a key a peer is known by its key, and its datagrams by where they come from.
+TEST(Cuts, WhoeverIsThere) {
+  Endpoint known = at(2);
+  known.key[0] = 7;
+  peer::Cuts cuts;
+  cuts.cut(PeerId{2}, known, 1000);
+  EXPECT_TRUE(cuts.is_cut(at(2)));
+  EXPECT_TRUE(cuts.is_cut(known));
+}
+
+}  // namespace
+}  // namespace padr::test

@@ -1,0 +1,167 @@
+#include "common/monitor/sampler.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "common/monitor/codec.h"
+#include "common/scenarios/scenarios.h"
+#include "tests/seed.h"
+#include "tools/lab/simulation.h"
+
+namespace padr {
+namespace {
+
+using monitor::Detail;
+using monitor::EventKind;
+using monitor::Sampler;
+
+TEST(Sampler, FramesAreDueAtTheirRateAndOnTheSameTicksForAll) {
+  for (int rate = 1; rate <= 60; ++rate) {
+    const Sampler s(rate, Detail::kAll);
+    int due = 0;
+    for (Tick t = 1; t <= 600; ++t) due += s.due(t) ? 1 : 0;
+    EXPECT_EQ(due, 10 * rate);
+    EXPECT_FALSE(s.due(0));
+  }
+  const Sampler twenty(20, Detail::kAll);
+  EXPECT_TRUE(twenty.due(3));
+  EXPECT_FALSE(twenty.due(4));
+  EXPECT_TRUE(twenty.due(2'000'000'001)) << "hundreds of days on";
+}
+
+/// Two peers in the arena, the first one looked at.
+struct Watched {
+  explicit Watched(const char* technique, Tick ticks) : sampler(20, Detail::kAll) {
+    lab::SimulationConfig c;
+    c.scene = scenarios::load_embedded("arena", 1);
+    c.technique = technique_by_name(technique);
+    c.netem = link::parse_netem("delay 50ms");
+    c.ticks = ticks;
+    for (int p = 0; p < 2; ++p) {
+      inputs.push_back(scenarios::make_input("wander", {c.scene, p, 1, {}}));
+      c.inputs.push_back(inputs.back().get());
+    }
+    simulation = std::make_unique<lab::Simulation>(c);
+    sampler.begin(simulation->node(0), "plays");
+    simulation->run([this](Tick) {
+      sampler.observe(simulation->node(0));
+      for (monitor::Event& e : sampler.take_events()) events.push_back(std::move(e));
+    });
+  }
+  const node::Node& node() const { return simulation->node(0); }
+
+  std::vector<std::unique_ptr<scenarios::InputSource>> inputs;
+  std::unique_ptr<lab::Simulation> simulation;
+  Sampler sampler;
+  std::vector<monitor::Event> events;
+};
+
+TEST(Sampler, AFrameIsWhatTheNodeSees) {
+  const Watched w("full", 400);
+  monitor::Frame f;
+  w.sampler.frame(w.node(), {1, 2}, f);
+  const world::World& live = w.node().live().world();
+  ASSERT_EQ(f.total, live.entities());
+  EXPECT_EQ(f.tick, 400);
+  EXPECT_EQ(f.threshold, w.node().threshold());
+  EXPECT_EQ(f.target, (Vec2{1, 2}));
+  for (EntityId e = 0; e < f.total; ++e) {
+    EXPECT_EQ(f.live[e].position, live.position(e));
+    EXPECT_EQ(f.shown[e].position, w.node().shown().positions()[e]);
+    EXPECT_EQ(f.predicted[e].position, w.node().agreed().predicted_state().world.entities[e].position);
+    EXPECT_EQ(f.flags[e].awake, live.awake(e));
+    EXPECT_EQ(f.flags[e].present, live.present(e));
+  }
+  EXPECT_EQ(f.flags[live.avatar(1)].owner, 1);
+  const Sampler modest(20, Detail::kShown);
+  modest.frame(w.node(), {}, f);
+  EXPECT_TRUE(f.live.empty() && f.predicted.empty());
+  const auto datagrams = monitor::encode({}, f);
+  ASSERT_EQ(datagrams.size(), 1U);
+  EXPECT_LT(datagrams[0].size(), 62 * 12 + 60U);
+}
+
+TEST(Sampler, ContactsAndAuthorityBeginAndEndInTurn) {
+  for (const char* technique : {"full", "adaptive"}) {
+    const Watched w(technique, 1200);
+    std::map<EntityId, bool> held;
+    std::map<EntityId, PeerId> owner;
+    std::uint32_t number = 0;
+    std::map<EventKind, int> seen;
+    for (const monitor::Event& e : w.events) {
+      EXPECT_EQ(e.number, ++number);
+      ++seen[e.kind];
+      if (e.kind == EventKind::kContactBegin || e.kind == EventKind::kContactEnd) {
+        EXPECT_NE(held[e.entity], e.kind == EventKind::kContactBegin) << "body " << e.entity << " at " << e.tick;
+        held[e.entity] = e.kind == EventKind::kContactBegin;
+      } else if (e.kind == EventKind::kAuthority) {
+        owner[e.entity] = e.peer;
+      } else if (e.kind == EventKind::kRelease) {
+        EXPECT_EQ(owner[e.entity], e.peer);
+        owner[e.entity] = kNoPeer;
+      }
+    }
+    EXPECT_EQ(seen[EventKind::kLife], 1);
+    EXPECT_GT(seen[EventKind::kContactBegin], 5) << technique;
+    EXPECT_GT(seen[EventKind::kContactEnd], 5);
+    EXPECT_GT(seen[EventKind::kAuthority], 5);
+    EXPECT_GT(seen[EventKind::kRelease], 1);
+    EXPECT_EQ(seen[EventKind::kMismatch], 0);
+    for (const auto& [b, is] : held) EXPECT_EQ(is, w.node().reporter().holds(b));
+    for (const auto& [b, is] : owner) EXPECT_EQ(is, w.node().agreed().predicted_state().authority[b].holder());
+  }
+}
+
+TEST(Sampler, AStatusIsWhatTheNodeCounts) {
+  const Watched w("full", 600);
+  const monitor::Status s = Sampler::status(w.node());
+  EXPECT_EQ(s.tick, 600);
+  EXPECT_EQ(s.bytes_sent, w.node().stats().wire_bytes_sent);
+  EXPECT_EQ(s.hash, w.node().agreed().confirmed_hash());
+  EXPECT_GT(s.confirmed, 500);
+  EXPECT_EQ(s.present, 2);
+  ASSERT_EQ(s.links.size(), 1U);
+  EXPECT_EQ(s.links[0].to, 1);
+  EXPECT_TRUE(s.links[0].there && s.links[0].measured);
+  EXPECT_NEAR(s.links[0].delay_in_ms, 50, 17);
+  EXPECT_NEAR(s.links[0].round_trip_ms, 100, 40);
+  EXPECT_EQ(s.links[0].loss_in, 0);
+}
+
+TEST(Sampler, AnAgreedWorldIsTheConfirmedOneWithItsOwners) {
+  const Watched w("full", 600);
+  const sync::FoldState& c = w.node().agreed().confirmed();
+  monitor::Agreed a;
+  Sampler::agreed(c, 99, true, a);
+  EXPECT_EQ(a.tick, c.tick);
+  EXPECT_EQ(a.hash, 99U);
+  ASSERT_EQ(a.total, 62);
+  for (EntityId e = 0; e < a.total; ++e) {
+    EXPECT_EQ(a.at[e].position, c.world.entities[e].position);
+    EXPECT_EQ(a.flags[e].owner, e < 60 ? c.authority[e].holder() : e - 60);
+  }
+}
+
+TEST(Sampler, WhoComesAndGoesIsAnEvent) {
+  Sampler s(20, Detail::kAll);
+  using Kind = node::MemberChange::Kind;
+  for (const Kind kind : {Kind::kAdmitted, Kind::kLeft, Kind::kRemoved}) {
+    node::MemberChange c;
+    c.kind = kind;
+    c.slot = 4;
+    c.tick = 77;
+    s.observe(c);
+  }
+  const auto events = s.take_events();
+  ASSERT_EQ(events.size(), 3U);
+  EXPECT_EQ(events[0].kind, EventKind::kJoined);
+  EXPECT_EQ(events[1].kind, EventKind::kLeft);
+  EXPECT_EQ(events[2].kind, EventKind::kRemoved);
+  EXPECT_EQ(events[2].peer, 4);
+  EXPECT_EQ(events[2].tick, 77);
+  EXPECT_TRUE(s.take_events().empty());
+}
+
+}  // namespace
+}  // namespace padr

@@ -1,0 +1,76 @@
+#include "tools/monitor/agreement.h"
+
+#include <gtest/gtest.h>
+
+namespace padr::monitor {
+namespace {
+
+using Verdict = Agreement::Verdict;
+
+TEST(Agreement, OneAloneProvesNothing) {
+  Agreement a;
+  a.note(0, 30, 1);
+  EXPECT_EQ(a.all(), Verdict::kUnknown);
+  EXPECT_EQ(a.of(0), Verdict::kUnknown);
+  a.note(1, 33, 2);
+  EXPECT_EQ(a.all(), Verdict::kUnknown) << "another tick";
+  a.note(1, 30, 1);
+  EXPECT_EQ(a.all(), Verdict::kIdentical);
+  EXPECT_EQ(a.compared(), 1U);
+  a.note(1, 30, 1);
+  EXPECT_EQ(a.compared(), 1U) << "said twice, compared once";
+}
+
+TEST(Agreement, TheFewAreWrongAndMayMend) {
+  Agreement a;
+  for (PeerId p = 0; p < 3; ++p) a.note(p, 30, p == 0 ? 7 : 1);
+  EXPECT_EQ(a.of(0), Verdict::kDiffers);
+  EXPECT_EQ(a.of(1), Verdict::kIdentical);
+  EXPECT_EQ(a.all(), Verdict::kDiffers);
+  EXPECT_EQ(a.first_difference(), 30);
+  for (PeerId p = 0; p < 3; ++p) a.note(p, 60, 2);
+  EXPECT_EQ(a.all(), Verdict::kIdentical);
+  EXPECT_EQ(a.first_difference(), 30) << "it was there";
+  EXPECT_EQ(a.newest(), 60);
+}
+
+TEST(Agreement, OfTwoTheLowerSlotIsHeldToBeRight) {
+  Agreement a;
+  a.note(3, 30, 1);
+  a.note(1, 30, 2);
+  EXPECT_EQ(a.of(1), Verdict::kIdentical);
+  EXPECT_EQ(a.of(3), Verdict::kDiffers);
+}
+
+TEST(Agreement, AnOlderTickDoesNotOverruleANewerOne) {
+  Agreement a;
+  a.note(0, 60, 1);
+  a.note(1, 60, 1);
+  a.note(0, 30, 1);
+  a.note(1, 30, 2);
+  EXPECT_EQ(a.all(), Verdict::kIdentical);
+  EXPECT_EQ(a.first_difference(), 30);
+}
+
+TEST(Agreement, WhoHasGoneIsForgotten) {
+  Agreement a;
+  a.note(0, 30, 1);
+  a.note(1, 30, 2);
+  a.forget(1);
+  EXPECT_EQ(a.of(1), Verdict::kUnknown);
+  EXPECT_EQ(a.all(), Verdict::kIdentical);
+  a.note(1, 60, 5);
+  EXPECT_EQ(a.of(1), Verdict::kUnknown) << "somebody else sits there now";
+}
+
+TEST(Agreement, MemoryIsBounded) {
+  Agreement a;
+  for (Tick t = 1; t < 100'000; ++t) a.note(0, t, 1);
+  a.note(1, 1, 2);
+  EXPECT_EQ(a.all(), Verdict::kUnknown) << "too long ago";
+  a.note(1, 99'999, 1);
+  EXPECT_EQ(a.all(), Verdict::kIdentical);
+}
+
+}  // namespace
+}  // namespace padr::monitor

@@ -1,0 +1,131 @@
+#include "tools/monitor/order_desk.h"
+
+#include <gtest/gtest.h>
+
+namespace padr::monitor {
+namespace {
+
+/// Two peers that take orders, and what is sent to them.
+struct Desk {
+  Desk() {
+    for (const std::uint64_t process : {11U, 12U}) {
+      peers.emplace_back(Origin{process, 1, static_cast<PeerId>(process - 11), 0});
+      peers.back().from.port = static_cast<std::uint16_t>(process);
+      peers.back().hello.emplace();
+      peers.back().hello->control = true;
+      peers.back().hello->token = process * 100;
+    }
+  }
+  std::vector<Order> sent(Micros now) {
+    orders.clear();
+    desk.advance(now);
+    return orders;
+  }
+  Event answer(const Order& o, EventKind kind = EventKind::kKnob, std::string text = "") {
+    return {1, 0, kind, kNoEntity, kNoPeer, o.number, std::move(text)};
+  }
+
+  std::vector<PeerRecord> peers;
+  std::vector<Order> orders;
+  OrderDesk desk{77, [this](const Endpoint& to, const Bytes& datagram) {
+                   const auto order = decode_order(datagram);
+                   ASSERT_TRUE(order);
+                   EXPECT_EQ(to.port, order->process);
+                   EXPECT_EQ(order->token, order->process * 100);
+                   EXPECT_EQ(order->issuer, 77U);
+                   orders.push_back(*order);
+                 }};
+};
+
+const Knob kKnob{"threshold", "0.5"};
+
+TEST(OrderDesk, AnOrderIsSentUntilItIsAnswered) {
+  Desk d;
+  ASSERT_TRUE(d.desk.give({&d.peers[0]}, kKnob, {5, 9, "knob"}, 0));
+  const auto first = d.sent(0);
+  ASSERT_EQ(first.size(), 1U);
+  EXPECT_EQ(first[0].what, What(kKnob));
+  EXPECT_TRUE(d.sent(OrderDesk::kAgain - 1).empty());
+  const auto again = d.sent(OrderDesk::kAgain);
+  ASSERT_EQ(again.size(), 1U);
+  EXPECT_EQ(again[0].number, first[0].number) << "the same order";
+  d.desk.heard(12, d.answer(first[0]));
+  EXPECT_TRUE(d.desk.take_outcomes().empty()) << "somebody else's answer";
+  d.desk.heard(11, d.answer(first[0]));
+  const auto outcomes = d.desk.take_outcomes();
+  ASSERT_EQ(outcomes.size(), 1U);
+  EXPECT_TRUE(outcomes[0].ok);
+  EXPECT_EQ(outcomes[0].ticket.viewer, 5U);
+  EXPECT_EQ(outcomes[0].ticket.id, 9U);
+  EXPECT_TRUE(d.sent(10 * OrderDesk::kAgain).empty());
+}
+
+TEST(OrderDesk, OrdersToAPeerGoOneAfterTheOther) {
+  Desk d;
+  ASSERT_TRUE(d.desk.give({&d.peers[0]}, kKnob, {}, 0));
+  ASSERT_TRUE(d.desk.give({&d.peers[0]}, Pause{1}, {}, 0));
+  const auto first = d.sent(0);
+  ASSERT_EQ(first.size(), 1U);
+  d.desk.heard(11, d.answer(first[0]));
+  const auto second = d.sent(1);
+  ASSERT_EQ(second.size(), 1U);
+  EXPECT_EQ(second[0].what, What(Pause{1}));
+  EXPECT_GT(second[0].number, first[0].number);
+}
+
+TEST(OrderDesk, AllMustFollow) {
+  Desk d;
+  ASSERT_TRUE(d.desk.give({&d.peers[0], &d.peers[1]}, kKnob, {5, {}, "knob"}, 0));
+  const auto sent = d.sent(0);
+  ASSERT_EQ(sent.size(), 2U);
+  EXPECT_NE(sent[0].number, sent[1].number);
+  d.desk.heard(11, d.answer(sent[0]));
+  EXPECT_TRUE(d.desk.take_outcomes().empty());
+  d.desk.heard(12, d.answer(sent[1], EventKind::kRefused, "will not"));
+  const auto outcomes = d.desk.take_outcomes();
+  ASSERT_EQ(outcomes.size(), 1U);
+  EXPECT_FALSE(outcomes[0].ok);
+  EXPECT_EQ(outcomes[0].text, "peer 1: will not");
+}
+
+TEST(OrderDesk, WhoDoesNotAnswerIsGivenUp) {
+  Desk d;
+  ASSERT_TRUE(d.desk.give({&d.peers[0]}, kKnob, {5, {}, "knob"}, 0));
+  int sent = 0;
+  for (Micros t = 0; t < 10 * kMicrosPerSecond; t += 10'000) sent += static_cast<int>(d.sent(t).size());
+  EXPECT_EQ(sent, OrderDesk::kTries);
+  const auto outcomes = d.desk.take_outcomes();
+  ASSERT_EQ(outcomes.size(), 1U);
+  EXPECT_EQ(outcomes[0].text, "peer 0: does not answer");
+}
+
+TEST(OrderDesk, WhatWaitsForAPeerIsBounded) {
+  Desk d;
+  for (std::size_t i = 0; i < OrderDesk::kWaiting; ++i) ASSERT_TRUE(d.desk.give({&d.peers[0]}, kKnob, {}, 0));
+  EXPECT_FALSE(d.desk.give({&d.peers[1], &d.peers[0]}, kKnob, {}, 0));
+  EXPECT_EQ(d.sent(0).size(), 1U) << "and the other has got nothing of it";
+}
+
+TEST(OrderDesk, ADriveIsRepeatedAndOnlyTheNewestCounts) {
+  Desk d;
+  const Drive east{Drive::Kind::kDirection, {1, 0}};
+  const Drive north{Drive::Kind::kDirection, {0, 1}};
+  d.desk.drive(d.peers[0], east, 0);
+  const auto first = d.sent(0);
+  ASSERT_EQ(first.size(), 1U);
+  EXPECT_TRUE(d.sent(OrderDesk::kDriveAgain - 1).empty());
+  ASSERT_EQ(d.sent(OrderDesk::kDriveAgain).size(), 1U);
+  EXPECT_GT(d.orders[0].number, first[0].number) << "a peer takes only newer orders";
+  d.desk.drive(d.peers[0], north, 0);
+  ASSERT_EQ(d.sent(OrderDesk::kDriveAgain + 1).size(), 1U) << "something new goes at once";
+  EXPECT_EQ(d.orders[0].what, What(north));
+  d.desk.drive(d.peers[0], {}, 0);
+  const auto release = d.sent(OrderDesk::kDriveAgain + 2);
+  ASSERT_EQ(release.size(), 1U);
+  EXPECT_EQ(release[0].what, What(Drive{}));
+  d.desk.heard(11, d.answer(release[0], EventKind::kDriveEnd));
+  EXPECT_TRUE(d.sent(kMicrosPerSecond).empty());
+}
+
+}  // namespace
+}  // namespace padr::monitor

@@ -1,0 +1,88 @@
+// The vectors of section 14 of proto/WIRE.md, which tests/conformance makes without any of our code, against ours.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <sstream>
+#include <string>
+
+#include "common/wire/handshake.h"
+#include "wire_md.h"
+
+namespace padr::wire {
+namespace {
+
+std::map<std::string, Bytes> vectors() {
+  const std::string document(reinterpret_cast<const char*>(kText), sizeof kText - 1);
+  const std::string begin = "\n```sealed\n";
+  const auto at = document.find(begin) + begin.size();
+  std::istringstream lines(document.substr(at, document.find("\n```", at) - at));
+  std::map<std::string, Bytes> found;
+  std::string name;
+  for (std::string line; std::getline(lines, line);) {
+    if (const auto equals = line.find('='); equals != std::string::npos) {
+      name = line.substr(0, line.find(' '));
+      line.erase(0, equals + 1);
+    }
+    std::istringstream words(line);
+    for (std::string word; words >> word;) found[name].push_back(static_cast<std::byte>(std::stoi(word, nullptr, 16)));
+  }
+  return found;
+}
+
+Key key_of(const Bytes& bytes) {
+  Key k{};
+  std::transform(bytes.begin(), bytes.end(), k.begin(), [](std::byte b) { return std::to_integer<std::uint8_t>(b); });
+  return k;
+}
+
+Tag cookie_of(const Bytes& bytes) {
+  Tag t{};
+  std::copy_n(bytes.begin() + 44, t.size(), t.begin());
+  return t;
+}
+
+TEST(SealedMd, EveryVectorIsWhatTheCodeMakes) {
+  auto v = vectors();
+  ASSERT_EQ(v.size(), 14U);
+  const Key session = key_of(v["session_key"]);
+  const Key a = key_of(v["secret_a"]);
+  const Key b = key_of(v["secret_b"]);
+  const PublicKey public_a = public_key(a);
+  const PublicKey public_b = public_key(b);
+  EXPECT_EQ(public_a, key_of(v["public_a"]));
+  EXPECT_EQ(public_b, key_of(v["public_b"]));
+  const auto keys = pair_keys(session, a, public_a, public_b);
+  ASSERT_TRUE(keys);
+  EXPECT_EQ(keys->out, key_of(v["key_a_to_b"]));
+  EXPECT_EQ(keys->in, key_of(v["key_b_to_a"]));
+  constexpr std::uint64_t kNumber = (std::uint64_t{5} << 32U) + 7;
+  EXPECT_EQ(seal_with(keys->out, SealMode::kAuth, short_id(public_a), kNumber, v["unsealed"]), v["auth"]);
+  EXPECT_EQ(seal_with(keys->out, SealMode::kEncrypt, short_id(public_a), kNumber, v["unsealed"]), v["encrypt"]);
+  EXPECT_EQ(unseal_with(keys->out, kNumber, v["encrypt"]), v["unsealed"]);
+  EXPECT_EQ(unseal_unchecked(v["auth"]), v["unsealed"]);
+  const Key h = handshake_key(session);
+  constexpr std::uint64_t kNonce = 0x1122334455667788;
+  const Tag cookie = cookie_of(v["cookie"]);
+  EXPECT_EQ(encode_handshake(Hello{public_a, kNonce}, h), v["hello"]);
+  EXPECT_EQ(encode_handshake(Cookie{public_b, kNonce, cookie}, h), v["cookie"]);
+  EXPECT_EQ(encode_handshake(Introduction{public_a, 1, cookie}, keys->out), v["introduction"]);
+  EXPECT_EQ(encode_handshake(Acceptance{public_b, 1}, keys->in), v["acceptance"]);
+}
+
+TEST(SealedMd, HandshakesComeBackAsTheyWere) {
+  auto v = vectors();
+  const Key h = handshake_key(key_of(v["session_key"]));
+  const auto hello = decode_handshake(v["hello"], h);
+  ASSERT_TRUE(hello);
+  EXPECT_EQ(std::get<Hello>(*hello), (Hello{key_of(v["public_a"]), 0x1122334455667788}));
+  const auto introduction = decode_handshake(v["introduction"], h);
+  ASSERT_TRUE(introduction);
+  EXPECT_TRUE(proves(v["introduction"], key_of(v["key_a_to_b"]), std::get<Introduction>(*introduction).number));
+  EXPECT_FALSE(proves(v["introduction"], key_of(v["key_b_to_a"]), 1));
+  v["hello"][70] ^= std::byte{1};
+  EXPECT_FALSE(decode_handshake(v["hello"], h));
+}
+
+}  // namespace
+}  // namespace padr::wire

@@ -1,0 +1,63 @@
+#include "tools/monitor/drivers.h"
+
+#include <algorithm>
+
+namespace padr::monitor {
+
+ViewerId Drivers::take(PeerId slot, ViewerId viewer, Micros now) {
+  Driver& d = drivers_[slot];
+  const ViewerId before = d.viewer == viewer ? 0 : d.viewer;
+  d = {viewer, now};
+  return before;
+}
+
+bool Drivers::release(PeerId slot, ViewerId viewer) {
+  const auto found = drivers_.find(slot);
+  if (found == drivers_.end() || found->second.viewer != viewer) return false;
+  drivers_.erase(found);
+  return true;
+}
+
+std::vector<PeerId> Drivers::gone(ViewerId viewer) {
+  std::vector<PeerId> slots;
+  for (const auto& [slot, d] : drivers_)
+    if (d.viewer == viewer) slots.push_back(slot);
+  for (const PeerId s : slots) drivers_.erase(s);
+  return slots;
+}
+
+std::vector<PeerId> Drivers::silent(Micros now) {
+  std::vector<PeerId> slots;
+  for (const auto& [slot, d] : drivers_)
+    if (now - d.heard > kLease) slots.push_back(slot);
+  for (const PeerId s : slots) drivers_.erase(s);
+  return slots;
+}
+
+std::string_view Drivers::word(PeerId slot, ViewerId viewer, bool told) const {
+  const auto found = drivers_.find(slot);
+  if (found == drivers_.end()) return told ? "other" : "no";
+  return found->second.viewer == viewer ? "you" : "other";
+}
+
+void DrivenPaths::take(PeerId slot, const Frame& frame) {
+  if (!frame.driven) return;
+  constexpr Tick kPause = kTicksPerSecond / 2;
+  Driven& d = paths_[slot];
+  if (d.points.size() >= kPoints) return;
+  double seconds = 0;
+  if (!d.points.empty()) {
+    if (frame.tick <= d.last) return;
+    seconds = d.points.back().seconds + static_cast<double>(std::min(frame.tick - d.last, kPause)) / kTicksPerSecond;
+  }
+  d.last = frame.tick;
+  d.points.push_back({seconds, frame.target});
+}
+
+std::string DrivenPaths::csv(PeerId slot) const {
+  const auto found = paths_.find(slot);
+  if (found == paths_.end() || found->second.points.size() < 2) return "";
+  return scenarios::write_path_csv(scenarios::Path(found->second.points));
+}
+
+}  // namespace padr::monitor

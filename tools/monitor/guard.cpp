@@ -1,0 +1,88 @@
+#include "tools/monitor/guard.h"
+
+#include <algorithm>
+
+namespace padr::monitor {
+namespace {
+
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+bool alike(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
+}
+
+bool is_port(std::string_view text) {
+  return !text.empty() && text.size() <= 5 && std::all_of(text.begin(), text.end(), is_digit);
+}
+
+/// Four numbers with dots between them. Names cannot look like that: top-level domains are not numeric.
+bool is_ipv4(std::string_view text) {
+  int numbers = 0;
+  while (true) {
+    const std::string_view part = text.substr(0, text.find('.'));
+    if (part.empty() || part.size() > 3 || !std::all_of(part.begin(), part.end(), is_digit)) return false;
+    ++numbers;
+    if (part.size() == text.size()) return numbers == 4;
+    text.remove_prefix(part.size() + 1);
+  }
+}
+
+bool is_bracketed_ipv6(std::string_view text) {
+  if (text.size() < 4 || text.front() != '[' || text.back() != ']') return false;
+  text = text.substr(1, text.size() - 2);
+  return std::all_of(text.begin(), text.end(), [](char c) {
+    return is_digit(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F') || c == ':' || c == '.';
+  });
+}
+
+}  // namespace
+
+bool host_allowed(std::string_view host, std::span<const std::string> names) {
+  std::string_view name = host;
+  if (const auto colon = host.rfind(':'); colon != std::string_view::npos && host.back() != ']') {
+    if (!is_port(host.substr(colon + 1))) return false;
+    name = host.substr(0, colon);
+  }
+  if (is_ipv4(name) || is_bracketed_ipv6(name) || alike(name, "localhost")) return true;
+  return std::any_of(names.begin(), names.end(), [&](const std::string& n) { return alike(name, n); });
+}
+
+bool same_origin(std::string_view origin, std::string_view host) {
+  for (const std::string_view scheme : {"http://", "https://"})
+    if (origin.starts_with(scheme)) return alike(origin.substr(scheme.size()), host);
+  return false;
+}
+
+std::optional<Target> split_target(std::string_view target) {
+  const auto plain = [](char c) {
+    return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+           std::string_view("/._-?=&").find(c) != std::string_view::npos;
+  };
+  if (target.empty() || target.front() != '/' || !std::all_of(target.begin(), target.end(), plain)) return std::nullopt;
+  const auto mark = target.find('?');
+  if (mark == std::string_view::npos) return Target{target, {}};
+  return Target{target.substr(0, mark), target.substr(mark + 1)};
+}
+
+std::optional<std::string_view> query_field(std::string_view query, std::string_view name) {
+  while (!query.empty()) {
+    const std::string_view field = query.substr(0, query.find('&'));
+    query.remove_prefix(std::min(query.size(), field.size() + 1));
+    if (field.starts_with(name) && field.size() > name.size() && field[name.size()] == '=')
+      return field.substr(name.size() + 1);
+  }
+  return std::nullopt;
+}
+
+bool same_secret(std::string_view a, std::string_view b) {
+  if (a.size() != b.size()) return false;
+  unsigned differs = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    differs |= unsigned{static_cast<unsigned char>(a[i])} ^ unsigned { static_cast<unsigned char>(b[i]) };
+  return differs == 0;
+}
+
+}  // namespace padr::monitor

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace padr::monitor {
+
+// Who may ask: decided from the headers of a request alone.
+
+/// Whether a request for this Host header (RFC 9110, 7.2) is meant for us: an IP address, localhost, or one of `names`,
+/// with any port or none. A page of somebody else's that points a name of its own at our address asks for that name.
+bool host_allowed(std::string_view host, std::span<const std::string> names);
+
+/// Whether a page of this Origin (RFC 6454) is one that we served under this Host: the same host and port.
+bool same_origin(std::string_view origin, std::string_view host);
+
+/// The target of a request, split.
+struct Target {
+  std::string_view path;
+  std::string_view query;  ///< without its question mark
+};
+/// Nothing if it is no absolute path of plain characters: nothing that we serve needs any escape.
+std::optional<Target> split_target(std::string_view target);
+
+/// The value of a field in a query; nothing if it is not there.
+std::optional<std::string_view> query_field(std::string_view query, std::string_view name);
+
+/// Takes as long for every wrong secret of the same length.
+bool same_secret(std::string_view a, std::string_view b);
+
+}  // namespace padr::monitor

@@ -1,0 +1,250 @@
+// Puts the page together: what comes from padr-monitor goes to those who show it, once for each frame of the screen.
+
+import { Camera } from "./camera.js";
+import { Connection } from "./connection.js";
+import { Driver } from "./drive.js";
+import { Events } from "./events.js";
+import { Knobs } from "./knobs.js";
+import { Meter } from "./meter.js";
+import { Orders } from "./orders.js";
+import { Plots } from "./plots.js";
+import { Pointers } from "./pointers.js";
+import { Replay } from "./replay.js";
+import { VIEW_NAMES } from "./samples.js";
+import { Session } from "./session.js";
+import { setText, Tables } from "./table.js";
+import { Theme } from "./theme.js";
+import { Tour } from "./tour.js";
+import { Views } from "./views.js";
+
+const RATE = 20; // views a second that are asked for
+const $ = (selector) => document.querySelector(selector);
+
+const session = new Session();
+const camera = new Camera();
+const theme = new Theme($("#theme"));
+const events = new Events($("#events"), $("#every-event"), session);
+const views = new Views($("#views"), session, camera, theme);
+const plots = new Plots($("#plots"), session, theme, events);
+const tables = new Tables($("#peers"), $("#links"), $("#verdict"));
+const meter = new Meter($("#frame-time"));
+
+const connection = new Connection({
+  open() {
+    $("#error").hidden = true;
+    token();
+    subscribe();
+  },
+  lost() {
+    driver.forget(null);
+    complain("The connection to padr-monitor was lost. Trying again …");
+    setText($("#state"), "not connected");
+  },
+  hello(hello) {
+    session.hello = hello;
+    document.body.dataset.mode = hello.mode;
+    knobs.begin();
+    subscribe();
+    refresh();
+  },
+  scene(scene) {
+    session.begin(scene);
+    camera.setArea({ x: scene.lower[0], y: scene.lower[1] }, { x: scene.upper[0], y: scene.upper[1] });
+    views.forgetBackgrounds();
+    plots.begin();
+    events.begin();
+    driver.forget(null);
+    tour.forget();
+    setText($("#title"), scene.title);
+    refresh();
+  },
+  history(message) {
+    for (const point of message.points) plots.add(point);
+  },
+  peers(message) {
+    session.takePeers(message);
+    if (driver.slot !== null && !session.controllable().some((p) => p.slot === driver.slot)) driver.forget(`Peer ${driver.slot} is not there any more.`);
+    refresh();
+  },
+  series(point) {
+    session.takePoint(point);
+    if (!session.replayed()) plots.add(point);
+  },
+  events(message) {
+    events.add(message.events);
+  },
+  timeline(message) {
+    session.takeTimeline(message);
+    replay.update();
+  },
+  taken(message) {
+    driver.taken(message.peer);
+  },
+  refused(answer) {
+    complain(answer.text);
+  },
+  binary(buffer) {
+    meter.received(buffer.byteLength);
+    session.samples.take(buffer);
+  },
+});
+
+const orders = new Orders(connection, session);
+const driver = new Driver(connection, session);
+const pointers = new Pointers(views, camera, driver);
+const knobs = new Knobs($("#knobs"), session, orders);
+const replay = new Replay($("#replay"), connection, session);
+const tour = new Tour($("#tour"), session, orders);
+
+function token() {
+  const found = /^#token=(.+)$/.exec(location.hash);
+  if (found) connection.send({ type: "token", token: decodeURIComponent(found[1]) });
+}
+
+function subscribe() {
+  const wanted = VIEW_NAMES.filter((name) => name === "shown" || views.ghosts[name] || (name === "authority" && views.mode === "overlay") || (name === "confirmed" && session.hello?.mode === "capture"));
+  connection.send({ type: "subscribe", views: wanted, rate: RATE });
+}
+
+function complain(text) {
+  $("#error").hidden = !text;
+  setText($("#error"), text ?? "");
+}
+
+/** Everything that is not drawn for each frame. */
+function refresh() {
+  views.update();
+  tables.update(session);
+  knobs.update();
+  replay.update();
+  const { hello, scene } = session;
+  if (hello) setText($("#state"), stateInWords(hello));
+  const there = session.present().length;
+  $("#empty").hidden = Boolean(scene && (there > 0 || hello?.mode === "capture"));
+  if (!$("#empty").hidden) setText($("#empty"), hello ? emptyInWords(hello) : "");
+  $("#tour-button").hidden = $("#knobs").hidden = session.replayed();
+  $("main").classList.toggle("alone", session.replayed());
+  $("#tour-button").disabled = session.controllable().length === 0;
+  hint();
+}
+
+function stateInWords(hello) {
+  if (hello.mode !== "live") return `recording: ${hello.source}`;
+  const { time } = session.peers;
+  if (!session.scene || time === undefined || time === null) return `waiting for peers at ${hello.source}`;
+  const others = session.peers.other_sessions > 0 ? `, ${session.peers.other_sessions} other sessions` : "";
+  return `live, ${Math.floor(time / 60)}:${String(Math.floor(time % 60)).padStart(2, "0")}${others}`;
+}
+
+function emptyInWords(hello) {
+  if (hello.mode !== "live") return "Reading the recording …";
+  return `No peer is here yet. Start one that tells this page:\npadr-peer --monitor ${hello.source} --control …\nor tools/demo.sh for four of them.`;
+}
+
+let said = null;
+function hint() {
+  const element = $("#hint");
+  element.classList.toggle("on", driver.slot !== null);
+  let text = said;
+  if (driver.slot !== null) {
+    text = `You drive avatar ${driver.slot}: WASD or arrow keys, or hold the mouse button (or a finger) where it shall go. Esc lets go.`;
+  } else if (!text && session.controllable().length > 0) {
+    text = "Every picture is one peer's view of the same world. A thing has the colour of the peer that decides about it. Click a picture to drive its avatar.";
+  }
+  setText(element, text ?? "");
+  saveLink();
+}
+
+/** A link to what was driven, as a path for --input. */
+let drivenOnce = null;
+function saveLink() {
+  if (driver.slot !== null) drivenOnce = driver.slot;
+  const link = $("#save");
+  link.hidden = drivenOnce === null || driver.slot !== null;
+  if (link.hidden) return;
+  link.href = `/api/path?peer=${drivenOnce}`;
+  link.download = `path-${drivenOnce}.csv`;
+  setText(link, `Save the path that avatar ${drivenOnce} was driven (CSV, for --input path:FILE)`);
+}
+
+driver.changed = (why) => {
+  said = why;
+  views.driven = driver.slot;
+  if (driver.slot !== null) views.tiles.get(driver.slot)?.canvas.focus({ preventScroll: true });
+  refresh();
+};
+// Keys shall steer again after a knob was turned by mouse.
+document.addEventListener("change", (e) => {
+  if (driver.slot !== null && !e.target.matches("input:not([type])")) views.tiles.get(driver.slot)?.canvas.focus({ preventScroll: true });
+});
+function toggleDriving(slot) {
+  if (driver.slot === slot) return;
+  if (session.controllable().some((p) => p.slot === slot)) driver.start(slot);
+}
+pointers.clicked = toggleDriving;
+views.onTile = (tile) => pointers.watch(tile);
+views.onAction = (action, slot) => {
+  if (action === "drive" && driver.slot === slot) driver.release();
+  else if (action === "drive") toggleDriving(slot);
+  else if (action === "follow") camera.follow = camera.follow === slot ? null : slot;
+  else setMode(views.mode === "one" ? "side" : "one", slot);
+  if (action === "follow" && camera.follow !== null && camera.zoom < 1.5) camera.zoom = 2.5;
+  refresh();
+};
+
+function setMode(mode, slot = null) {
+  views.mode = mode;
+  views.large = slot;
+  subscribe();
+  for (const b of document.querySelectorAll("[data-mode]")) b.setAttribute("aria-pressed", b.dataset.mode === mode);
+  refresh();
+}
+for (const b of document.querySelectorAll("button[data-mode]")) b.addEventListener("click", () => setMode(b.dataset.mode));
+$("#closer").addEventListener("click", () => camera.zoomAbout(camera, 1.4));
+$("#farther").addEventListener("click", () => camera.zoomAbout(camera, 1 / 1.4));
+$("#reset").addEventListener("click", () => { camera.reset(); refresh(); });
+for (const name of ["authority", "predicted", "confirmed"]) {
+  $(`#ghost-${name}`).addEventListener("change", (e) => {
+    views.ghosts[name] = e.target.checked;
+    subscribe();
+  });
+}
+
+function markSpan() {
+  for (const b of document.querySelectorAll("[data-span]")) {
+    const span = b.dataset.span === "all" ? Infinity : Number(b.dataset.span);
+    b.setAttribute("aria-pressed", plots.selected === null && plots.span === span);
+  }
+}
+for (const b of document.querySelectorAll("[data-span]")) {
+  b.addEventListener("click", () => plots.follow(b.dataset.span === "all" ? Infinity : Number(b.dataset.span)));
+}
+plots.selectionChanged = markSpan;
+plots.sought = (time) => session.replayed() && replay.seek(Math.round(time * 60));
+replay.failed = complain;
+theme.changed = () => {
+  views.recolour();
+  plots.recolour();
+};
+$("#tour-button").addEventListener("click", () => tour.start());
+tour.onMove = () => views.layOut();
+tour.restored = (refused) => complain(refused.length > 0 ? `Not everything could be restored: ${refused[0].text}` : null);
+setInterval(() => events.show(), 500);
+setInterval(() => {
+  for (const [slot, tile] of views.tiles) views.describe(slot, tile);
+}, 250);
+
+let before = performance.now();
+function frame(now) {
+  const began = performance.now();
+  driver.tick();
+  session.samples.advance(Math.min(now - before, 250) / 1000, session.speed());
+  views.draw();
+  meter.frame(now, now - before, performance.now() - began);
+  before = now;
+  requestAnimationFrame(frame);
+}
+requestAnimationFrame(frame);
+refresh();
+
+window.padr = { session, camera, views, plots, driver, connection, tour, events, stats: meter.stats };

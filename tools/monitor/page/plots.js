@@ -1,0 +1,290 @@
+// The plots, drawn by dygraphs: one span of time in all of them, events marked, values read off by hovering.
+
+import { History } from "./history.js";
+import { hue, patternName } from "./palette.js";
+import { sum } from "./table.js";
+
+const REDRAW = 500; // ms
+const MOST_LINKS = 20; // lines; with more links, the mean of each sender's
+const MARKS = { contact_begin: "contact", contact_end: "contact", authority: "authority", release: "authority", drive: "none", drive_end: "none" };
+const DASHES = { plain: null, stripes: [8, 3], dots: [2, 3], grid: [8, 3, 2, 3] };
+
+// Each: title, unit, digits, what the lines are, and their values in a point.
+const PLOTS = [
+  {
+    title: "Inconsistency of each peer's view",
+    help: "how far everything in that view is from where its authority has it, all entities summed, metres",
+    unit: " m", digits: 2,
+    lines: (h) => h.slots.map(peerLine),
+    values: (p, lines) => lines.map((l) => p.peers.get(l.slot)?.combined_m ?? null),
+  },
+  {
+    title: "Updates sent by all peers, by cause",
+    help: "stacked, a second",
+    unit: " /s", digits: 1, stacked: true,
+    lines: (h, causes) => causes.map((name, i) => ({ name: name.replaceAll("_", " "), colour: hue(i), dash: null })),
+    values: (p, lines) => lines.map((_, i) => sum([...p.peers.values()].map((peer) => peer.updates_per_s?.[i]))),
+  },
+  {
+    title: "How far each confirmed world trails",
+    help: "milliseconds behind the live world: what is agreed for good",
+    unit: " ms", digits: 0,
+    lines: (h) => h.slots.map(peerLine),
+    values: (p, lines) => lines.map((l) => p.peers.get(l.slot)?.lag_ms ?? null),
+  },
+  {
+    title: "One-way delay of each link",
+    help: "milliseconds, as the receiver measures it",
+    unit: " ms", digits: 0,
+    lines: linkLines,
+    values: (p, lines) => lines.map((l) => delay(p.peers.get(l.slot)?.delay_ms, l.to)),
+  },
+];
+
+function peerLine(slot) {
+  return { name: `peer ${slot}`, slot, colour: hue(slot), dash: DASHES[patternName(slot)] };
+}
+
+function linkLines(history) {
+  const n = history.slots.length;
+  if (n * (n - 1) > MOST_LINKS) return history.slots.map((slot) => ({ ...peerLine(slot), name: `peer ${slot}, mean`, to: null }));
+  return history.slots.flatMap((slot) => history.slots.filter((to) => to !== slot).map((to) => (
+    { name: `${slot} → ${to}`, slot, to, colour: hue(slot), dash: to % 2 ? [5, 3] : null }
+  )));
+}
+
+function delay(delays, to) {
+  if (!delays) return null;
+  if (to !== null) return delays[to] ?? null;
+  const known = Object.values(delays).filter((d) => d !== null);
+  return known.length > 0 ? sum(known) / known.length : null;
+}
+
+export class Plots {
+  constructor(folder, session, theme, events) {
+    // Values are read off below the plots; the legend of dygraphs needs styles that the page's policy forbids.
+    Dygraph.PLUGINS = Dygraph.PLUGINS.filter((plugin) => plugin !== Dygraph.Plugins.Legend);
+    this.session = session;
+    this.theme = theme;
+    this.events = events;
+    this.history = new History();
+    this.span = 60; // s that are shown when nothing is selected
+    this.selected = null; // [from, to] in s
+    this.sought = () => {}; // a time was clicked on in a recording
+    this.charts = PLOTS.map((plot) => new Chart(plot, folder, this));
+    this.shown = true;
+    new IntersectionObserver((e) => { this.shown = e.at(-1).isIntersecting; }).observe(folder);
+    setInterval(() => this.redraw(), REDRAW);
+  }
+
+  begin() {
+    this.history.clear();
+    this.selected = null;
+  }
+
+  add(series) {
+    this.history.add(series);
+  }
+
+  /** Shows the newest `span` seconds again, or everything for Infinity. */
+  follow(span) {
+    this.span = span;
+    this.select(null);
+  }
+
+  select(window) {
+    this.selected = window;
+    this.selectionChanged?.(window !== null);
+    this.redraw();
+  }
+
+  window() {
+    if (this.selected) return this.selected;
+    const { points } = this.history;
+    if (points.length === 0) return [0, this.span === Infinity ? 60 : this.span];
+    const newest = points.at(-1).time;
+    if (this.session.replayed() || this.span === Infinity) return [points[0].time, Math.max(newest, points[0].time + 1)];
+    // At the start the line begins at the left, and only then the window moves.
+    const from = Math.max(newest - this.span, points[0].time);
+    return [from, Math.max(newest, from + Math.min(this.span, 10))];
+  }
+
+  redraw() {
+    if (!this.shown || document.hidden || this.history.points.length === 0) return;
+    const window = this.window();
+    for (const chart of this.charts) chart.draw(window);
+  }
+
+  hover(row, chart) {
+    for (const c of this.charts) {
+      if (c !== chart && row !== null) c.graph?.setSelection(row);
+      if (c !== chart && row === null) c.graph?.clearSelection();
+      c.row = row;
+      c.readOut();
+    }
+  }
+
+  recolour() {
+    for (const chart of this.charts) chart.recolour();
+    this.redraw();
+  }
+}
+
+class Chart {
+  constructor(plot, folder, plots) {
+    this.plot = plot;
+    this.plots = plots;
+    this.row = null;
+    this.rows = [];
+    const figure = document.createElement("figure");
+    const title = document.createElement("figcaption");
+    const strong = document.createElement("strong");
+    strong.textContent = plot.title;
+    title.append(strong, ` ${plot.help}`);
+    this.box = document.createElement("div");
+    this.box.className = "chart";
+    this.values = document.createElement("p");
+    this.values.className = "values";
+    figure.append(title, this.box, this.values);
+    folder.append(figure);
+  }
+
+  /** Rows of numbers for dygraphs; made anew when lines come or old points go. */
+  refreshRows() {
+    const { history, session } = this.plots;
+    if (this.version !== history.version) {
+      this.version = history.version;
+      this.lines = this.plot.lines(history, session.hello?.causes ?? []);
+      this.rows = [];
+    }
+    for (let i = this.rows.length; i < history.points.length; ++i) {
+      const p = history.points[i];
+      this.rows.push([p.time, ...this.plot.values(p, this.lines)]);
+    }
+  }
+
+  draw(window) {
+    this.refreshRows();
+    if (this.lines.length === 0) return;
+    const options = {
+      file: this.rows,
+      labels: ["time", ...this.lines.map((l) => l.name)],
+      colors: this.lines.map((l) => l.colour),
+      series: Object.fromEntries(this.lines.map((l) => [l.name, { strokePattern: l.dash }])),
+      dateWindow: window,
+    };
+    if (this.graph) this.graph.updateOptions(options);
+    else this.make(options);
+    this.readOut();
+  }
+
+  make(options) {
+    const { plot, plots } = this;
+    const model = { ...Dygraph.defaultInteractionModel, dblclick: () => plots.select(null) };
+    // Fingers shall scroll the page.
+    for (const touch of ["touchstart", "touchmove", "touchend"]) delete model[touch];
+    this.graph = new Dygraph(this.box, options.file, {
+      ...options,
+      ...this.colours(),
+      interactionModel: model,
+      stackedGraph: Boolean(plot.stacked),
+      fillGraph: Boolean(plot.stacked),
+      connectSeparatedPoints: false,
+      includeZero: true,
+      strokeWidth: 1.5,
+      highlightCircleSize: 3,
+      animatedZooms: false,
+      rightGap: 8,
+      axes: {
+        x: { axisLabelFormatter: clock, pixelsPerLabel: 60, axisLabelWidth: 50 },
+        y: { axisLabelWidth: 44, pixelsPerLabel: 30 },
+      },
+      underlayCallback: (ctx, area, graph) => this.markEvents(ctx, area, graph),
+      zoomCallback: (from, to) => plots.select([from, to]),
+      highlightCallback: (e, x, points, row) => plots.hover(row, this),
+      unhighlightCallback: () => plots.hover(null, this),
+      clickCallback: (e, x) => plots.sought(x),
+    });
+  }
+
+  colours() {
+    const { colours } = this.plots.theme;
+    return { gridLineColor: colours.grid, axisLineColor: colours.quiet };
+  }
+
+  recolour() {
+    this.graph?.updateOptions(this.colours(), true);
+  }
+
+  /** Lines for what happened: short ones below for contacts, short ones above for authority, whole ones for the rest. */
+  markEvents(ctx, area, graph) {
+    const { colours } = this.plots.theme;
+    const [from, to] = graph.xAxisRange();
+    const x = (time) => Math.round(graph.toDomXCoord(time)) + 0.5;
+    ctx.save();
+    ctx.lineWidth = 1;
+    for (const [height, top, colour, wanted] of [
+      [7, false, colours.quiet, (k) => MARKS[k] === "contact"],
+      [7, true, colours.predicted, (k) => MARKS[k] === "authority"],
+      [area.h, true, colours.alarm, (k) => MARKS[k] === undefined],
+    ]) {
+      ctx.strokeStyle = colour;
+      ctx.beginPath();
+      for (const e of this.plots.events.list) {
+        if (e.time < from || e.time > to || !wanted(e.kind)) continue;
+        const y = top ? area.y : area.y + area.h - height;
+        ctx.moveTo(x(e.time), y);
+        ctx.lineTo(x(e.time), y + height);
+      }
+      ctx.stroke();
+    }
+    const { timeline } = this.plots.session;
+    if (this.plots.session.replayed() && timeline) {
+      ctx.strokeStyle = colours.text;
+      ctx.lineWidth = 2;
+      ctx.beginPath();
+      ctx.moveTo(x(timeline.tick / 60), area.y);
+      ctx.lineTo(x(timeline.tick / 60), area.y + area.h);
+      ctx.stroke();
+    }
+    ctx.restore();
+  }
+
+  /** Values under the pointer, else the newest, in words. */
+  readOut() {
+    const row = this.rows[this.row ?? this.positionRow()];
+    if (!row || !this.lines) return;
+    const parts = this.lines.map((line, i) => {
+      const value = row[i + 1];
+      const item = document.createElement("span");
+      item.style.setProperty("--hue", line.colour);
+      item.textContent = `${line.name} ${value === null ? "–" : value.toFixed(this.plot.digits)}`;
+      return item;
+    });
+    const when = document.createElement("b");
+    when.textContent = `${clock(row[0])}${this.row === null ? "" : near(this.plots.events, row[0])}`;
+    this.values.replaceChildren(when, ...parts);
+  }
+
+  positionRow() {
+    const { session } = this.plots;
+    if (!session.replayed() || !session.timeline) return this.rows.length - 1;
+    const time = session.timeline.tick / 60;
+    const i = this.rows.findIndex((r) => r[0] >= time);
+    return i < 0 ? this.rows.length - 1 : i;
+  }
+}
+
+/** What happened round a time, for the values under the pointer. */
+function near(events, time) {
+  const found = events.list.filter((e) => Math.abs(e.time - time) < 0.25);
+  if (found.length === 0) return "";
+  return ` · ${events.words(found[0])}${found.length > 1 ? ` and ${found.length - 1} more` : ""} ·`;
+}
+
+export function clock(seconds) {
+  const s = Math.max(0, seconds);
+  const digits = Math.abs(s - Math.round(s)) > 0.01 ? 1 : 0;
+  const rest = (s % 60).toFixed(digits);
+  return `${Math.floor(s / 60)}:${rest.padStart(digits ? 4 : 2, "0")}`;
+}

@@ -1,0 +1,81 @@
+// What the page knows of the session it shows: the newest message of each kind, brought into a handy form.
+
+import { Samples } from "./samples.js";
+
+export class Session {
+  constructor() {
+    this.hello = null;
+    this.samples = new Samples();
+    this.timeline = null;
+    this.token = null;
+    this.begin(null);
+  }
+
+  /** A scene begins anew: nothing of before holds. */
+  begin(scene) {
+    this.scene = scene && filledIn(scene);
+    this.peers = { peers: [], agreement: { state: "unknown" } };
+    this.points = new Map(); // newest series point by slot
+    this.samples.begin(scene ? scene.bodies.length + scene.slots : 0);
+  }
+
+  replayed() {
+    return this.hello !== null && this.hello.mode !== "live";
+  }
+
+  mayControl() {
+    return this.hello !== null && this.hello.control;
+  }
+
+  peer(slot) {
+    return this.peers.peers.find((p) => p.slot === slot);
+  }
+
+  /** Peers that are there or silent; those gone stay in the table only. */
+  present() {
+    return this.peers.peers.filter((p) => p.state !== "gone");
+  }
+
+  controllable() {
+    return this.mayControl() ? this.present().filter((p) => p.controllable) : [];
+  }
+
+  takePeers(message) {
+    const unknown = { state: "unknown", tick: null, hash: null, lag_ms: null };
+    const peers = message.peers.map((p) => ({ ...p, confirmed: p.confirmed ?? unknown, links: p.links ?? [] }));
+    this.peers = { ...message, peers, agreement: message.agreement ?? { state: "unknown" } };
+  }
+
+  takePoint(point) {
+    for (const p of point.peers) this.points.set(p.slot, p);
+  }
+
+  /** Ticks a second go by on the page: 0 while a recording stands. */
+  speed() {
+    if (!this.replayed()) return 1;
+    return this.timeline && this.timeline.playing ? this.timeline.speed : 0;
+  }
+
+  takeTimeline(timeline) {
+    const before = this.timeline;
+    this.timeline = timeline;
+    if (before && timeline.tick < before.tick) this.samples.clear();
+  }
+}
+
+function filledIn(scene) {
+  const shape = (s) => ({
+    radius: s.shape === "circle" ? s.radius : 0,
+    half: s.half ?? [0, 0],
+    mass: s.mass ?? 0,
+    angle: s.angle ?? 0,
+    x: s.position[0],
+    y: s.position[1],
+  });
+  return {
+    ...scene,
+    bodies: scene.bodies.map(shape),
+    statics: scene.statics.map(shape),
+    avatar: { half: [0, 0], ...scene.avatar },
+  };
+}

@@ -1,0 +1,128 @@
+// The table of peers and the one of links. Cells are kept and only their text changes, so that nothing flickers and what is
+// selected stays selected.
+
+import { hue, ink } from "./palette.js";
+
+const VERDICTS = { identical: "✓ identical", differs: "✗ differs", unknown: "… not yet known" };
+
+const COLUMNS = [
+  { head: "peer", cell: (p) => String(p.slot), paint: (td, p) => dot(td, p.slot) },
+  { head: "is", cell: (p) => (p.paused ? "paused" : p.state), title: "here, silent for a second, or gone" },
+  {
+    head: "confirmed world",
+    title: "The newest state that this peer knows to be final: a hash over every bit of it, compared with the other peers' at the same tick",
+    cell: (p) => `${VERDICTS[p.confirmed.state] ?? p.confirmed.state}${p.confirmed.hash ? ` ${p.confirmed.hash.slice(0, 8)}` : ""}`,
+    paint: (td, p) => { td.dataset.verdict = p.confirmed.state; },
+  },
+  { head: "it trails by", title: "How far the confirmed world is behind the live one", cell: (p) => number(p.confirmed.lag_ms, 0, " ms") },
+  { head: "off by", title: "Inconsistency: distance to where the authority has it, all entities summed", cell: (p, point) => number(point?.combined_m, 2, " m") },
+  { head: "updates", title: "Entity state updates sent", cell: (p) => number(sum(p.rates?.updates_per_s), 1, " /s") },
+  { head: "traffic", title: "Sent, with IP and UDP headers", cell: (p) => number(p.rates?.kbit_per_s, 1, " kbit/s") },
+  { head: "replayed", title: "Steps played again because something came late, for each tick", cell: (p) => number(p.rates?.replayed_per_tick, 1, " /tick") },
+  { head: "late ticks", title: "Ticks that began late on that machine", cell: (p) => number(p.late_ticks, 0) },
+  { head: "technique", cell: (p) => p.technique ?? "–", title: (p) => p.settings },
+  { head: "address", cell: (p) => p.address ?? "–" },
+  { head: "life", title: "How often it has come in again", cell: (p) => String((p.incarnation ?? 0) + 1) },
+  { head: "version", cell: (p) => p.version ?? "–" },
+];
+
+export class Tables {
+  constructor(peersTable, linksTable, verdict) {
+    this.peers = new Grid(peersTable);
+    this.links = new Grid(linksTable);
+    this.verdict = verdict;
+  }
+
+  update(session) {
+    const rows = session.peers.peers;
+    this.peers.show(
+      COLUMNS.map((c) => ({ text: c.head, title: typeof c.title === "string" ? c.title : "" })),
+      rows.map((p) => ({
+        state: p.state,
+        cells: COLUMNS.map((c) => ({
+          text: c.cell(p, session.points.get(p.slot)),
+          title: typeof c.title === "function" ? c.title(p) : "",
+          paint: c.paint && ((td) => c.paint(td, p)),
+        })),
+      })),
+    );
+    this.updateLinks(session.present());
+    this.judge(session.peers.agreement);
+  }
+
+  updateLinks(peers) {
+    const head = [{ text: "from \\ to", title: "One-way delay, loss, and the impairment that the sender puts on the link" }, ...peers.map((p) => ({ text: `peer ${p.slot}` }))];
+    this.links.show(head, peers.map((from) => ({
+      state: from.state,
+      cells: [{ text: `peer ${from.slot}`, paint: (td) => dot(td, from.slot) }, ...peers.map((to) => linkCell(from, to))],
+    })));
+  }
+
+  judge(agreement) {
+    const { verdict } = this;
+    verdict.dataset.verdict = agreement.state;
+    const at = agreement.state === "differs" ? ` since tick ${agreement.first_difference}` : agreement.compared ? `, ${agreement.compared} compared` : "";
+    setText(verdict, `Confirmed worlds: ${VERDICTS[agreement.state] ?? agreement.state}${at}`);
+  }
+}
+
+function linkCell(from, to) {
+  if (from.slot === to.slot) return { text: "" };
+  const link = from.links.find((l) => l.to === to.slot);
+  if (!link) return { text: "–" };
+  if (link.cut) return { text: "✂ cut", paint: (td) => { td.dataset.cut = "yes"; } };
+  const parts = [number(link.delay_ms, 0, " ms")];
+  if (link.loss_percent > 0) parts.push(number(link.loss_percent, 0, " % lost"));
+  const netem = link.netem ? ` [${link.netem}]` : "";
+  return { text: parts.join(", "), title: `netem: ${link.netem || "none"}`, paint: (td) => { td.dataset.netem = netem; delete td.dataset.cut; } };
+}
+
+/** A table whose cells are made once and then changed. */
+class Grid {
+  constructor(table) {
+    this.head = table.tHead.rows[0];
+    this.body = table.tBodies[0];
+  }
+
+  show(head, rows) {
+    fill(this.head, head, "th");
+    while (this.body.rows.length > rows.length) this.body.deleteRow(-1);
+    while (this.body.rows.length < rows.length) this.body.insertRow();
+    rows.forEach((row, i) => {
+      this.body.rows[i].dataset.state = row.state;
+      fill(this.body.rows[i], row.cells, "td");
+    });
+  }
+}
+
+function fill(tr, cells, kind) {
+  while (tr.cells.length > cells.length) tr.deleteCell(-1);
+  while (tr.cells.length < cells.length) {
+    const cell = document.createElement(kind);
+    if (kind === "th") cell.scope = "col";
+    tr.append(cell);
+  }
+  cells.forEach((c, i) => {
+    setText(tr.cells[i], c.text);
+    if (tr.cells[i].title !== (c.title ?? "")) tr.cells[i].title = c.title ?? "";
+    c.paint?.(tr.cells[i]);
+  });
+}
+
+function dot(td, slot) {
+  td.className = "peer";
+  td.style.setProperty("--hue", hue(slot));
+  td.style.setProperty("--ink", ink(slot));
+}
+
+export function setText(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+export function number(value, digits, unit = "") {
+  return value === null || value === undefined ? "–" : `${value.toFixed(digits)}${unit}`;
+}
+
+export function sum(values) {
+  return values ? values.reduce((a, b) => a + (b ?? 0), 0) : null;
+}

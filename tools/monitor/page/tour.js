@@ -1,0 +1,146 @@
+// The tour: six steps that set the knobs, say what to look for, and leave everything as it was found.
+
+import { together } from "./knobs.js";
+
+const FAST = "delay 20ms 3ms";
+const SLOW = "delay 200ms 40ms loss 5%";
+
+// `set` gets the Orders, the session and which half; it sets all that the step needs, as steps can be gone back too.
+const STEPS = [
+  {
+    title: "What you see",
+    text: (s) => `${s.present().length} programs play in one world, and none of them is a server. Each picture is the world as one of them sees it. `
+      + "Discs with numbers are avatars, each moved by its own program; everything else obeys physics. "
+      + "The pictures should be the same. Where one is wrong, a line leads from what it shows to where the thing really is.",
+    look: "Pick one thing and find it in every picture. The figure under each picture says how wrong it is, all things together.",
+    set: (o) => begin(o, FAST, "full"),
+  },
+  {
+    title: "No authority",
+    text: () => "Somebody has to know where a thing is. For two seconds and a half nothing passes between the peers: each plays on by itself, and nobody's word counts for the others. (A whole session without authority: tools/demo.sh --technique avatar-only.)",
+    look: "Avatars walk on in straight lines or stand in the others' pictures, and what they push moves in one picture only. Lines grow, and the inconsistency plot climbs. Press “Again” to see it once more.",
+    set: (o, s) => [...begin(o, FAST, "fixed"), ...everybody(s).map((slot) => o.cut(slot, "all", 2.5))],
+    again: true,
+  },
+  {
+    title: "Dynamic authority",
+    text: () => "Now who touches a thing decides about it, at once and without asking: it takes that avatar's colour, in every picture. Grey things are nobody's; they lie still or move by physics alone, the same everywhere.",
+    look: "Drive an avatar into some things (click a picture, then WASD or the arrow keys). They take its colour, and go grey again once they rest.",
+    set: (o) => begin(o, FAST, "full"),
+  },
+  {
+    title: "The threshold",
+    text: () => "An avatar is not told at every step: the others go on by what they know, and are told again when that is wrong by more than the threshold, the dashed circle. It is 1.5 m for half of the peers now, and 0.1 m for the others.",
+    look: "Wide circles: avatars jump or slide in the other pictures, few updates. Narrow ones: smooth, more updates (table, “updates”). With the adaptive technique the circle shrinks by itself, with a red “!”, when a contact is coming.",
+    set: (o, s) => [...begin(o, FAST, "fixed"), ...everybody(s).map((slot, i) => o.knob(slot, "threshold", i % 2 ? "0.1" : "1.5"))],
+  },
+  {
+    title: "Latency, without and with replay",
+    text: (s, half) => (half === 0
+      ? "Now the network is slow: 200 ms one way, and 5 % is lost. What arrives is applied as if it were true at that moment, though it is old by then."
+      : "The same network, with replay: each update is put where it belongs, in the past, and everything since is played again. Even things that nobody told about are then right."),
+    look: (half) => (half === 0
+      ? "Things end up in different places, and stay there: inconsistency does not go back to zero when all rests. Then press “With replay”."
+      : "Within a second the lines at things are gone; what is left are avatars that changed their minds less than 200 ms ago. Confirmed worlds: identical."),
+    set: (o, s, half) => begin(o, SLOW, half === 0 ? "adaptive" : "full"),
+    halves: ["Without replay", "With replay"],
+  },
+  {
+    title: "A partition",
+    text: (s) => `Peer ${last(s)} is cut off from all others for 5 s. After three seconds the others give it up: its avatar goes, and its things are free. When the network is whole again it comes back by itself, as a new life.`,
+    look: "Its picture goes its own way, then jumps to the others' world. See the events beside the plots, and in the table that confirmed worlds are identical again.",
+    set: (o, s) => [...begin(o, FAST, "full"), o.cut(last(s), "all", 5)],
+    again: true,
+  },
+];
+
+function begin(orders, network, technique) {
+  return [orders.netem("all", "all", network), orders.knob("all", "technique", technique)];
+}
+
+function everybody(session) {
+  return session.controllable().map((p) => p.slot);
+}
+
+function last(session) {
+  return everybody(session).at(-1);
+}
+
+export class Tour {
+  constructor(panel, session, orders) {
+    this.panel = panel;
+    this.session = session;
+    this.orders = orders;
+    this.step = null;
+    this.half = 0;
+    this.onMove = () => {};
+    const on = (name, act) => panel.querySelector(`.${name}`).addEventListener("click", act);
+    on("back", () => this.go(this.step - 1));
+    on("next", () => (this.step === STEPS.length - 1 ? this.end() : this.go(this.step + 1)));
+    on("again", () => this.set());
+    on("half", () => {
+      this.half = 1 - this.half;
+      this.show();
+      this.set();
+    });
+    on("end", () => this.end());
+  }
+
+  start() {
+    if (this.step !== null) return;
+    this.before = this.orders.remember();
+    this.panel.hidden = false;
+    this.go(0);
+    this.panel.focus();
+  }
+
+  go(step) {
+    if (step < 0 || step >= STEPS.length) return;
+    this.step = step;
+    this.half = 0;
+    this.show();
+    this.set();
+    this.onMove();
+  }
+
+  show() {
+    const step = STEPS[this.step];
+    const write = (name, text) => { this.panel.querySelector(`.${name}`).textContent = text; };
+    write("count", `Step ${this.step + 1} of ${STEPS.length}`);
+    write("title", step.title);
+    write("text", step.text(this.session, this.half));
+    write("look", typeof step.look === "function" ? step.look(this.half) : step.look);
+    write("next", this.step === STEPS.length - 1 ? "End, and restore" : "Next");
+    this.panel.querySelector(".back").disabled = this.step === 0;
+    this.panel.querySelector(".end").hidden = this.step === STEPS.length - 1;
+    this.panel.querySelector(".again").hidden = !step.again;
+    const half = this.panel.querySelector(".half");
+    half.hidden = !step.halves;
+    if (step.halves) half.textContent = step.halves[1 - this.half];
+  }
+
+  async set() {
+    const answers = await Promise.all(STEPS[this.step].set(this.orders, this.session, this.half));
+    this.complain(answers.filter((a) => !a.ok));
+  }
+
+  complain(refused) {
+    this.panel.querySelector(".status").textContent = refused.length > 0 ? `✗ ${together(refused[0].text)}` : "";
+  }
+
+  async end() {
+    if (this.step === null) return;
+    this.step = null;
+    this.panel.hidden = true;
+    this.onMove();
+    const refused = await this.orders.restore(this.before);
+    this.restored?.(refused);
+  }
+
+  /** Another session: what was remembered is of no use there. */
+  forget() {
+    this.step = null;
+    this.panel.hidden = true;
+    this.onMove();
+  }
+}

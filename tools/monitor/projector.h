@@ -1,0 +1,36 @@
+#pragma once
+
+#include "tools/monitor/film.h"
+#include "tools/monitor/front_desk.h"
+
+namespace padr::monitor {
+
+/// Shows a film: one position for all pages.
+class Projector : public FrontDesk {
+ public:
+  Projector(const Options& options, std::string mode, std::string source, Film film);
+
+  void advance(Micros now) override;
+
+ private:
+  void introduce(ViewerId viewer) override;
+  void act(ViewerId viewer, const Asked& asked) override;
+  std::string session_json() override;
+  std::string metrics() override;
+
+  void seek(Tick tick);
+  void tell_timeline();
+  std::string timeline() const;
+  void tell_table();
+
+  Film film_;
+  Screen screen_;
+  double position_;  ///< tick, with its fraction
+  bool playing_ = true;
+  double speed_ = 1;
+  Micros last_ = 0;
+  Micros next_timeline_ = 0;
+  const Film::Table* told_ = nullptr;
+};
+
+}  // namespace padr::monitor

@@ -1,0 +1,34 @@
+#include "tools/monitor/series.h"
+
+namespace padr::monitor {
+namespace {
+
+constexpr Tick kMinute = 60 * kTicksPerSecond;
+constexpr std::size_t kEvery = 64;  // points between two times of thinning
+
+/// Ticks that points of this age have between them at least; below 0: they go.
+Tick spacing(Tick age) {
+  if (age > 60 * kMinute) return -1;
+  if (age > 20 * kMinute) return 4 * kTicksPerSecond;
+  return age > 5 * kMinute ? kTicksPerSecond : 0;
+}
+
+}  // namespace
+
+void Series::add(SeriesPoint p) {
+  const Tick now = p.tick;
+  points_.push_back(std::move(p));
+  if (++added_ % kEvery == 0) thin(now);
+}
+
+void Series::thin(Tick now) {
+  std::deque<SeriesPoint> kept;
+  for (SeriesPoint& p : points_) {
+    const Tick least = spacing(now - p.tick);
+    if (least < 0 || (!kept.empty() && p.tick - kept.back().tick < least)) continue;
+    kept.push_back(std::move(p));
+  }
+  points_ = std::move(kept);
+}
+
+}  // namespace padr::monitor

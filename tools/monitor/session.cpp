@@ -1,0 +1,319 @@
+#include "tools/monitor/session.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace padr::monitor {
+namespace {
+
+/// Ticks with frames of some, that others may still tell of.
+constexpr std::size_t kRecentTicks = 6;
+constexpr Vec2 kNowhere{std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::quiet_NaN()};
+
+}  // namespace
+
+Session::Session(SessionKey key, Scene scene, std::string scenario, std::uint64_t seed, int slots, Micros now)
+    : key_(key),
+      scene_(std::move(scene)),
+      scenario_(std::move(scenario)),
+      seed_(seed),
+      slots_(slots),
+      entities_(scene_.bodies.size() + static_cast<std::size_t>(slots)),
+      began_(now),
+      gauge_(static_cast<int>(scene_.bodies.size())) {}
+
+void Session::take(const Told& told, const Endpoint& from, Micros now) {
+  PeerRecord* p = record_of(told.from, now);
+  if (p == nullptr) return;
+  p->heard = now;
+  p->from = from;
+  std::visit([&](const auto& message) { take(*p, message, now); }, told.message);
+}
+
+PeerRecord* Session::record_of(const Origin& origin, Micros now) {
+  auto found = peers_.find(origin.process);
+  if (found == peers_.end()) {
+    if (peers_.size() >= kProcesses) return nullptr;
+    found = peers_.emplace(origin.process, PeerRecord(origin)).first;
+    found->second.first_heard = now;
+  }
+  PeerRecord& p = found->second;
+  if (p.origin != origin) {
+    if (holds_slot(p)) leave_slot(p.origin.slot);
+    p.origin = origin;
+    p.frame_pieces.clear();
+    p.agreed_pieces.clear();
+    p.newest.reset();
+    p.links.clear();
+  }
+  if (origin.slot >= slots_) return &p;  // does not play yet
+  const auto sits = sits_.find(origin.slot);
+  if (sits != sits_.end() && sits->second == origin.process) return &p;
+  if (sits != sits_.end()) {
+    const PeerRecord& other = peers_.at(sits->second);
+    const bool newer = origin.incarnation != other.origin.incarnation ? origin.incarnation > other.origin.incarnation
+                                                                      : p.first_heard >= other.first_heard;
+    if (!newer && other.presence(now) != PeerRecord::Presence::kGone) return &p;
+    leave_slot(origin.slot);
+  }
+  sits_[origin.slot] = origin.process;
+  return &p;
+}
+
+bool Session::holds_slot(const PeerRecord& p) const {
+  const auto sits = sits_.find(p.origin.slot);
+  return sits != sits_.end() && sits->second == p.origin.process;
+}
+
+void Session::leave_slot(PeerId slot) {
+  sits_.erase(slot);
+  agreement_.forget(slot);
+  gauge_.forget(slot);
+  measured_.erase(slot);
+  for (std::size_t w = 0; w < kWhiches; ++w) views_.erase({slot, static_cast<Which>(w)});
+  for (auto& [tick, frames] : recent_) frames.erase(slot);
+}
+
+void Session::take(PeerRecord& p, const Hello& h, Micros) {
+  p.hello = h;
+  p.ended_at = -1;
+}
+
+void Session::take(PeerRecord& p, const Frame& piece, Micros now) {
+  if (piece.total != entities_ || !holds_slot(p)) return;
+  const auto whole = p.frame_pieces.add(piece);
+  if (!whole) return;
+  ++p.frames;
+  if (p.newest && p.hello && whole->tick > p.newest->tick) {
+    const std::int64_t due = frames_until(whole->tick, p.hello->rate) - frames_until(p.newest->tick, p.hello->rate);
+    p.lost += static_cast<std::uint64_t>(std::max<std::int64_t>(0, due - 1));
+  }
+  if (whole->live.size() == entities_) gauge_.frame(p.origin.slot, whole);
+  if (p.newest && whole->tick <= p.newest->tick) return;
+  p.newest = whole;
+  tick_ = std::max(tick_, whole->tick);
+  put_frame(p);
+  gather(p, now);
+}
+
+void Session::take(PeerRecord& p, const Agreed& piece, Micros) {
+  if (piece.total != entities_ || !holds_slot(p)) return;
+  const auto whole = p.agreed_pieces.add(piece);
+  if (!whole || whole->at.size() != entities_) return;
+  agreement_.note(p.origin.slot, whole->tick, whole->hash);
+  gauge_.agreed(whole);
+  Block head;
+  head.slot = p.origin.slot;
+  head.which = Which::kConfirmed;
+  head.tick = whole->tick;
+  head.target = kNowhere;
+  const auto shown = views_.find({head.slot, head.which});
+  if (shown == views_.end() || shown->second.head.tick < head.tick) put(head, nullptr, whole);
+}
+
+void Session::show_agreed(const Agreed& agreed) {
+  tick_ = std::max(tick_, agreed.tick);
+  Block head;
+  head.which = Which::kConfirmed;
+  head.tick = agreed.tick;
+  head.target = kNowhere;
+  put(head, nullptr, std::make_shared<Agreed>(agreed));
+}
+
+void Session::take(PeerRecord& p, const Status& s, Micros) {
+  for (const LinkStatus& l : s.links) p.links[l.to] = l;
+  if (p.status && s.tick < p.status->tick && s.steps < p.status->steps) return;  // an older one, late
+  if (s.confirmed >= 0 && holds_slot(p)) agreement_.note(p.origin.slot, s.confirmed, s.hash);
+  p.rates.take(s);
+  const bool paused = p.paused();
+  p.status = s;
+  p.status->links.clear();
+  if (!holds_slot(p)) return;
+  tick_ = std::max(tick_, s.tick);
+  // Who stands still tells no frames that would show it.
+  if (p.newest && p.paused() != paused) put_frame(p);
+}
+
+void Session::take(PeerRecord& p, const Events& e, Micros now) {
+  for (const Event& event : e.events) {
+    if (event.number <= p.last_event) continue;
+    p.last_event = event.number;
+    if (event.kind == EventKind::kEnd) p.ended_at = now;
+    events_.push_back({p.origin.slot, p.origin.process, event});
+    ++events_ever_;
+    if (events_.size() > kEvents) events_.pop_front();
+  }
+}
+
+void Session::advance(Micros now) {
+  for (auto it = peers_.begin(); it != peers_.end();) {
+    const PeerRecord& p = it->second;
+    const bool gone = p.presence(now) == PeerRecord::Presence::kGone;
+    const bool sits = holds_slot(p);
+    if (gone && sits) {
+      // Its places in pictures and comparisons are free at once, its line in the table only later.
+      agreement_.forget(p.origin.slot);
+      gauge_.forget(p.origin.slot);
+      for (std::size_t w = 0; w < kWhiches; ++w) views_.erase({p.origin.slot, static_cast<Which>(w)});
+    }
+    if (gone && (!sits || now - p.heard > kForgetAfter)) {
+      if (sits) leave_slot(p.origin.slot);
+      it = peers_.erase(it);
+    } else {
+      ++it;
+    }
+  }
+}
+
+std::vector<const PeerRecord*> Session::peers() const {
+  std::vector<const PeerRecord*> out;
+  for (const auto& [slot, process] : sits_) out.push_back(&peers_.at(process));
+  return out;
+}
+
+const PeerRecord* Session::peer(PeerId slot) const {
+  const auto sits = sits_.find(slot);
+  return sits == sits_.end() ? nullptr : &peers_.at(sits->second);
+}
+
+const PeerRecord* Session::process(std::uint64_t process) const {
+  const auto found = peers_.find(process);
+  return found == peers_.end() ? nullptr : &found->second;
+}
+
+bool Session::alive(Micros now) const {
+  return std::any_of(peers_.begin(), peers_.end(),
+                     [now](const auto& p) { return p.second.presence(now) != PeerRecord::Presence::kGone; });
+}
+
+void Session::put(const Block& head, std::shared_ptr<const Frame> frame, std::shared_ptr<const Agreed> agreed) {
+  views_[{head.slot, head.which}] = {++serial_, head, std::move(frame), std::move(agreed), nullptr};
+}
+
+void Session::put_frame(const PeerRecord& p) {
+  const Frame& f = *p.newest;
+  Block head;
+  head.slot = p.origin.slot;
+  head.interaction = f.interaction;
+  head.paused = p.paused();
+  head.driven = f.driven;
+  head.tick = f.tick;
+  head.threshold = f.threshold;
+  head.target = f.target;
+  for (const auto& [which, places] : {std::pair{Which::kShown, &f.shown}, std::pair{Which::kLive, &f.live},
+                                      std::pair{Which::kPredicted, &f.predicted}}) {
+    if (places->size() != entities_) continue;
+    head.which = which;
+    put(head, p.newest, nullptr);
+  }
+}
+
+/// The authority's view of a tick is made when everybody's frame of it is there, or will not come any more.
+void Session::gather(const PeerRecord& p, Micros now) {
+  const Tick tick = p.newest->tick;
+  if (tick <= authority_at_) return;
+  recent_[tick][p.origin.slot] = p.newest;
+  const auto& have = recent_[tick];
+  const bool all = std::all_of(sits_.begin(), sits_.end(), [&](const auto& sits) {
+    const PeerRecord& other = peers_.at(sits.second);
+    return have.contains(sits.first) || !other.newest || other.paused() ||
+           other.presence(now) != PeerRecord::Presence::kHere;
+  });
+  if (all) put_authority(tick);
+  while (recent_.size() > kRecentTicks) {
+    const Tick oldest = recent_.begin()->first;
+    put_authority(oldest);
+    recent_.erase(oldest);
+  }
+}
+
+void Session::put_authority(Tick tick) {
+  const auto& frames = recent_[tick];
+  if (tick <= authority_at_ || frames.empty()) return;
+  authority_at_ = tick;
+  const auto world = std::make_shared<Agreed>();
+  world->tick = tick;
+  world->total = static_cast<EntityId>(entities_);
+  const std::size_t bodies = scene_.bodies.size();
+  for (std::size_t e = 0; e < entities_; ++e) {
+    const Frame* from = e < bodies ? frames.begin()->second.get() : nullptr;
+    for (const auto& [slot, frame] : frames) {
+      const bool own = e < bodies ? frame->flags[e].owner == slot : e - bodies == slot;
+      if (!own) continue;
+      from = frame.get();
+      break;
+    }
+    const std::vector<Place>* at = from == nullptr ? nullptr : (from->live.empty() ? &from->shown : &from->live);
+    const bool told = at != nullptr && at->size() == entities_;
+    world->flags.push_back(told ? from->flags[e] : EntityFlags{});
+    world->at.push_back(told ? (*at)[e] : Place{});
+  }
+  Block head;
+  head.which = Which::kAuthority;
+  head.tick = tick;
+  head.target = kNowhere;
+  put(head, nullptr, world);
+}
+
+std::string Session::encode(const Newest& n) {
+  if (n.agreed) return encode_block(n.head, n.agreed->flags, n.agreed->at);
+  const Frame& f = *n.frame;
+  const auto& places = n.head.which == Which::kShown ? f.shown : (n.head.which == Which::kLive ? f.live : f.predicted);
+  return encode_block(n.head, f.flags, places);
+}
+
+std::vector<ViewSource::View> Session::views(unsigned views, std::uint64_t since) {
+  std::vector<View> out;
+  for (auto& [what, newest] : views_) {
+    if ((views & 1U << static_cast<unsigned>(what.second)) == 0 || newest.serial <= since) continue;
+    if (!newest.bytes) newest.bytes = std::make_shared<const std::string>(encode(newest));
+    out.push_back({newest.serial, newest.bytes});
+  }
+  return out;
+}
+
+std::optional<trace::InconsistencyPoint> Session::inconsistency(PeerId slot) const {
+  const auto found = measured_.find(slot);
+  if (found == measured_.end() || found->second.last.tick == 0) return std::nullopt;
+  return found->second.last;
+}
+
+const SeriesPoint& Session::sample(Micros now) {
+  for (const auto& [slot, point] : gauge_.take()) {
+    Sum& s = measured_[slot];
+    ++s.n;
+    s.sum.avatars_m += point.avatars_m;
+    s.sum.bodies_m += point.bodies_m;
+    s.sum.shown_m += point.shown_m;
+    s.last = point;
+  }
+  SeriesPoint out;
+  out.tick = tick_;
+  for (const PeerRecord* p : peers()) {
+    if (p->presence(now) == PeerRecord::Presence::kGone) continue;
+    PeerPoint point;
+    point.slot = p->origin.slot;
+    if (const auto found = measured_.find(point.slot); found != measured_.end() && found->second.n > 0) {
+      Sum& s = found->second;
+      const auto n = static_cast<float>(s.n);
+      point.inconsistency = {s.last.tick, s.sum.avatars_m / n, s.sum.bodies_m / n, s.sum.shown_m / n};
+      s.n = 0;
+      s.sum = {};
+    }
+    if (const auto& rates = p->rates.rates()) {
+      point.updates_per_s.emplace();
+      std::transform(rates->updates_per_s.begin(), rates->updates_per_s.end(), point.updates_per_s->begin(),
+                     [](double v) { return static_cast<float>(v); });
+      point.kbit_per_s = static_cast<float>(rates->kbit_per_s);
+    }
+    if (const auto lag = p->lag_ms()) point.lag_ms = static_cast<float>(*lag);
+    if (p->newest) point.threshold_m = p->newest->threshold;
+    for (const auto& [to, link] : p->links)
+      if (link.there && link.measured) point.delay_ms.emplace_back(to, link.delay_in_ms);
+    out.peers.push_back(std::move(point));
+  }
+  series_.add(std::move(out));
+  return series_.points().back();
+}
+
+}  // namespace padr::monitor

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace padr::support {
+
+/// "0.123" and so on: fixed digits, independent of locale; "inf" and "nan" for what is not finite.
+std::string fixed(double v, int digits);
+/// The same, and "-" for what is not finite.
+std::string fixed_or_dash(double v, int digits);
+
+/// 16 hexadecimal digits.
+std::string hex(std::uint64_t v);
+
+/// `text` with every byte that is not part of well-formed UTF-8 (RFC 3629) replaced by U+FFFD: JSON allows nothing
+/// else, and command lines and paths may hold any bytes.
+std::string valid_utf8(std::string_view text);
+
+/// A table for people: columns of these headings, as wide as need be. The first is flush left, the others flush right.
+class Table {
+ public:
+  explicit Table(std::vector<std::string> headings) : rows_{std::move(headings)} {}
+  void row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
+  /// Each line begins with two spaces.
+  std::string text() const;
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+};
+
+}  // namespace padr::support
