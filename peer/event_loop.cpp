@@ -4,7 +4,6 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <random>
 
 #include "common/model/user_error.h"
 #include "common/world/world.h"
@@ -12,6 +11,7 @@
 #include "tools/support/files.h"
 #include "tools/support/netem_flags.h"
 #include "tools/support/run_main.h"
+#include "tools/support/unpredictable.h"
 
 namespace padr::peer {
 namespace {
@@ -21,13 +21,9 @@ using boost::system::error_code;
 /// What is still in the links when all is over may take so long to leave.
 constexpr Micros kDrain = 300'000;
 
-std::uint64_t unpredictable() {
-  std::random_device device;
-  return std::uint64_t{device()} << 32U | device();
-}
-
 /// Where to listen, given where the others are. Throws UserError if that cannot be, or must not.
-Udp::endpoint listen_address(boost::asio::io_context& io, const Options& o, const std::optional<Udp::endpoint>& join) {
+support::Udp::endpoint listen_address(boost::asio::io_context& io, const Options& o,
+                                      const std::optional<support::Udp::endpoint>& join) {
   const bool v6 = join && join->address().is_v6();
   if (!o.listen) {
     if (join && !join->address().is_loopback())
@@ -37,7 +33,7 @@ Udp::endpoint listen_address(boost::asio::io_context& io, const Options& o, cons
     if (v6) return {boost::asio::ip::address_v6::loopback(), 0};
     return {boost::asio::ip::address_v4::loopback(), 0};
   }
-  Udp::endpoint listen = resolve(io, "--listen", *o.listen);
+  support::Udp::endpoint listen = support::resolve(io, "--listen", *o.listen);
   if (!listen.address().is_loopback() && !o.insecure && !o.key)
     throw UserError("--listen: " + o.listen->text +
                     " can be reached by other machines, and nothing proves who sends a " +
@@ -58,7 +54,7 @@ node::SessionConfig session_config(const Options& o, const std::optional<Endpoin
   c.authority = o.technique.authority;
   c.scenario = o.scenario.label + " seed " + std::to_string(o.scenario.seed);
   c.sealed = o.key.has_value();
-  c.seed = unpredictable();
+  c.seed = support::unpredictable();
   c.patience = std::llround(o.join_timeout * static_cast<double>(kMicrosPerSecond));
   return c;
 }
@@ -67,18 +63,18 @@ node::SessionConfig session_config(const Options& o, const std::optional<Endpoin
 
 EventLoop::EventLoop(const Options& options, Log& log, const support::Clock& clock)
     : options_(options), log_(log), clock_(clock), io_(1), signals_(io_, SIGINT, SIGTERM), timer_(io_) {
-  std::optional<Udp::endpoint> join;
+  std::optional<support::Udp::endpoint> join;
   if (options.join) {
-    std::optional<Udp> family;
-    if (options.listen) family = resolve(io_, "--listen", *options.listen).protocol();
-    join = resolve(io_, "--join", *options.join, family ? &*family : nullptr);
+    std::optional<support::Udp> family;
+    if (options.listen) family = support::resolve(io_, "--listen", *options.listen).protocol();
+    join = support::resolve(io_, "--join", *options.join, family ? &*family : nullptr);
   }
-  socket_ = std::make_unique<UdpSocket>(io_, listen_address(io_, options, join));
-  local_ = to_endpoint(socket_->local());
+  socket_ = std::make_unique<support::UdpSocket>(io_, listen_address(io_, options, join));
+  local_ = support::to_endpoint(socket_->local());
   const std::vector<std::string> lines = shape_links();
   open_files();
   std::optional<Endpoint> member;
-  if (join) member = to_endpoint(*join);
+  if (join) member = support::to_endpoint(*join);
   if (options.monitor) teller_ = std::make_unique<Teller>(io_, options, log, clock);
   player_ = std::make_unique<Player>(options, session_config(options, member), gate_config(options, keylog_.get()), log,
                                      *recordings_, teller_.get(), clock_.now());
@@ -99,8 +95,8 @@ std::vector<std::string> EventLoop::shape_links() {
     if (n.peer) {
       specs.by_peer[*n.peer] = n.spec;
     } else {
-      const Udp family = socket_->local().protocol();
-      const Endpoint to = to_endpoint(resolve(io_, "--netem-to", *n.address, &family));
+      const support::Udp family = socket_->local().protocol();
+      const Endpoint to = support::to_endpoint(support::resolve(io_, "--netem-to", *n.address, &family));
       specs.by_address[to] = n.spec;
       where = to_string(to);
     }

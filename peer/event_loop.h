@@ -22,9 +22,9 @@
 #include "peer/session_key.h"
 #include "peer/status.h"
 #include "peer/teller.h"
-#include "peer/udp_socket.h"
 #include "tools/support/clock.h"
 #include "tools/support/files.h"
+#include "tools/support/udp_socket.h"
 
 namespace padr::peer {
 
@@ -66,7 +66,7 @@ class EventLoop {
   std::unique_ptr<Keylog> keylog_;             ///< null if nobody asked for it
   std::unique_ptr<Health> health_;             ///< null if nobody asked for it
   std::unique_ptr<support::OutputFile> json_;  ///< null for standard output, too
-  std::unique_ptr<UdpSocket> socket_;
+  std::unique_ptr<support::UdpSocket> socket_;
   std::unique_ptr<PacketLog> packets_;  ///< null: none is kept
   std::unique_ptr<Egress> egress_;
   Cuts cuts_;

@@ -28,9 +28,9 @@ capture::PcapngWriter::About about(const Options& o, const Endpoint& local) {
 
 }  // namespace
 
-PacketLog::PacketLog(const Options& options, const UdpSocket& socket)
+PacketLog::PacketLog(const Options& options, const support::UdpSocket& socket)
     : socket_(socket),
-      local_(to_endpoint(socket.local())),
+      local_(support::to_endpoint(socket.local())),
       file_("--pcap", options.pcap, kFlush, kMostWaiting),
       writer_(about(options, local_), [this](std::span<const std::byte> block) {
         if (!file_.append(block)) ++dropped_;

@@ -49,7 +49,7 @@ void put_seal(Json& j, const Report& r) {
   j.end_object().end_object();
 }
 
-void put_socket(Json& j, const SocketStats& s) {
+void put_socket(Json& j, const support::SocketStats& s) {
   j.key("socket").begin_object();
   j.field("sent", s.sent).field("send_errors", s.send_errors).field("refused", s.refused);
   j.field("buffer_full", s.buffer_full).field("receive_errors", s.receive_errors);

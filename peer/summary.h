@@ -6,7 +6,7 @@
 #include "peer/options.h"
 #include "peer/player.h"
 #include "peer/teller.h"
-#include "peer/udp_socket.h"
+#include "tools/support/udp_socket.h"
 
 namespace padr::peer {
 
@@ -15,7 +15,7 @@ struct Report {
   const Options& options;
   const Player& player;
   const Egress& egress;
-  const UdpSocket& socket;
+  const support::UdpSocket& socket;
   const Teller* teller;  ///< null: there is no monitor
   Endpoint local;
   int exit_code;

@@ -1,12 +1,12 @@
 #include "peer/teller.h"
 
 #include <boost/asio/ip/address.hpp>
-#include <random>
 
 #include "common/model/user_error.h"
 #include "peer/status.h"
 #include "tools/support/revision.h"
 #include "tools/support/text.h"
+#include "tools/support/unpredictable.h"
 
 namespace padr::peer {
 namespace {
@@ -25,17 +25,12 @@ constexpr int kAgreedPerStep = 3;
 // Where the system says that nobody listens, frames are not told until a hello has gone unrefused.
 constexpr Micros kNobody = kHelloEvery * kBeat + kBeat / 2;
 
-std::uint64_t unpredictable() {
-  std::random_device device;
-  return std::uint64_t{device()} << 32U | device();
-}
-
 /// Where orders may come from without proof of who sends them.
 bool may_order(const Options& o, const Endpoint& monitor) {
   return o.monitor->control && (monitor.is_loopback() || o.insecure);
 }
 
-Udp::endpoint any_towards(const Udp::endpoint& to) {
+support::Udp::endpoint any_towards(const support::Udp::endpoint& to) {
   const auto address = to.address();
   if (address.is_v6())
     return {address.is_loopback() ? asio::ip::address_v6::loopback() : asio::ip::address_v6::any(), 0};
@@ -51,41 +46,42 @@ Teller::Teller(asio::io_context& io, const Options& options, Log& log, const sup
       io_(io),
       resolver_(io),
       sampler_(options.monitor->rate, options.monitor->detail) {
-  from_.process = unpredictable();
-  token_ = unpredictable();
-  std::optional<Udp::endpoint> where;
+  from_.process = support::unpredictable();
+  token_ = support::unpredictable();
+  std::optional<support::Udp::endpoint> where;
   try {
-    where = resolve(io, "--monitor", options.monitor->where);
+    where = support::resolve(io, "--monitor", options.monitor->where);
   } catch (const UserError& e) {
     log_.net->warn("{}; asking again from time to time", e.what());
   }
   if (where) found(*where);
 }
 
-void Teller::found(const Udp::endpoint& where) {
-  to_ = to_endpoint(where);
+void Teller::found(const support::Udp::endpoint& where) {
+  to_ = support::to_endpoint(where);
   obeys_ = may_order(options_, *to_);
   if (options_.monitor->control && !obeys_)
     throw UserError("--control: " + options_.monitor->where.text +
                     " is not on this machine, and nothing proves who sends orders; give a loopback address to "
                     "--monitor, or --insecure if you trust the network");
-  socket_ = std::make_unique<UdpSocket>(io_, any_towards(where));
+  socket_ = std::make_unique<support::UdpSocket>(io_, any_towards(where));
   log_.net->info("telling the monitor at {}{}", to_string(*to_), obeys_ ? ", and obeying it" : "");
 }
 
 // By a thread of Asio's: a name server that does not answer holds nobody up.
 void Teller::resolve_again() {
   const support::HostPort& where = options_.monitor->where;
-  resolver_.async_resolve(where.host, std::to_string(where.port),
-                          [this](const boost::system::error_code& error, const Udp::resolver::results_type& all) {
-                            if (error || all.empty() || socket_) return;
-                            try {
-                              found(all.begin()->endpoint());
-                              if (obey_) start(obey_, afterwards_);
-                            } catch (const std::exception& e) {
-                              log_.net->error("{}", e.what());
-                            }
-                          });
+  resolver_.async_resolve(
+      where.host, std::to_string(where.port),
+      [this](const boost::system::error_code& error, const support::Udp::resolver::results_type& all) {
+        if (error || all.empty() || socket_) return;
+        try {
+          found(all.begin()->endpoint());
+          if (obey_) start(obey_, afterwards_);
+        } catch (const std::exception& e) {
+          log_.net->error("{}", e.what());
+        }
+      });
 }
 
 void Teller::start(Obey obey, std::function<void()> afterwards) {

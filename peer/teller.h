@@ -13,9 +13,9 @@
 #include "peer/log.h"
 #include "peer/options.h"
 #include "peer/player.h"
-#include "peer/udp_socket.h"
 #include "peer/watcher.h"
 #include "tools/support/clock.h"
+#include "tools/support/udp_socket.h"
 
 namespace padr::peer {
 
@@ -70,7 +70,7 @@ class Teller final : public Watcher {
 
  private:
   void resolve_again();
-  void found(const Udp::endpoint& where);
+  void found(const support::Udp::endpoint& where);
   bool listened_to() const { return socket_ && clock_.now() >= nobody_until_; }
   void receive(const Endpoint& from, std::span<const std::byte> datagram);
   void send(const monitor::Message& message);
@@ -83,8 +83,8 @@ class Teller final : public Watcher {
   Log& log_;
   const support::Clock& clock_;
   boost::asio::io_context& io_;
-  std::unique_ptr<UdpSocket> socket_;
-  Udp::resolver resolver_;
+  std::unique_ptr<support::UdpSocket> socket_;
+  support::Udp::resolver resolver_;
   std::optional<Endpoint> to_;  ///< absent as long as its name is unknown
   bool obeys_ = false;          ///< what comes from there
   Micros nobody_until_ = 0;     ///< nobody listens there, as far as is known

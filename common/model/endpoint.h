@@ -38,6 +38,15 @@ struct Endpoint {
   Endpoint place() const { return {address, port, {}}; }
 };
 
+/// a.b.c.d:port.
+inline Endpoint ipv4(const std::array<std::uint8_t, 4>& address, std::uint16_t port) {
+  Endpoint e;
+  e.address[10] = e.address[11] = 0xFF;
+  for (std::size_t i = 0; i < 4; ++i) e.address[12 + i] = address[i];
+  e.port = port;
+  return e;
+}
+
 /// Whoever is there.
 inline bool same_place(const Endpoint& a, const Endpoint& b) {
   return a.address == b.address && a.port == b.port;

@@ -249,6 +249,13 @@ void Gate::take(const Endpoint& place, const wire::Cookie& cookie, Micros local)
   if (!waiting.bytes.empty()) post(*c, waiting);
 }
 
+bool Gate::proven(const Channel& c, std::uint64_t number, std::span<const std::byte> datagram) {
+  const bool is_new = c.window.would_pass(number);
+  if (is_new && wire::proves(datagram, c.keys.in, number)) return true;
+  drop(is_new ? GateDrop::kTag : GateDrop::kReplay);
+  return false;
+}
+
 void Gate::take(const Endpoint& place, const wire::Introduction& in, std::span<const std::byte> datagram,
                 Micros local) {
   const std::int64_t age = local / kCookieAge;
@@ -264,8 +271,7 @@ void Gate::take(const Endpoint& place, const wire::Introduction& in, std::span<c
     drop(GateDrop::kFull);
     return;
   }
-  if (!c->window.would_pass(in.number) || !wire::proves(datagram, c->keys.in, in.number)) {
-    drop(c->window.would_pass(in.number) ? GateDrop::kTag : GateDrop::kReplay);
+  if (!proven(*c, in.number, datagram)) {
     if (fresh) channels_.pop_back();
     return;
   }
@@ -283,10 +289,7 @@ void Gate::take(const Endpoint& place, const wire::Acceptance& in, std::span<con
     drop(GateDrop::kStranger);
     return;
   }
-  if (!c->window.would_pass(in.number) || !wire::proves(datagram, c->keys.in, in.number)) {
-    drop(c->window.would_pass(in.number) ? GateDrop::kTag : GateDrop::kReplay);
-    return;
-  }
+  if (!proven(*c, in.number, datagram)) return;
   heard(*c, place, in.number, local);
   ++stats_.handshakes;
 }

@@ -114,6 +114,8 @@ class Gate {
   void heard(Channel& c, const Endpoint& place, std::uint64_t number, Micros local);
   wire::Tag cookie_for(const Endpoint& place, const PublicKey& key, std::int64_t age) const;
   std::optional<Arrival> drop(GateDrop why);
+  /// That a datagram with this number is new, and of whom it says; counts it as dropped if not.
+  bool proven(const Channel& c, std::uint64_t number, std::span<const std::byte> datagram);
   void take(const Endpoint& place, const wire::Hello& hello, Micros local);
   void take(const Endpoint& place, const wire::Cookie& cookie, Micros local);
   void take(const Endpoint& place, const wire::Introduction& in, std::span<const std::byte> datagram, Micros local);

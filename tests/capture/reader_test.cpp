@@ -226,13 +226,8 @@ TEST(Writer, IsReadBackAndChecksumsAreRight) {
   capture::PcapngWriter w({"a comment", "a test", "lo", ""},
                           [&file](std::span<const std::byte> b) { file.insert(file.end(), b.begin(), b.end()); });
   const Data v4 = udp("");  // any bytes
-  Endpoint a, b;
-  a.address[10] = a.address[11] = b.address[10] = b.address[11] = 0xFF;
-  a.address[12] = b.address[12] = 127;
-  a.address[15] = 1;
-  b.address[15] = 2;
-  a.port = 65535;
-  b.port = 1;
+  const Endpoint a = ipv4({127, 0, 0, 1}, 65535);
+  const Endpoint b = ipv4({127, 0, 0, 2}, 1);
   Endpoint c;
   c.address[0] = 0x20;
   c.address[15] = 9;

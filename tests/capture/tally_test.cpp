@@ -47,9 +47,8 @@ TEST(Gaps, PercentilesAreWithinThreePercent) {
 class Talk {
  public:
   Talk() {
-    for (Endpoint* e : {&a_, &b_}) e->address[10] = e->address[11] = 0xFF;
-    a_.port = 1;
-    b_.port = 2;
+    a_ = ipv4({}, 1);
+    b_ = ipv4({}, 2);
   }
   sync::StatePacket packet(std::uint32_t seq, Tick tick, std::uint32_t count) const {
     sync::StatePacket p;
@@ -163,7 +162,7 @@ TEST(Record, EveryFieldHasAPlaceInTheTable) {
   t.say(0, p, 5);
   Datagram d;
   d.payload = t.bytes_;
-  for (Endpoint* e : {&d.from, &d.to}) e->address[10] = e->address[11] = 0xFF;
+  d.from = d.to = ipv4({}, 0);
   d.time_ns = 1'000'000'007;
   Recorder recorder;
   const Record r = recorder.record(d);

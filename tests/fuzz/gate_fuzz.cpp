@@ -13,11 +13,7 @@ using namespace padr;
 constexpr std::size_t kHead = 3;  // of each datagram: what to do with it, from where, its length
 
 Endpoint place(unsigned n) {
-  Endpoint e;
-  e.address[10] = e.address[11] = 0xFF;
-  e.address[15] = static_cast<std::uint8_t>(n);
-  e.port = 7000;
-  return e;
+  return ipv4({10, 0, 0, static_cast<std::uint8_t>(n)}, 7000);
 }
 
 node::GateConfig config(std::uint8_t seed) {

@@ -14,12 +14,7 @@ using namespace padr;
 constexpr std::size_t kHead = 3;  // of each payload: its kind, who sends it, its length
 
 Endpoint place(unsigned n) {
-  Endpoint e;
-  e.address[10] = e.address[11] = 0xFF;
-  e.address[12] = 10;
-  e.address[15] = static_cast<std::uint8_t>(n);
-  e.port = 7000;
-  return e;
+  return ipv4({10, 0, 0, static_cast<std::uint8_t>(n)}, 7000);
 }
 
 void add(wire::Bytes& all, wire::Kind kind, std::uint32_t sender, const wire::Bytes& payload) {

@@ -41,7 +41,7 @@ const Knob kKnob{"threshold", "0.5"};
 
 TEST(OrderDesk, AnOrderIsSentUntilItIsAnswered) {
   Desk d;
-  ASSERT_TRUE(d.desk.give({&d.peers[0]}, kKnob, {5, 9, "knob"}, 0));
+  ASSERT_TRUE(d.desk.give({&d.peers[0]}, kKnob, {5, 9, "knob"}));
   const auto first = d.sent(0);
   ASSERT_EQ(first.size(), 1U);
   EXPECT_EQ(first[0].what, What(kKnob));
@@ -62,8 +62,8 @@ TEST(OrderDesk, AnOrderIsSentUntilItIsAnswered) {
 
 TEST(OrderDesk, OrdersToAPeerGoOneAfterTheOther) {
   Desk d;
-  ASSERT_TRUE(d.desk.give({&d.peers[0]}, kKnob, {}, 0));
-  ASSERT_TRUE(d.desk.give({&d.peers[0]}, Pause{1}, {}, 0));
+  ASSERT_TRUE(d.desk.give({&d.peers[0]}, kKnob, {}));
+  ASSERT_TRUE(d.desk.give({&d.peers[0]}, Pause{1}, {}));
   const auto first = d.sent(0);
   ASSERT_EQ(first.size(), 1U);
   d.desk.heard(11, d.answer(first[0]));
@@ -75,7 +75,7 @@ TEST(OrderDesk, OrdersToAPeerGoOneAfterTheOther) {
 
 TEST(OrderDesk, AllMustFollow) {
   Desk d;
-  ASSERT_TRUE(d.desk.give({&d.peers[0], &d.peers[1]}, kKnob, {5, {}, "knob"}, 0));
+  ASSERT_TRUE(d.desk.give({&d.peers[0], &d.peers[1]}, kKnob, {5, {}, "knob"}));
   const auto sent = d.sent(0);
   ASSERT_EQ(sent.size(), 2U);
   EXPECT_NE(sent[0].number, sent[1].number);
@@ -90,7 +90,7 @@ TEST(OrderDesk, AllMustFollow) {
 
 TEST(OrderDesk, WhoDoesNotAnswerIsGivenUp) {
   Desk d;
-  ASSERT_TRUE(d.desk.give({&d.peers[0]}, kKnob, {5, {}, "knob"}, 0));
+  ASSERT_TRUE(d.desk.give({&d.peers[0]}, kKnob, {5, {}, "knob"}));
   int sent = 0;
   for (Micros t = 0; t < 10 * kMicrosPerSecond; t += 10'000) sent += static_cast<int>(d.sent(t).size());
   EXPECT_EQ(sent, OrderDesk::kTries);
@@ -101,8 +101,8 @@ TEST(OrderDesk, WhoDoesNotAnswerIsGivenUp) {
 
 TEST(OrderDesk, WhatWaitsForAPeerIsBounded) {
   Desk d;
-  for (std::size_t i = 0; i < OrderDesk::kWaiting; ++i) ASSERT_TRUE(d.desk.give({&d.peers[0]}, kKnob, {}, 0));
-  EXPECT_FALSE(d.desk.give({&d.peers[1], &d.peers[0]}, kKnob, {}, 0));
+  for (std::size_t i = 0; i < OrderDesk::kWaiting; ++i) ASSERT_TRUE(d.desk.give({&d.peers[0]}, kKnob, {}));
+  EXPECT_FALSE(d.desk.give({&d.peers[1], &d.peers[0]}, kKnob, {}));
   EXPECT_EQ(d.sent(0).size(), 1U) << "and the other has got nothing of it";
 }
 
@@ -110,16 +110,16 @@ TEST(OrderDesk, ADriveIsRepeatedAndOnlyTheNewestCounts) {
   Desk d;
   const Drive east{Drive::Kind::kDirection, {1, 0}};
   const Drive north{Drive::Kind::kDirection, {0, 1}};
-  d.desk.drive(d.peers[0], east, 0);
+  d.desk.drive(d.peers[0], east);
   const auto first = d.sent(0);
   ASSERT_EQ(first.size(), 1U);
   EXPECT_TRUE(d.sent(OrderDesk::kDriveAgain - 1).empty());
   ASSERT_EQ(d.sent(OrderDesk::kDriveAgain).size(), 1U);
   EXPECT_GT(d.orders[0].number, first[0].number) << "a peer takes only newer orders";
-  d.desk.drive(d.peers[0], north, 0);
+  d.desk.drive(d.peers[0], north);
   ASSERT_EQ(d.sent(OrderDesk::kDriveAgain + 1).size(), 1U) << "something new goes at once";
   EXPECT_EQ(d.orders[0].what, What(north));
-  d.desk.drive(d.peers[0], {}, 0);
+  d.desk.drive(d.peers[0], {});
   const auto release = d.sent(OrderDesk::kDriveAgain + 2);
   ASSERT_EQ(release.size(), 1U);
   EXPECT_EQ(release[0].what, What(Drive{}));

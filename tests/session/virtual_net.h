@@ -20,12 +20,7 @@ namespace padr::test {
 
 /// 10.0.0.n:7000.
 inline Endpoint place(int n) {
-  Endpoint e;
-  e.address[10] = e.address[11] = 0xFF;
-  e.address[12] = 10;
-  e.address[15] = static_cast<std::uint8_t>(n);
-  e.port = 7000;
-  return e;
+  return ipv4({10, 0, 0, static_cast<std::uint8_t>(n)}, 7000);
 }
 
 /// The config of a peer that fits every other one of these.

@@ -110,13 +110,7 @@ StatePacket crowded() {
 }
 
 Endpoint somewhere() {
-  Endpoint e;
-  e.address[10] = e.address[11] = 0xFF;
-  e.address[12] = 192;
-  e.address[14] = 2;
-  e.address[15] = 7;
-  e.port = 7001;
-  return e;
+  return ipv4({192, 0, 2, 7}, 7001);
 }
 
 /// A packet whose last update, its third, is this one.

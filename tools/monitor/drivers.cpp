@@ -18,20 +18,21 @@ bool Drivers::release(PeerId slot, ViewerId viewer) {
   return true;
 }
 
-std::vector<PeerId> Drivers::gone(ViewerId viewer) {
+template <typename Fits>
+std::vector<PeerId> Drivers::take_out(Fits fits) {
   std::vector<PeerId> slots;
   for (const auto& [slot, d] : drivers_)
-    if (d.viewer == viewer) slots.push_back(slot);
+    if (fits(d)) slots.push_back(slot);
   for (const PeerId s : slots) drivers_.erase(s);
   return slots;
 }
 
+std::vector<PeerId> Drivers::gone(ViewerId viewer) {
+  return take_out([viewer](const Driver& d) { return d.viewer == viewer; });
+}
+
 std::vector<PeerId> Drivers::silent(Micros now) {
-  std::vector<PeerId> slots;
-  for (const auto& [slot, d] : drivers_)
-    if (now - d.heard > kLease) slots.push_back(slot);
-  for (const PeerId s : slots) drivers_.erase(s);
-  return slots;
+  return take_out([now](const Driver& d) { return now - d.heard > kLease; });
 }
 
 std::string_view Drivers::word(PeerId slot, ViewerId viewer, bool told) const {

@@ -34,6 +34,10 @@ class Drivers {
     ViewerId viewer = 0;
     Micros heard = 0;
   };
+  /// The slots of drivers that fit, who drive no more.
+  template <typename Fits>
+  std::vector<PeerId> take_out(Fits fits);
+
   std::map<PeerId, Driver> drivers_;
 };
 

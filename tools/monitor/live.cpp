@@ -167,7 +167,7 @@ void Live::act(ViewerId viewer, const Asked& asked) {
   const auto peers = meant(*command, why);
   if (peers.empty()) return answer(viewer, asked, false, why);
   if (const auto* d = std::get_if<Drive>(&command->what)) return drive(viewer, asked, command->peer, *d);
-  if (!orders_.give(peers, command->what, {viewer, asked.id, asked.about}, now()))
+  if (!orders_.give(peers, command->what, {viewer, asked.id, asked.about}))
     answer(viewer, asked, false, "too much to do already");
 }
 
@@ -178,7 +178,7 @@ void Live::drive(ViewerId viewer, const Asked& asked, PeerId slot, const Drive& 
   } else {
     const ViewerId before = drivers_.take(slot, viewer, now());
     if (before != 0) tell(before, taken_text(slot));
-    orders_.drive(*sessions_.shown()->peer(slot), drive, now());
+    orders_.drive(*sessions_.shown()->peer(slot), drive);
     orders_.advance(now());
   }
   answer(viewer, asked, true, "");
@@ -188,7 +188,7 @@ void Live::release(const std::vector<PeerId>& slots) {
   Session* s = sessions_.shown();
   for (const PeerId slot : slots) {
     const PeerRecord* p = s == nullptr ? nullptr : s->peer(slot);
-    if (p != nullptr) orders_.drive(*p, {}, now());
+    if (p != nullptr) orders_.drive(*p, {});
   }
 }
 

@@ -14,7 +14,7 @@ OrderDesk::Lane& OrderDesk::lane_of(const PeerRecord& peer) {
   return lane;
 }
 
-bool OrderDesk::give(const std::vector<const PeerRecord*>& peers, const What& what, const Ticket& ticket, Micros) {
+bool OrderDesk::give(const std::vector<const PeerRecord*>& peers, const What& what, const Ticket& ticket) {
   for (const PeerRecord* p : peers)
     if (lane_of(*p).waiting.size() >= kWaiting) return false;
   const std::uint64_t errand = ++errands_ever_;
@@ -26,7 +26,7 @@ bool OrderDesk::give(const std::vector<const PeerRecord*>& peers, const What& wh
   return true;
 }
 
-void OrderDesk::drive(const PeerRecord& peer, const Drive& drive, Micros) {
+void OrderDesk::drive(const PeerRecord& peer, const Drive& drive) {
   Lane& lane = lane_of(peer);
   if (drive.kind == Drive::Kind::kRelease) {
     lane.drive.reset();

@@ -38,9 +38,9 @@ class OrderDesk {
 
   /// For all of these peers, which must take orders. Returns false, and does nothing, if one of them has too much to
   /// do already.
-  bool give(const std::vector<const PeerRecord*>& peers, const What& what, const Ticket& ticket, Micros now);
+  bool give(const std::vector<const PeerRecord*>& peers, const What& what, const Ticket& ticket);
   /// From now on, until something else is said. A release is an order like others.
-  void drive(const PeerRecord& peer, const Drive& drive, Micros now);
+  void drive(const PeerRecord& peer, const Drive& drive);
   /// The peer has told of this.
   void heard(std::uint64_t process, const Event& event);
   /// Sends what is due. A few dozen times a second.

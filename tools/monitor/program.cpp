@@ -11,11 +11,9 @@
 #include <csignal>
 #include <cstdio>
 #include <memory>
-#include <random>
 #include <system_error>
 
 #include "common/model/user_error.h"
-#include "peer/udp_socket.h"
 #include "tools/monitor/capture_film.h"
 #include "tools/monitor/live.h"
 #include "tools/monitor/projector.h"
@@ -23,6 +21,8 @@
 #include "tools/monitor/web_server.h"
 #include "tools/support/clock.h"
 #include "tools/support/run_main.h"
+#include "tools/support/udp_socket.h"
+#include "tools/support/unpredictable.h"
 
 namespace padr::monitor {
 namespace {
@@ -36,17 +36,12 @@ constexpr std::chrono::microseconds kTurn{kMicrosPerSecond / kTicksPerSecond};
 constexpr std::chrono::milliseconds kGoodbye{300};
 
 asio::ip::udp::endpoint address(asio::io_context& io, const char* flag, const support::HostPort& where, bool insecure) {
-  auto found = peer::resolve(io, flag, where);
+  auto found = support::resolve(io, flag, where);
   if (!found.address().is_loopback() && !insecure)
     throw UserError(std::string(flag) + ": '" + where.text +
                     "' can be reached from other machines, and nothing proves who sends; give a loopback address, or "
                     "--insecure if you trust the network");
   return found;
-}
-
-std::uint64_t draw_issuer() {
-  std::random_device device;
-  return std::uint64_t{device()} << 32U | device() | 1U;
 }
 
 /// The loop around everything: sockets, timers, signals.
@@ -68,7 +63,7 @@ class Program {
       open_recording();
     }
     open_web({web.address(), web.port()});
-    if (peers_) spdlog::info("peers tell it at --monitor {}", to_string(peer::to_endpoint(peers_->local())));
+    if (peers_) spdlog::info("peers tell it at --monitor {}", to_string(support::to_endpoint(peers_->local())));
     signals_.add(SIGINT);
     signals_.add(SIGTERM);
     signals_.async_wait([this](const error_code& error, int) {
@@ -87,11 +82,11 @@ class Program {
   }
 
  private:
-  void open_peers(const peer::Udp::endpoint& where) {
-    peers_ = std::make_unique<peer::UdpSocket>(io_, where);
-    const Endpoint at = peer::to_endpoint(peers_->local());
+  void open_peers(const support::Udp::endpoint& where) {
+    peers_ = std::make_unique<support::UdpSocket>(io_, where);
+    const Endpoint at = support::to_endpoint(peers_->local());
     auto live = std::make_unique<Live>(
-        options_, to_string(at), draw_issuer(),
+        options_, to_string(at), support::unpredictable() | 1U,
         [this](const Endpoint& to, const Bytes& datagram) { peers_->send(to, datagram); },
         [](const std::string& line) { spdlog::info("{}", line); });
     peers_->start([this, l = live.get()](const Endpoint& from,
@@ -149,7 +144,7 @@ class Program {
   asio::signal_set signals_;
   asio::steady_timer turn_;
   asio::steady_timer end_;
-  std::unique_ptr<peer::UdpSocket> peers_;
+  std::unique_ptr<support::UdpSocket> peers_;
   std::unique_ptr<FrontDesk> desk_;
   std::shared_ptr<WebServer> web_;  ///< connections keep it longer, but do not call the desk after stop()
 };

@@ -13,13 +13,7 @@ constexpr std::size_t kSocketBuffer = 300;  // datagrams
 constexpr int kStepsPerTurn = 8;
 
 Endpoint place(int n) {
-  Endpoint e;
-  e.address[10] = e.address[11] = 0xFF;
-  e.address[12] = 10;
-  e.address[14] = static_cast<std::uint8_t>(n >> 8);
-  e.address[15] = static_cast<std::uint8_t>(n);
-  e.port = 7000;
-  return e;
+  return ipv4({10, 0, static_cast<std::uint8_t>(n >> 8), static_cast<std::uint8_t>(n)}, 7000);
 }
 
 }  // namespace

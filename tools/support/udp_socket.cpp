@@ -1,4 +1,4 @@
-#include "peer/udp_socket.h"
+#include "tools/support/udp_socket.h"
 
 #include <linux/errqueue.h>
 #include <netinet/in.h>
@@ -14,7 +14,7 @@
 
 #include "common/model/user_error.h"
 
-namespace padr::peer {
+namespace padr::support {
 namespace {
 
 namespace asio = boost::asio;
@@ -199,4 +199,4 @@ bool UdpSocket::send(const Endpoint& to, std::span<const std::byte> datagram) {
   return false;
 }
 
-}  // namespace padr::peer
+}  // namespace padr::support

@@ -14,7 +14,7 @@
 #include "common/model/endpoint.h"
 #include "tools/support/host_port.h"
 
-namespace padr::peer {
+namespace padr::support {
 
 using Udp = boost::asio::ip::udp;
 
@@ -82,4 +82,4 @@ class UdpSocket {
   std::array<std::byte, 65536> buffer_{};  ///< larger than any UDP payload, so that nothing is cut short unnoticed
 };
 
-}  // namespace padr::peer
+}  // namespace padr::support

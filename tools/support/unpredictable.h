@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstdint>
+#include <random>
+
+namespace padr::support {
+
+/// 64 bits that nobody guesses, from the system.
+inline std::uint64_t unpredictable() {
+  std::random_device device;
+  return std::uint64_t{device()} << 32U | device();
+}
+
+}  // namespace padr::support
