@@ -8,7 +8,7 @@
 
 namespace padr {
 
-/// An X25519 public key; all zeros: none.
+/// An Ed25519 public key; all zeros: none.
 using PublicKey = std::array<std::uint8_t, 32>;
 
 /// Where a peer's datagrams come from and go to, and, in a session with a key, who that peer is. Plain numbers:

@@ -59,6 +59,8 @@ class Gate {
   explicit Gate(GateConfig config);
 
   const PublicKey& key() const { return public_; }
+  /// Of the same pair.
+  wire::SigningKey signing_key() const { return wire::signing_key(secret_); }
 
   struct Arrival {
     Endpoint from;

@@ -15,9 +15,12 @@ constexpr Tick kRefused = kTicksPerSecond / 10;
 }  // namespace
 
 Membership::Membership(SessionDesk& desk, RecordedNode& node)
-    : desk_(desk), node_(node), doorkeeper_(desk), removals_(desk), sides_(desk) {
+    : desk_(desk), node_(node), doorkeeper_(desk), removals_(desk), guard_(desk), sides_(desk) {
   desk_.roster.resize(static_cast<std::size_t>(desk.slots));
   for (PeerId p = 0; p < desk_.roster.size(); ++p) node.locate(p, desk_.roster[p]);
+  node.set_judge([this](const sync::StatePacket& packet, PeerId from) {
+    return guard_.judge(packet, from, node_.node(), removals_);
+  });
 }
 
 void Membership::on_join(const Endpoint& from, const wire::Join& join, Micros local) {
@@ -41,13 +44,20 @@ void Membership::receive(const Endpoint& from, const wire::Header& header, const
   if (const auto* pull = std::get_if<wire::Pull>(&message))
     return doorkeeper_.on_pull(from, *pull, node_, sides_.gone());
   if (const auto* enter = std::get_if<wire::Enter>(&message))
-    return doorkeeper_.on_enter(from, *enter, node_, coordinator() == desk_.self && !removals_.busy());
+    return doorkeeper_.on_enter(from, *enter, node_, coordinator() == desk_.self && !removals_.busy() && !doubts());
   const auto member = sender(from, header);
-  if (!member) return;
+  if (!member || !hears(*member)) return;
   if (const auto* poll = std::get_if<wire::Poll>(&message)) removals_.on_poll(*member, *poll, node_);
   if (const auto* answer = std::get_if<wire::Answer>(&message)) removals_.on_answer(*member, *answer);
   if (const auto* fetch = std::get_if<wire::Fetch>(&message)) removals_.on_fetch(*member, *fetch, node_.node());
-  if (const auto* fetched = std::get_if<wire::Fetched>(&message)) removals_.on_fetched(*fetched, node_.node());
+  if (const auto* fetched = std::get_if<wire::Fetched>(&message)) removals_.on_fetched(*fetched, node_.node(), guard_);
+}
+
+bool Membership::doubts() const {
+  const Node& n = node_.node();
+  for (PeerId p = 0; p < n.config().slots; ++p)
+    if (p != desk_.self && n.other(p).there() && Removals::suspected(n, p)) return true;
+  return false;
 }
 
 // Where a process has ended, its machine says so long before silence does. One word may be of a datagram that was there
@@ -83,6 +93,7 @@ void Membership::follow_changes() {
     if (c.kind == MemberChange::Kind::kLeft) desk_.note(who + " has left");
     if (c.kind == MemberChange::Kind::kRemoved)
       desk_.note(who + " is lost: out from tick " + std::to_string(c.tick), true);
+    if (c.kind == MemberChange::Kind::kAdmitted) removals_.forget_asker(c.slot);
     sides_.on_change(c);
     changes_.push_back(c);
   }

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "common/node/doorkeeper.h"
+#include "common/node/guard.h"
 #include "common/node/removals.h"
 #include "common/node/sides.h"
 
@@ -25,6 +26,10 @@ class Membership {
   void on_stranger(const Endpoint& from, std::size_t bytes, Micros local) {
     sides_.on_stranger(from, bytes, node_.node(), local);
   }
+  /// Whether anything of a member is listened to.
+  bool hears(PeerId p) const { return guard_.hears(p, node_.node()); }
+  /// A state datagram of a member's was dropped.
+  void on_drop(PeerId p, sync::DropReason why, Micros local) { guard_.on_drop(p, why, node_, removals_, local); }
   /// The machine at `at` says that nobody listens there.
   void on_unreachable(const Endpoint& at);
   /// Where somebody was in another life of this peer's.
@@ -40,12 +45,15 @@ class Membership {
  private:
   std::optional<PeerId> sender(const Endpoint& from, const wire::Header& header) const;
   void follow_changes();
+  /// Somebody is about to be declared gone.
+  bool doubts() const;
   bool stuck();
 
   SessionDesk& desk_;
   RecordedNode& node_;
   Doorkeeper doorkeeper_;
   Removals removals_;
+  Guard guard_;
   Sides sides_;
   std::vector<MemberChange> changes_;
   std::map<PeerId, Tick> refused_;  ///< since when nobody listens where it was

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "common/model/endpoint.h"
 #include "common/node/link_clock.h"
 #include "common/node/replay_window.h"
+#include "common/sync/admit.h"
 #include "common/sync/delivery.h"
 
 namespace padr::node {
@@ -14,6 +16,13 @@ enum class Presence : std::uint8_t {
   kAbsent,  ///< nobody sits in the slot, or who did has been declared gone
   kThere,
   kLeft,  ///< has said goodbye, and may linger to get its last words across
+};
+
+/// Who sat in a slot before who sits there now.
+struct Former {
+  std::uint32_t first = 0;  ///< number of its first update
+  std::uint32_t incarnation = 0;
+  PublicKey key{};
 };
 
 /// Another slot of the session as seen from here, and the link with who sits in it.
@@ -25,6 +34,8 @@ struct Neighbour {
   sync::OutLink link;
   ReplayWindow window;
   LinkClock clock;
+  Tick since = 0;     ///< tick of its admission
+  Tick excused = 0;   ///< nothing before this is held against it
   Tick heard = 0;     ///< when anything valid came last
   Tick answered = 0;  ///< when it last said that it got something new of ours
   std::uint32_t answered_seq = 0;
@@ -35,6 +46,10 @@ struct Neighbour {
   bool frozen = false;             ///< being declared gone: nothing more is taken from it
   std::vector<sync::Bundle> held;  ///< frozen: updates of it that are here beyond the first that is not
 
+  std::vector<Former> former;      ///< the latest kFormer, eldest first
+  std::array<std::uint64_t, sync::kDropReasons> dropped{};  ///< of who sits there now
+
+  static constexpr std::size_t kFormer = 4;
   bool there() const { return presence == Presence::kThere; }
   /// Whether it gets our datagrams and we may get some of it.
   bool reachable() const { return presence != Presence::kAbsent; }

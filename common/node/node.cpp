@@ -55,6 +55,7 @@ Node::Node(const Scene& scene, const NodeConfig& config, ConfirmedSink on_confir
       joined_(true) {
   assert(config.peers <= config.slots && config.self < config.peers);
   for (PeerId p = 0; p < config.peers; ++p) others_[p].presence = Presence::kThere;
+  if (config.sign) reporter_.limit_bodies(sync::kMaxBodiesPerSigned);
   refresh_own();
 }
 
@@ -69,16 +70,26 @@ Node::Node(const Scene& scene, const NodeConfig& config, const sync::Transfer& s
       shown_(config.technique.convergence, static_cast<std::size_t>(live_.world().entities())),
       others_(static_cast<std::size_t>(config.slots)) {
   assert(config.self < config.slots);
+  if (config.sign) reporter_.limit_bodies(sync::kMaxBodiesPerSigned);
 }
 
 DropReason Node::receive(std::span<const std::byte> datagram, Micros now) {
   ++stats_.datagrams_received;
-  const DropReason why = take(datagram, now);
-  if (why != DropReason::kNone) ++stats_.dropped[static_cast<std::size_t>(why)];
+  PeerId sender = kNoPeer;
+  const DropReason why = take(datagram, now, sender);
+  if (why == DropReason::kNone) return why;
+  ++stats_.dropped[static_cast<std::size_t>(why)];
+  if (sender != kNoPeer) ++others_[sender].dropped[static_cast<std::size_t>(why)];
   return why;
 }
 
-DropReason Node::take(std::span<const std::byte> datagram, Micros now) {
+void Node::count_drop(PeerId p, DropReason why) {
+  ++stats_.datagrams_received;
+  ++stats_.dropped[static_cast<std::size_t>(why)];
+  ++others_[p].dropped[static_cast<std::size_t>(why)];
+}
+
+DropReason Node::take(std::span<const std::byte> datagram, Micros now, PeerId& sender) {
   wire::SealError seal{};
   const auto opened = wire::open(datagram, seal);
   if (!opened) return DropReason::kSeal;
@@ -86,6 +97,7 @@ DropReason Node::take(std::span<const std::byte> datagram, Micros now) {
   if (h.kind != wire::Kind::kState || h.session != config_.session || h.sender >= config_.slots ||
       h.sender == config_.self)
     return DropReason::kForeign;
+  sender = h.sender;
   Neighbour& from = others_[h.sender];
   const auto packet = wire::decode_state(opened->payload, h.sender);
   if (!packet) return DropReason::kMalformed;
@@ -94,7 +106,10 @@ DropReason Node::take(std::span<const std::byte> datagram, Micros now) {
     return DropReason::kForeign;
   const DropReason why = sync::admit(*packet, scene_, config_.slots, this->now());
   if (why != DropReason::kNone) return why;
-  if (!from.window.pass(packet->seq)) return DropReason::kDuplicate;
+  if (!from.window.would_pass(packet->seq)) return DropReason::kDuplicate;
+  if (judge_)
+    if (const DropReason objection = judge_(*packet, h.sender); objection != DropReason::kNone) return objection;
+  from.window.pass(packet->seq);
   const DropReason filed = file_updates(*packet, h.sender);
   if (filed != DropReason::kNone) return filed;
   from.heard = this->now();
@@ -285,6 +300,7 @@ void Node::forget_pushes(const sync::Bundle& told) {
 
 void Node::publish(sync::Bundle bundle) {
   bundle.index = own_end();
+  if (config_.sign) bundle.signature = config_.sign(bundle);
   ++stats_.bundles;
   file(bundle);
   own_log_.push_back(std::move(bundle));
@@ -298,6 +314,11 @@ bool Node::publish_order() {
   bundle.tick = now();
   publish(std::move(bundle));
   return true;
+}
+
+std::optional<sync::Signature> Node::signed_now() const {
+  if (own_log_.empty() || own_log_.back().tick != now()) return std::nullopt;
+  return own_log_.back().signature;
 }
 
 void Node::send() {

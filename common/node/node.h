@@ -1,9 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -29,6 +32,8 @@ struct NodeConfig {
   std::uint16_t session = 0;      ///< in every datagram's header
   Technique technique;
   sync::Fault fault;  ///< for tests only
+  /// In a session with a key: signs an update of this peer's. Empty: they go out unsigned.
+  std::function<sync::Signature(const sync::Bundle&)> sign{};
 
   sync::AgreedConfig agreed() const { return {slots, peers, self, technique.authority, technique.replay, fault}; }
 };
@@ -71,6 +76,8 @@ struct NodeStats {
 class Node {
  public:
   using ConfirmedSink = sync::AgreedWorld::ConfirmedSink;
+  /// What is believable may still be said by who has no right to, or may have been made up: kNone if it may pass.
+  using Judge = std::function<sync::DropReason(const sync::StatePacket& packet, PeerId from)>;
 
   /// One who is there at tick 0.
   Node(const Scene& scene, const NodeConfig& config, ConfirmedSink on_confirmed = {});
@@ -83,6 +90,12 @@ class Node {
 
   /// A state datagram of this session has arrived, `now` in session microseconds. Why it was dropped, if it was.
   sync::DropReason receive(std::span<const std::byte> datagram, Micros now);
+  /// Asked before anything of a datagram is taken in. What it objects to leaves no trace but in the counters.
+  void set_judge(Judge judge) { judge_ = std::move(judge); }
+  /// A datagram of p's was not even looked at.
+  void count_drop(PeerId p, sync::DropReason why);
+  /// The signature of what this peer published with the last step, if it did and signs.
+  std::optional<sync::Signature> signed_now() const;
   /// Advances to the next tick with the avatar driven towards `target` (m); `outgoing` then holds what to send.
   void step(Vec2 target);
   /// One datagram per receiver at most, of the last step.
@@ -157,6 +170,11 @@ class Node {
   std::uint64_t lookahead_steps() const { return predictor_.steps(); }
   /// Ticks since anything valid was heard of p; since the start if nothing was.
   Tick silence(PeerId p) const { return now() - others_[p].heard; }
+  /// By how many ticks what p has told in full lies back, and with it everybody's confirmed world; 0 if nothing of it is
+  /// waited for.
+  Tick arrears(PeerId p) const {
+    return std::max(0, now() - std::max(agreed_.log().complete(p), others_[p].excused));
+  }
   /// Ticks since p last said that it had got something new of ours: both ways of the link worked then.
   Tick unanswered(PeerId p) const { return now() - others_[p].answered; }
   /// By how much this peer's session clock leads that of the lowest other peer, in microseconds, as far as delays
@@ -173,7 +191,7 @@ class Node {
   Node(const Scene& scene, const NodeConfig& config, const sync::Transfer& start, ConfirmedSink on_confirmed, Later);
 
   ConfirmedSink check_and(ConfirmedSink sink);
-  sync::DropReason take(std::span<const std::byte> datagram, Micros now);
+  sync::DropReason take(std::span<const std::byte> datagram, Micros now, PeerId& sender);
   sync::DropReason file_updates(const sync::StatePacket& packet, PeerId from);
   void file(const sync::Bundle& bundle);
   void note_changes(const sync::Bundle& bundle);
@@ -199,6 +217,7 @@ class Node {
 
   Scene scene_;
   NodeConfig config_;
+  Judge judge_;
   std::map<Tick, std::uint32_t> checks_;  ///< own confirmed hashes at check ticks; filled by agreed_ from its birth on
   sync::AgreedWorld agreed_;
   sync::LiveWorld live_;

@@ -35,11 +35,13 @@ void Node::admit(const sync::Admission& a, const sync::Bundle& by) {
     agreed_.close(a.slot, a.first);
     agreed_.enter(by.tick);
     own_first_ = a.first;
+    n.former = {{n.first, n.incarnation, n.at.key}};
+    n.first = a.first;
     member_ = true;
     in_since_ = by.tick;
     for (Neighbour& other : others_) {
       other.link = sync::OutLink(a.first);
-      other.heard = other.answered = now();
+      other.heard = other.answered = other.excused = now();
     }
     changes_.push_back({MemberChange::Kind::kAdmitted, a.slot, a.incarnation, a.at, by.tick, by.peer});
     return;
@@ -48,13 +50,18 @@ void Node::admit(const sync::Admission& a, const sync::Bundle& by) {
   agreed_.close(a.slot, a.first);  // should the removal of who sat there before come later
   agreed_.open(a.slot, by.tick);
   repeats_of_gone_ += n.link.repeats();
+  std::vector<Former> former = std::move(n.former);
+  if (former.size() == Neighbour::kFormer) former.erase(former.begin());
+  former.push_back({n.first, n.incarnation, n.at.key});
   n = Neighbour{};
+  n.former = std::move(former);
   n.presence = Presence::kThere;
   n.incarnation = a.incarnation;
   n.first = a.first;
   n.at = a.at;
   n.link = sync::OutLink(a.have[config_.self]);
-  n.heard = n.answered = now();
+  n.heard = n.answered = n.excused = now();
+  n.since = by.tick;
   n.confirmed = agreed_.confirmed().tick;
   changes_.push_back({MemberChange::Kind::kAdmitted, a.slot, a.incarnation, a.at, by.tick, by.peer});
 }
@@ -101,7 +108,7 @@ std::vector<MemberChange> Node::take_changes() {
 
 void Node::excuse_silence() {
   for (Neighbour& n : others_) {
-    n.heard = n.answered = now();
+    n.heard = n.answered = n.excused = now();
     n.proven = false;
   }
 }

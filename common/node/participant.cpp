@@ -5,7 +5,9 @@
 #include <utility>
 
 #include "common/model/rng.h"
+#include "common/node/guard.h"
 #include "common/node/session_objection.h"
+#include "common/wire/signature.h"
 #include "common/wire/transfer_codec.h"
 
 namespace padr::node {
@@ -28,6 +30,7 @@ constexpr Micros kWarnAgain = 10 * kMicrosPerSecond;
 Participant::Participant(const Scene& scene, ParticipantConfig config, Micros local)
     : scene_(scene), config_(std::move(config)), local_(local), warned_(local - kWarnAgain), born_(local) {
   if (config_.gate) gate_.emplace(*config_.gate);
+  config_.session.sealed = gate_.has_value();
   coming_.session = std::make_unique<Session>(config_.session, local);
 }
 
@@ -39,6 +42,10 @@ NodeConfig Participant::node_config(const Session& session) const {
   c.slots = session.slots();
   c.session = session.number();
   c.incarnation = session.incarnation();
+  if (gate_)
+    c.sign = [key = gate_->signing_key(), said = wire::Said{c.session, c.incarnation}](const sync::Bundle& b) {
+      return wire::sign_update(key, said, b);
+    };
   return c;
 }
 
@@ -77,9 +84,14 @@ void Participant::take(const Endpoint& from, std::span<const std::byte> datagram
     if (!life->session) continue;
     const auto peer = life->session->receive(from, datagram, local);
     if (!peer || !life->node) continue;
+    if (life->membership && !life->membership->hears(*peer)) {
+      life->node->count_drop(*peer, sync::DropReason::kCutOff);
+      continue;
+    }
     const auto why = life->node->receive(datagram, life->session->session_now(local));
-    if (why == sync::DropReason::kForeign && life->membership)
-      life->membership->on_stranger(from, datagram.size(), local);
+    if (!life->membership || why == sync::DropReason::kNone) continue;
+    if (why == sync::DropReason::kForeign) life->membership->on_stranger(from, datagram.size(), local);
+    life->membership->on_drop(*peer, why, local);
   }
 }
 
@@ -172,6 +184,10 @@ void Participant::begin_later(Micros local) {
     return;
   }
   transfer->slots[s.doorkeeper_number()].at = s.doorkeeper();
+  if (gate_ && !said(*transfer, s.number())) {
+    s.desk().fail("what " + to_string(s.doorkeeper()) + " sent as the agreed world has updates that nobody signed");
+    return;
+  }
   for (sync::Transfer::Slot& slot : transfer->slots) {
     if (slot.at.is_set()) slot.at = as_seen_from(slot.at, s.doorkeeper());
     s.desk().roster.push_back(slot.at);

@@ -34,6 +34,7 @@ trace::Header trace_header(const Scene& scene, const NodeConfig& config, const t
   h.fingerprint = world::physics_fingerprint();
   h.bodies = static_cast<int>(scene.bodies.size());
   h.technique = config.technique;
+  h.is_signed = static_cast<bool>(config.sign);
   return h;
 }
 
@@ -59,8 +60,10 @@ Node::ConfirmedSink RecordedNode::traced(bool authority, Node::ConfirmedSink sin
 }
 
 sync::DropReason RecordedNode::receive(std::span<const std::byte> datagram, Micros now) {
-  if (writer_) writer_->received(now, datagram);
-  return node_.receive(datagram, now);
+  const sync::DropReason why = node_.receive(datagram, now);
+  const bool judged = why == sync::DropReason::kSignature || why == sync::DropReason::kRight;
+  if (writer_ && !judged) writer_->received(now, datagram);
+  return why;
 }
 
 void RecordedNode::order(const sync::Bundle& order) {
@@ -102,6 +105,11 @@ void RecordedNode::push(EntityId b, Vec2 velocity) {
   node_.push(b, velocity);
 }
 
+void RecordedNode::cut_off(PeerId p, bool for_good, const std::string& why) {
+  remark({"cut_off", p, why});
+  if (for_good) give_up(p);
+}
+
 void RecordedNode::remark(const trace::Remark& r) {
   if (writer_) writer_->remark(r);
 }
@@ -140,6 +148,7 @@ void RecordedNode::record_step(Vec2 target, Micros lateness) {
   s.replayed_steps = node_.agreed().replayed_steps();
   s.snaps = static_cast<std::uint32_t>(node_.shown().snaps());
   s.snap_m = node_.shown().snap_metres();
+  s.signature = node_.signed_now();
   writer_->step(s, view_);
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "common/node/node.h"
 #include "common/trace/trace_writer.h"
@@ -27,7 +29,7 @@ class RecordedNode {
   RecordedNode(const RecordedNode&) = delete;
   RecordedNode& operator=(const RecordedNode&) = delete;
 
-  // As in Node.
+  // As in Node. What the judge objects to is not recorded, as it leaves no trace in the node.
   sync::DropReason receive(std::span<const std::byte> datagram, Micros now);
   /// `lateness`: by how much the step began after the time of its tick, for the record only.
   void step(Vec2 target, Micros lateness = 0);
@@ -42,6 +44,10 @@ class RecordedNode {
   void push(EntityId b, Vec2 velocity);
   /// For the record only.
   void remark(const trace::Remark& r);
+  void set_judge(Node::Judge judge) { node_.set_judge(std::move(judge)); }
+  void count_drop(PeerId p, sync::DropReason why) { node_.count_drop(p, why); }
+  /// p is not listened to any more, or not for a while: told to the trace, and given up on if it is for good.
+  void cut_off(PeerId p, bool for_good, const std::string& why);
   std::vector<MemberChange> take_changes() { return node_.take_changes(); }
 
   const Node& node() const { return node_; }

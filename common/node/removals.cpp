@@ -2,10 +2,12 @@
 
 #include <algorithm>
 
+#include "common/node/guard.h"
+
 namespace padr::node {
 
 bool Removals::suspected(const Node& node, PeerId p) {
-  return node.unanswered(p) >= kSilence;
+  return node.unanswered(p) >= kSilence || node.arrears(p) >= kArrears;
 }
 
 PeerId Removals::coordinator(const Node& node) const {
@@ -27,6 +29,7 @@ void Removals::on_poll(PeerId from, const wire::Poll& poll, RecordedNode& node) 
     const Neighbour& n = node.node().other(s.slot);
     if (n.reachable() && n.incarnation == s.incarnation && !n.frozen) node.freeze(s.slot, true);
     if (n.frozen) frozen_for_[s.slot] = from;
+    answered_[{from, s.slot}] = s.incarnation;
     answer.lost.push_back({s.slot, s.incarnation, node.node().agreed().log().have(s.slot)});
   }
   if (!answer.lost.empty()) desk_.send(desk_.roster[from], answer);
@@ -45,11 +48,12 @@ void Removals::on_fetch(PeerId from, const wire::Fetch& fetch, const Node& node)
   if (!f.updates.empty()) desk_.send(desk_.roster[from], f);
 }
 
-void Removals::on_fetched(const wire::Fetched& fetched, const Node& node) {
+void Removals::on_fetched(const wire::Fetched& fetched, const Node& node, const Guard& guard) {
   const auto it = lost_.find(fetched.slot);
   if (it == lost_.end() || it->second.incarnation != fetched.incarnation) return;
   for (const sync::Bundle& b : fetched.updates)
-    if (sync::admit(b, node.live().world().scene(), desk_.slots) == sync::DropReason::kNone)
+    if (b.index >= it->second.least && b.index < it->second.most && !it->second.fetched.contains(b.index) &&
+        guard.said(b, node) && sync::admit(b, node.live().world().scene(), desk_.slots) == sync::DropReason::kNone)
       it->second.fetched.emplace(b.index, b);
 }
 

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <map>
+#include <utility>
 
 #include "common/node/recorded_node.h"
 #include "common/node/session_desk.h"
 
 namespace padr::node {
+
+class Guard;
 
 /// How those who fall silent are declared gone, so that nobody's confirmed world ever has to be taken back.
 ///
@@ -21,18 +24,29 @@ class Removals {
   void on_poll(PeerId from, const wire::Poll& poll, RecordedNode& node);
   void on_answer(PeerId from, const wire::Answer& answer);
   void on_fetch(PeerId from, const wire::Fetch& fetch, const Node& node);
-  void on_fetched(const wire::Fetched& fetched, const Node& node);
+  void on_fetched(const wire::Fetched& fetched, const Node& node, const Guard& guard);
   /// Once a tick.
   void advance(RecordedNode& node);
 
   /// The lowest peer that lives as far as this one can tell.
   PeerId coordinator(const Node& node) const;
-  /// Silent, one way or the other, for too long.
+  /// Silent, one way or the other, for too long, or so slow to tell what it has promised that nobody gets on.
   static bool suspected(const Node& node, PeerId p);
+  /// Somebody else sits in the slot: what who sat there has asked does not count for it.
+  void forget_asker(PeerId slot) {
+    std::erase_if(answered_, [slot](const auto& entry) { return entry.first.first == slot; });
+  }
   bool busy() const { return !lost_.empty(); }
+  /// This peer has told `by` what it has of who sits, or sat, in the slot: `by` may declare that one gone.
+  bool answered(PeerId by, PeerId slot) const { return answered_.contains({by, slot}); }
+  bool answered(PeerId by, PeerId slot, std::uint32_t incarnation) const {
+    const auto it = answered_.find({by, slot});
+    return it != answered_.end() && it->second == incarnation;
+  }
 
   static constexpr Tick kSilence = 3 * kTicksPerSecond;
   static constexpr Tick kAskAgain = 6;
+  static constexpr Tick kArrears = 8 * kTicksPerSecond;
 
  private:
   struct Lost {
@@ -55,6 +69,7 @@ class Removals {
 
   SessionDesk& desk_;
   std::map<PeerId, Lost> lost_;          ///< as the coordinator
+  std::map<std::pair<PeerId, PeerId>, std::uint32_t> answered_;  ///< by asker and slot: the latest incarnation
   std::map<PeerId, PeerId> frozen_for_;  ///< as one who has answered: whom for
   Tick asked_ = 0;
 };

@@ -19,10 +19,14 @@ enum class DropReason : std::uint8_t {
   kOrder,      ///< updates whose numbers and ticks contradict one another or an earlier promise
   kEntity,     ///< no such body, or one told of twice
   kValue,      ///< not finite, outside the world, or faster than anything here can be
+  kSignature,  ///< an update, passed on or not, that whoever it is said to be of has not signed
+  kRight,      ///< an order of somebody who has no right to give it
+  kCutOff,     ///< of a member that is not listened to any more, or not for now
 };
-inline constexpr std::size_t kDropReasons = 9;
+inline constexpr std::size_t kDropReasons = 12;
 inline constexpr std::array<std::string_view, kDropReasons> kDropNames{
-    "none", "seal", "foreign", "malformed", "duplicate", "tick", "order", "entity", "value"};
+    "none",  "seal",   "foreign", "malformed", "duplicate", "tick",
+    "order", "entity", "value",   "signature", "right",     "cut_off"};
 
 /// Limits of what is believed: Box2D asserts, and so aborts, on what is not finite, and loses precision far out.
 struct AdmitLimits {

@@ -356,7 +356,7 @@ Bundle Reporter::finish(const Situation& s) {
   bundle.peer = self_;
   bundle.tick = s.predicted->tick;
   bundle.avatar = avatar_;
-  while (!bodies_.empty() && bundle.bodies.size() < kMaxBodiesPerBundle) {
+  while (!bodies_.empty() && bundle.bodies.size() < most_bodies_) {
     BodyUpdate u = bodies_.begin()->second;
     bodies_.erase(bodies_.begin());
     u.held = chain_.held(u.body);

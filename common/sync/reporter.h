@@ -19,6 +19,8 @@ class Reporter {
   Reporter(const Scene& scene, PeerId self, const Technique& technique);
   /// From the next report on; `authority` must stay.
   void retune(const Technique& technique);
+  /// Of an update at most: kMaxBodiesPerBundle until told otherwise.
+  void limit_bodies(std::size_t most) { most_bodies_ = most; }
 
   struct Situation {
     const LiveWorld* live = nullptr;
@@ -78,6 +80,7 @@ class Reporter {
 
   PeerId self_;
   Technique technique_;
+  std::size_t most_bodies_ = kMaxBodiesPerBundle;
   std::vector<float> rim_;  ///< m, by body: distance from the centre that turns fastest
   ContactChain chain_;
   Aim aim_;

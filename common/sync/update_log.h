@@ -39,6 +39,10 @@ class UpdateLog {
   const std::vector<Bundle>& at(Tick tick) const;
   /// The last tick for which all of the peer's bundles are here; -1 if none; the largest Tick when closed.
   Tick complete(PeerId peer) const;
+  /// The bundle has come, whether it is still kept or not.
+  bool knows(PeerId peer, std::uint32_t index) const {
+    return index < peers_[peer].have || peers_[peer].beyond.contains(index);
+  }
   /// The peer's bundles 0 .. have-1 are here.
   std::uint32_t have(PeerId peer) const { return peers_[peer].have; }
   /// Bit i: bundle have+1+i is here too (have itself is not).

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -68,6 +69,9 @@ struct Removal {
   friend bool operator==(const Removal&, const Removal&) = default;
 };
 
+/// Ed25519.
+using Signature = std::array<std::byte, 64>;
+
 /// All that one peer tells of one tick: the unit of the log, of acknowledgement and of repair.
 struct Bundle {
   PeerId peer = kNoPeer;
@@ -80,12 +84,15 @@ struct Bundle {
   std::optional<Admission> admission;
   std::vector<Removal> removals;  ///< who is declared gone together goes at the same tick
   std::vector<Bundle> passed_on;  ///< at most one: an update of a lost peer that somebody may lack, without such a one
+  std::optional<Signature> signature;  ///< in a session with a key: of its peer, over all of it; see wire/signature.h
   friend bool operator==(const Bundle&, const Bundle&) = default;
 };
 
 /// Bodies one bundle may carry, so that any bundle fits a datagram, passed on by kMaxPassing peers in turn, too; a
 /// larger set goes out over several ticks.
 inline constexpr std::size_t kMaxBodiesPerBundle = 27;
+/// The same if it is signed, and those that pass it on are.
+inline constexpr std::size_t kMaxBodiesPerSigned = 20;
 
 /// How deep updates may lie in updates: every coordinator that is lost while it passes on adds one.
 inline constexpr int kMaxPassing = 3;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,6 +13,7 @@
 #include "common/model/ids.h"
 #include "common/model/state.h"
 #include "common/model/technique.h"
+#include "common/sync/updates.h"
 #include "common/trace/metrics.h"
 
 namespace padr::trace {
@@ -50,6 +52,7 @@ struct Header : Provenance {
   std::uint64_t fingerprint = 0;
   int bodies = 0;
   Technique technique;
+  bool is_signed = false;  ///< the peer signs its updates
   int entities() const { return bodies + slots; }
 };
 
@@ -115,6 +118,8 @@ struct Step {
   std::uint64_t replayed_steps = 0;  ///< total
   std::uint32_t snaps = 0;           ///< total
   double snap_m = 0;                 ///< total, m
+  /// Of the update that the step published, if it did and the peer signs: nothing else can make it again.
+  std::optional<sync::Signature> signature;
 };
 
 /// The live world of one tick.

@@ -85,6 +85,7 @@ void put_header(const Header& h, file::Header& out) {
   out.set_input(h.input);
   out.set_start_unix_us(h.start_unix_us);
   out.set_incarnation(h.incarnation);
+  out.set_is_signed(h.is_signed);
 }
 
 std::string take_header(const file::Header& in, Header& h) {
@@ -115,6 +116,7 @@ std::string take_header(const file::Header& in, Header& h) {
   h.input = in.input();
   h.start_unix_us = in.start_unix_us();
   h.incarnation = in.incarnation();
+  h.is_signed = in.is_signed();
   return {};
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "common/model/user_error.h"
 #include "common/trace/trace_format.h"
@@ -91,6 +92,12 @@ struct TraceReader::Parser {
     s.replayed_steps = in.replayed_steps();
     s.snaps = in.snaps();
     s.snap_m = in.snap_m();
+    s.signature.reset();
+    if (!in.signature().empty()) {
+      if (in.signature().size() != sizeof(sync::Signature)) return "a signature has another length";
+      const auto bytes = std::as_bytes(std::span(in.signature()));
+      std::copy(bytes.begin(), bytes.end(), s.signature.emplace().begin());
+    }
     const std::string wrong = changes(in);
     return wrong.empty() ? shown(in) : wrong;
   }

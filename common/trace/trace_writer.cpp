@@ -159,6 +159,7 @@ void TraceWriter::step(const Step& s, const LiveView& live) {
   out.set_replayed_steps(s.replayed_steps);
   out.set_snaps(s.snaps);
   out.set_snap_m(s.snap_m);
+  if (s.signature) out.set_signature(s.signature->data(), s.signature->size());
   put_changes(live.states, states_, out);
   put_shown(live, out);
   hand_over(record, sink_);

@@ -110,6 +110,7 @@ std::size_t size_of(const std::vector<sync::BodyUpdate>& bodies, Tick tick) {
 std::size_t size_of(const Bundle& b) {
   std::size_t n = size_of(b.bodies, b.tick);
   if (b.leave) n += number(1);
+  if (b.signature) n += with_length(b.signature->size());
   if (b.avatar) n += number(0) + with_length(6 * sizeof(float));
   if (b.admission) n += with_length(size_of(*b.admission));
   for (const sync::Removal& r : b.removals) n += with_length(number(r.slot) + number(r.incarnation) + number(r.count));

@@ -10,6 +10,8 @@ namespace padr::wire {
 namespace {
 
 static_assert(crypto_scalarmult_BYTES == sizeof(Key) && crypto_scalarmult_SCALARBYTES == sizeof(Key));
+static_assert(crypto_sign_SEEDBYTES == sizeof(Key) && crypto_sign_PUBLICKEYBYTES == sizeof(PublicKey));
+static_assert(crypto_sign_SECRETKEYBYTES == sizeof(SigningKey) && crypto_sign_BYTES == sizeof(sync::Signature));
 static_assert(crypto_aead_xchacha20poly1305_ietf_KEYBYTES == sizeof(Key));
 static_assert(crypto_aead_xchacha20poly1305_ietf_ABYTES == sizeof(Tag));
 
@@ -54,16 +56,43 @@ bool same(const Tag& a, const Tag& b) {
   return sodium_memcmp(a.data(), b.data(), a.size()) == 0;
 }
 
+SigningKey signing_key(const Key& secret) {
+  SigningKey key;
+  PublicKey out{};
+  crypto_sign_seed_keypair(out.data(), key.bytes.data(), secret.data());
+  return key;
+}
+
 PublicKey public_key(const Key& secret) {
   PublicKey out{};
-  crypto_scalarmult_base(out.data(), secret.data());
+  std::array<unsigned char, crypto_sign_SECRETKEYBYTES> both{};
+  crypto_sign_seed_keypair(out.data(), both.data(), secret.data());
+  sodium_memzero(both.data(), both.size());
   return out;
+}
+
+sync::Signature sign(const SigningKey& key, std::span<const std::byte> text) {
+  sync::Signature out{};
+  crypto_sign_detached(into(out), nullptr, raw(text), text.size(), key.bytes.data());
+  return out;
+}
+
+bool signed_by(const PublicKey& key, std::span<const std::byte> text, const sync::Signature& signature) {
+  return crypto_sign_verify_detached(raw(signature), raw(text), text.size(), key.data()) == 0;
 }
 
 std::optional<PairKeys> pair_keys(const Key& session, const Key& secret, const PublicKey& ours,
                                   const PublicKey& theirs) {
   Key shared{};
-  if (crypto_scalarmult(shared.data(), secret.data(), theirs.data()) != 0) return std::nullopt;
+  Key scalar{};
+  PublicKey point{};
+  SigningKey both = signing_key(secret);
+  crypto_sign_ed25519_sk_to_curve25519(scalar.data(), both.bytes.data());
+  const bool usable = crypto_sign_ed25519_pk_to_curve25519(point.data(), theirs.data()) == 0 &&
+                      crypto_scalarmult(shared.data(), scalar.data(), point.data()) == 0;
+  sodium_memzero(both.bytes.data(), both.bytes.size());
+  sodium_memzero(scalar.data(), scalar.size());
+  if (!usable) return std::nullopt;
   const auto one_way = [&](const PublicKey& from, const PublicKey& to) {
     constexpr std::string_view kName = "padr pair";
     std::array<unsigned char, kName.size() + 3 * sizeof(Key)> text{};

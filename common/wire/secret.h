@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "common/model/endpoint.h"
+#include "common/sync/updates.h"
 
 namespace padr::wire {
 
@@ -28,8 +29,17 @@ Tag tag_of(const Key& key, std::span<const std::byte> bytes);
 /// In a time that does not depend on where they differ.
 bool same(const Tag& a, const Tag& b);
 
-/// X25519.
+/// Ed25519: whoever has the secret signs, and anybody who has the public key can check. X25519 of both, for the keys of
+/// pairs, is made of them.
 PublicKey public_key(const Key& secret);
+
+/// A secret and its public key, as signing takes them.
+struct SigningKey {
+  std::array<std::uint8_t, 64> bytes{};
+};
+SigningKey signing_key(const Key& secret);
+sync::Signature sign(const SigningKey& key, std::span<const std::byte> text);
+bool signed_by(const PublicKey& key, std::span<const std::byte> text, const sync::Signature& signature);
 
 /// For what goes from us to another and for what comes from there.
 struct PairKeys {
@@ -38,8 +48,8 @@ struct PairKeys {
   friend bool operator==(const PairKeys&, const PairKeys&) = default;
 };
 /// The keys of two peers of a session: BLAKE2b-256, keyed with the session's key, of "padr pair", what X25519 makes of
-/// our secret and their public key, the sender's public key and the receiver's. Nothing if theirs is none that X25519
-/// can use.
+/// our secret and their public key, the sender's public key and the receiver's. Nothing if theirs is no point of the
+/// curve, or one that X25519 cannot use.
 std::optional<PairKeys> pair_keys(const Key& session, const Key& secret, const PublicKey& ours,
                                   const PublicKey& theirs);
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <limits>
+#include <span>
 
 #include "common/wire/endpoint_codec.h"
 #include "proto/wire.pb.h"
@@ -199,6 +200,12 @@ bool take_within(const Update& in, Tick mark_tick, std::uint32_t mark_count, int
   out.index = mark_count - 1 - in.index_back();
   out.tick = mark_tick - static_cast<Tick>(in.tick_back());
   out.leave = in.leave();
+  if (!in.signature().empty()) {
+    if (in.signature().size() != sizeof(sync::Signature)) return false;
+    if (static_cast<std::size_t>(in.body_size()) > sync::kMaxBodiesPerSigned) return false;
+    const auto bytes = std::as_bytes(std::span(in.signature()));
+    std::copy(bytes.begin(), bytes.end(), out.signature.emplace().begin());
+  }
   return take_avatar(in, out) && take_bodies(in, out) && take_orders(in, depth, out);
 }
 
@@ -212,6 +219,7 @@ void put_update(const Bundle& b, Tick mark_tick, std::uint32_t mark_count, Updat
   if (b.avatar) put_avatar(*b.avatar, out);
   for (const BodyUpdate& body : b.bodies) put_body(body, b.tick, out);
   put_orders(b, out);
+  if (b.signature) out.set_signature(b.signature->data(), b.signature->size());
 }
 
 bool take_update(const Update& in, Tick mark_tick, std::uint32_t mark_count, Bundle& out) {

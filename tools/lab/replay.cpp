@@ -64,14 +64,14 @@ class Replay::Again {
  public:
   Again(const trace::TraceReader& t, node::Node::ConfirmedSink on_confirmed)
       : scene_(scene_of(t)), label_(t.label()), header_(t.header()), on_confirmed_(std::move(on_confirmed)) {
-    if (header_.incarnation == 0) node_.emplace(scene_, config_of(header_), sink());
+    if (header_.incarnation == 0) node_.emplace(scene_, config(), sink());
   }
 
   void take(const trace::Begin& b) {
     const auto start = wire::decode_transfer(b.transfer, scene_, header_.slots);
     if (!start || start->state.tick != b.confirmed)
       throw UserError(label_ + ": the agreed world that it begins with does not decode");
-    node_.emplace(scene_, config_of(header_), *start, b.tick, sink());
+    node_.emplace(scene_, config(), *start, b.tick, sink());
   }
   void take(const trace::Received& r) {
     compare_rest();
@@ -100,6 +100,7 @@ class Replay::Again {
   void take(const trace::Step& s, const trace::LiveView& live) {
     compare_rest();
     if (s.leaving) node_->leave();
+    signature_ = s.signature.value_or(sync::Signature{});
     if (stepped_) node_->step(s.target);
     result_.ticks = s.tick;
     if (node_->now() != s.tick) differ("the trace steps to it, the replay is at tick " + std::to_string(node_->now()));
@@ -135,6 +136,11 @@ class Replay::Again {
   }
 
  private:
+  node::NodeConfig config() {
+    node::NodeConfig c = config_of(header_);
+    if (header_.is_signed) c.sign = [this](const sync::Bundle&) { return signature_; };
+    return c;
+  }
   node::Node::ConfirmedSink sink() {
     return [this](const sync::FoldState& s, std::uint64_t hash) {
       ours_.push_back({{s.tick, hash}, trace::truth_of(s, header_.technique.authority)});
@@ -180,6 +186,7 @@ class Replay::Again {
   trace::Header header_;
   node::Node::ConfirmedSink on_confirmed_;
   std::optional<node::Node> node_;
+  sync::Signature signature_{};  ///< of what the step to come publishes
   bool stepped_ = false;  ///< the first step of a trace is the state before any
   std::size_t next_out_ = 0;
   ReplayResult result_;

@@ -1,0 +1,177 @@
+#include "common/node/guard.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+
+#include "common/node/removals.h"
+#include "common/wire/signature.h"
+
+namespace padr::node {
+namespace {
+
+using sync::Bundle;
+using sync::DropReason;
+
+/// Orders that a coordinator had in hand when a lower peer came in still go out.
+constexpr Tick kHandOver = 10 * kTicksPerSecond;
+constexpr Tick kForGood = std::numeric_limits<Tick>::max();
+
+struct Sayer {
+  std::uint32_t incarnation = 0;
+  PublicKey key{};
+};
+
+/// Who sat in the slot when its update of that number was said; nothing if that is not known.
+std::optional<Sayer> sayer(PeerId p, std::uint32_t index, const Node& node) {
+  const Neighbour& n = node.other(p);
+  if (index >= n.first && p != node.self()) return n.at.has_key() ? std::optional(Sayer{n.incarnation, n.at.key}) : std::nullopt;
+  for (auto f = n.former.rbegin(); f != n.former.rend(); ++f)
+    if (index >= f->first && f->key != PublicKey{}) return Sayer{f->incarnation, f->key};
+  return std::nullopt;
+}
+
+/// What is no honest peer's, ever, and no accident of the network's under a seal.
+bool is_nonsense(DropReason why) {
+  return why == DropReason::kMalformed || why == DropReason::kEntity || why == DropReason::kValue ||
+         why == DropReason::kSignature;
+}
+
+/// Whether x may have been the coordinator at tick t: nobody lower is there who is well as far as we can tell.
+bool may_coordinate(PeerId x, Tick t, const Node& node, const Removals& removals) {
+  for (PeerId p = 0; p < x; ++p) {
+    if (p == node.self()) {
+      if (!node.leaving() && node.in_since() + kHandOver < t) return false;
+      continue;
+    }
+    const Neighbour& n = node.other(p);
+    const bool well = n.there() && !n.frozen && !Removals::suspected(node, p) && !removals.answered(x, p);
+    if (well && n.since + kHandOver < t) return false;
+  }
+  return true;
+}
+
+bool may_pass_on(const Bundle& lost, const Bundle& by, const Node& node, const Removals& removals) {
+  const Neighbour& n = node.other(lost.peer);
+  if (lost.peer == node.self()) return lost.index < n.first;  // what we have said we know
+  if (removals.answered(by.peer, lost.peer)) return true;
+  const bool of_nobody_now = lost.index < n.first || !n.there() || n.frozen;
+  return of_nobody_now && may_coordinate(by.peer, by.tick, node, removals);
+}
+
+/// Whether its peer may give this order. What an order passes on was another's to give, and is not judged again.
+bool is_lawful(const Bundle& b, const Node& node, const Removals& removals) {
+  const bool order = b.admission || !b.removals.empty() || !b.passed_on.empty();
+  if (!order || node.agreed().log().knows(b.peer, b.index)) return true;
+  // Before we came, others were asked.
+  if (!node.member() || b.tick <= node.in_since()) return true;
+  for (const sync::Removal& r : b.removals)
+    if (!removals.answered(b.peer, r.slot, r.incarnation)) return false;
+  if (b.admission && !may_coordinate(b.peer, b.tick, node, removals)) return false;
+  return std::all_of(b.passed_on.begin(), b.passed_on.end(),
+                     [&](const Bundle& lost) { return may_pass_on(lost, b, node, removals); });
+}
+
+}  // namespace
+
+DropReason Guard::judge(const sync::StatePacket& packet, PeerId from, const Node& node,
+                        const Removals& removals) const {
+  static_cast<void>(from);
+  for (const Bundle& b : packet.updates) {
+    if (!is_lawful(b, node, removals)) return DropReason::kRight;
+    if (!desk_.config.sealed) continue;
+    if (b.admission && !b.admission->at.has_key()) return DropReason::kValue;
+    if (!said(b, node)) return DropReason::kSignature;
+  }
+  return DropReason::kNone;
+}
+
+bool Guard::said(const Bundle& b, const Node& node) const {
+  if (!desk_.config.sealed) return true;
+  if (!node.agreed().log().knows(b.peer, b.index)) {
+    const auto who = sayer(b.peer, b.index, node);
+    if (who && !wire::is_signed(who->key, {node.config().session, who->incarnation}, b)) return false;
+  }
+  return std::all_of(b.passed_on.begin(), b.passed_on.end(), [&](const Bundle& lost) { return said(lost, node); });
+}
+
+Guard::Watch& Guard::watch(PeerId p, const Node& node) {
+  Watch& w = watches_[p];
+  if (w.incarnation != node.other(p).incarnation) {
+    w = {};
+    w.incarnation = node.other(p).incarnation;
+  }
+  return w;
+}
+
+bool Guard::hears(PeerId p, const Node& node) const {
+  const Watch& w = watches_[p];
+  return w.incarnation != node.other(p).incarnation || node.now() >= w.deaf_until;
+}
+
+void Guard::on_drop(PeerId p, DropReason why, RecordedNode& node, const Removals& removals, Micros local) {
+  const Node& n = node.node();
+  // Late words of somebody who is out, and what the network says twice, are nobody's fault.
+  if (!n.other(p).reachable() || why == DropReason::kForeign || why == DropReason::kDuplicate) return;
+  Watch& w = watch(p, n);
+  tell(p, why, w, local);
+  if (!desk_.config.sealed || !is_nonsense(why)) return;
+  w.nonsense.push_back(n.now());
+  while (w.nonsense.front() < n.now() - kWithin) w.nonsense.pop_front();
+  if (w.nonsense.size() >= kNonsense) cut_off(p, w, node, removals);
+}
+
+void Guard::tell(PeerId p, DropReason why, Watch& w, Micros local) {
+  Watch::Told& told = w.told[static_cast<std::size_t>(why)];
+  ++told.drops;
+  if (local - told.at < kTellAgain) return;
+  desk_.note("dropped " + std::to_string(told.drops) + (told.drops == 1 ? " datagram" : " datagrams") + " of peer " +
+                 std::to_string(p) + ": " + std::string(sync::kDropNames[static_cast<std::size_t>(why)]),
+             true);
+  told = {0, local};
+}
+
+// The coordinator can have it removed, and whoever is next can if it is the coordinator itself. Anybody else who gave
+// up on somebody whom the coordinator goes on hearing would wait for its updates for ever; so it only gets some rest.
+void Guard::cut_off(PeerId p, Watch& w, RecordedNode& node, const Removals& removals) {
+  const PeerId coordinator = removals.coordinator(node.node());
+  const bool for_good = coordinator == desk_.self || coordinator == p;
+  w.nonsense.clear();
+  w.deaf_until = for_good ? kForGood : node.node().now() + kMuted;
+  const std::string text = std::to_string(kNonsense) + " datagrams that make no sense within " +
+                           std::to_string(kWithin / kTicksPerSecond) + " s";
+  desk_.note("peer " + std::to_string(p) + " has sent " + text + ": " +
+                 (for_good ? "cut off" : "not listened to for " + std::to_string(kMuted / kTicksPerSecond) + " s"),
+             true);
+  node.cut_off(p, for_good, text);
+}
+
+bool said(const sync::Transfer& transfer, std::uint16_t session) {
+  struct Seat {
+    std::uint32_t first = 0;
+    Sayer who;
+  };
+  std::vector<std::vector<Seat>> seats(transfer.slots.size());
+  for (std::size_t p = 0; p < seats.size(); ++p)
+    seats[p].push_back({0, {transfer.state.members[p].incarnation, transfer.slots[p].at.key}});
+  // Then the address is of who came last; of who was there before no key is told.
+  const auto note = [&](const Bundle& b) {
+    if (!b.admission || b.admission->slot >= seats.size()) return;
+    std::vector<Seat>& s = seats[b.admission->slot];
+    if (b.admission->incarnation <= s.back().who.incarnation) return;
+    s.front().who.key = {};
+    s.push_back({b.admission->first, {b.admission->incarnation, b.admission->at.key}});
+  };
+  for (const Bundle& b : transfer.tail) {
+    note(b);
+    for (const Bundle& lost : b.passed_on) note(lost);
+  }
+  return std::all_of(transfer.tail.begin(), transfer.tail.end(), [&](const Bundle& b) {
+    const auto& s = seats[b.peer];
+    const auto seat = std::find_if(s.rbegin(), s.rend(), [&b](const Seat& at) { return b.index >= at.first; });
+    return seat == s.rend() || seat->who.key == PublicKey{} ||
+           wire::is_signed(seat->who.key, {session, seat->who.incarnation}, b);
+  });
+}
+
+}  // namespace padr::node

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <deque>
+#include <limits>
+#include <vector>
+
+#include "common/node/recorded_node.h"
+#include "common/node/session_desk.h"
+
+namespace padr::node {
+
+class Removals;
+
+/// What a member may say, beyond what can be believed: orders are given by whom they are to give, every update was said
+/// by whoever it is said to be of, and who keeps sending nonsense is not listened to.
+///
+/// Signatures and nonsense count only in a session with a key: in others anybody can speak in a member's name.
+class Guard {
+ public:
+  explicit Guard(SessionDesk& desk) : desk_(desk), watches_(kMaxPeers) {}
+
+  /// See Node::Judge.
+  sync::DropReason judge(const sync::StatePacket& packet, PeerId from, const Node& node, const Removals& removals) const;
+  /// Whether an update, and what it passes on, was said by whom it is said to be of, as far as we can tell: of who sat
+  /// somewhere before we came we may know no key.
+  bool said(const sync::Bundle& update, const Node& node) const;
+  /// A datagram of p's was dropped.
+  void on_drop(PeerId p, sync::DropReason why, RecordedNode& node, const Removals& removals, Micros local);
+  /// Whether p is listened to.
+  bool hears(PeerId p, const Node& node) const;
+
+  static constexpr std::size_t kNonsense = 20;  ///< datagrams within kWithin and p is cut off
+  static constexpr Tick kWithin = 10 * kTicksPerSecond;
+  static constexpr Tick kMuted = 2 * kTicksPerSecond;
+  static constexpr Micros kTellAgain = 10 * kMicrosPerSecond;
+
+ private:
+  struct Watch {
+    std::uint32_t incarnation = 0;
+    std::deque<Tick> nonsense;  ///< the latest, kNonsense at most
+    Tick deaf_until = -1;
+    struct Told {
+      std::uint64_t drops = 0;  ///< since the last word
+      Micros at = std::numeric_limits<Micros>::min() / 2;
+    };
+    std::array<Told, sync::kDropReasons> told{};
+  };
+  Watch& watch(PeerId p, const Node& node);
+  void tell(PeerId p, sync::DropReason why, Watch& w, Micros local);
+  void cut_off(PeerId p, Watch& w, RecordedNode& node, const Removals& removals);
+
+  SessionDesk& desk_;
+  std::vector<Watch> watches_;  ///< by slot
+};
+
+/// Whether the updates that a transfer brings along were said by whom they are said to be of, as far as the transfer
+/// tells who that is.
+bool said(const sync::Transfer& transfer, std::uint16_t session);
+
+}  // namespace padr::node
