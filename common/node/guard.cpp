@@ -1,6 +1,7 @@
 #include "common/node/guard.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <string>
 
@@ -34,19 +35,20 @@ std::optional<Sayer> sayer(PeerId p, std::uint32_t index, const Node& node) {
 /// What is no honest peer's, ever, and no accident of the network's under a seal.
 bool is_nonsense(DropReason why) {
   return why == DropReason::kMalformed || why == DropReason::kEntity || why == DropReason::kValue ||
-         why == DropReason::kSignature;
+         why == DropReason::kTick || why == DropReason::kSignature;
 }
 
 /// Whether x may have been the coordinator at tick t: nobody lower is there who is well as far as we can tell.
 bool may_coordinate(PeerId x, Tick t, const Node& node, const Removals& removals) {
+  const auto new_then = [t](std::uint32_t incarnation, Tick since) { return incarnation > 0 && since + kHandOver >= t; };
   for (PeerId p = 0; p < x; ++p) {
     if (p == node.self()) {
-      if (!node.leaving() && node.in_since() + kHandOver < t) return false;
+      if (!node.leaving() && !new_then(node.config().incarnation, node.in_since())) return false;
       continue;
     }
     const Neighbour& n = node.other(p);
     const bool well = n.there() && !n.frozen && !Removals::suspected(node, p) && !removals.answered(x, p);
-    if (well && n.since + kHandOver < t) return false;
+    if (well && !new_then(n.incarnation, n.since)) return false;
   }
   return true;
 }
@@ -115,10 +117,53 @@ void Guard::on_drop(PeerId p, DropReason why, RecordedNode& node, const Removals
   if (!n.other(p).reachable() || why == DropReason::kForeign || why == DropReason::kDuplicate) return;
   Watch& w = watch(p, n);
   tell(p, why, w, local);
-  if (!desk_.config.sealed || !is_nonsense(why)) return;
-  w.nonsense.push_back(n.now());
-  while (w.nonsense.front() < n.now() - kWithin) w.nonsense.pop_front();
-  if (w.nonsense.size() >= kNonsense) cut_off(p, w, node, removals);
+  if (!desk_.config.sealed || (why != DropReason::kRight && !is_nonsense(why))) return;
+  if (is_too_much(w, why, n.now())) cut_off(p, w, "keeps sending what makes no sense", node, removals);
+}
+
+bool Guard::is_too_much(Watch& w, DropReason why, Tick now) const {
+  if (why == DropReason::kRight) {
+    if (now - w.unlawful_last > kMuted) w.unlawful_since = now;
+    w.unlawful_last = now;
+    return now - w.unlawful_since >= kInsists;
+  }
+  w.nonsense.push_back(now);
+  while (w.nonsense.front() < now - kWithin) w.nonsense.pop_front();
+  return w.nonsense.size() >= kNonsense;
+}
+
+void Guard::advance(RecordedNode& node, const Removals& removals) {
+  const Node& n = node.node();
+  if (!n.member() || n.leaving()) return;
+  for (PeerId p = 0; p < n.config().slots; ++p) {
+    const Neighbour& other = n.other(p);
+    if (p == n.self() || !other.there() || other.frozen || n.arrears(p) < kArrears || n.silence(p) > kTicksPerSecond)
+      continue;
+    Watch& w = watch(p, n);
+    const PeerId coordinator = removals.coordinator(n);
+    if (w.deaf_until == kForGood || (coordinator != n.self() && coordinator != p)) continue;
+    cut_off(p, w, "has kept back for " + std::to_string(kArrears / kTicksPerSecond) + " s what it promised", node,
+            removals);
+  }
+}
+
+void Guard::bar(PeerId p, bool for_good, const Node& node) {
+  const PublicKey& key = node.other(p).at.key;
+  if (!desk_.config.sealed || key == PublicKey{}) return;  // nothing else says who somebody is
+  auto it = std::find_if(barred_.begin(), barred_.end(), [&](const Barred& b) { return b.key == key; });
+  if (it == barred_.end()) {
+    if (barred_.size() == kMostBarred) barred_.erase(barred_.begin());
+    barred_.push_back({key, 0, 0});
+    it = std::prev(barred_.end());
+  }
+  constexpr int kMostDoubled = 6;
+  it->until = for_good ? kForGood : std::max(it->until, node.now() + (kBarred << std::min(it->times, kMostDoubled)));
+  ++it->times;
+}
+
+bool Guard::bars(const PublicKey& key, const Node& node) const {
+  return std::any_of(barred_.begin(), barred_.end(),
+                     [&](const Barred& b) { return b.key == key && node.now() < b.until; });
 }
 
 void Guard::tell(PeerId p, DropReason why, Watch& w, Micros local) {
@@ -133,17 +178,18 @@ void Guard::tell(PeerId p, DropReason why, Watch& w, Micros local) {
 
 // The coordinator can have it removed, and whoever is next can if it is the coordinator itself. Anybody else who gave
 // up on somebody whom the coordinator goes on hearing would wait for its updates for ever; so it only gets some rest.
-void Guard::cut_off(PeerId p, Watch& w, RecordedNode& node, const Removals& removals) {
-  const PeerId coordinator = removals.coordinator(node.node());
-  const bool for_good = coordinator == desk_.self || coordinator == p;
+void Guard::cut_off(PeerId p, Watch& w, const std::string& why, RecordedNode& node, const Removals& removals) {
+  const Node& n = node.node();
+  const PeerId coordinator = removals.coordinator(n);
+  const bool for_good = coordinator == n.self() || coordinator == p;
+  bar(p, n.arrears(p) < kArrears, n);
   w.nonsense.clear();
-  w.deaf_until = for_good ? kForGood : node.node().now() + kMuted;
-  const std::string text = std::to_string(kNonsense) + " datagrams that make no sense within " +
-                           std::to_string(kWithin / kTicksPerSecond) + " s";
-  desk_.note("peer " + std::to_string(p) + " has sent " + text + ": " +
+  w.unlawful_last = -kForGood / 2;
+  w.deaf_until = for_good ? kForGood : n.now() + kMuted;
+  desk_.note("peer " + std::to_string(p) + " " + why + ": " +
                  (for_good ? "cut off" : "not listened to for " + std::to_string(kMuted / kTicksPerSecond) + " s"),
              true);
-  node.cut_off(p, for_good, text);
+  node.cut_off(p, for_good, why);
 }
 
 bool said(const sync::Transfer& transfer, std::uint16_t session) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <deque>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "common/node/recorded_node.h"
@@ -27,11 +28,21 @@ class Guard {
   bool said(const sync::Bundle& update, const Node& node) const;
   /// A datagram of p's was dropped.
   void on_drop(PeerId p, sync::DropReason why, RecordedNode& node, const Removals& removals, Micros local);
+  /// Once a tick.
+  void advance(RecordedNode& node, const Removals& removals);
+  /// Whether somebody who asks to be let in has been cut off before, and not long enough ago.
+  bool bars(const PublicKey& key, const Node& node) const;
   /// Whether p is listened to.
   bool hears(PeerId p, const Node& node) const;
 
   static constexpr std::size_t kNonsense = 20;  ///< datagrams within kWithin and p is cut off
   static constexpr Tick kWithin = 10 * kTicksPerSecond;
+  /// So long an order that p has no right to give may be tried again: what gives the right may be on its way here.
+  static constexpr Tick kInsists = 4 * kTicksPerSecond;
+  /// Whoever is heard, but keeps back for so long what it has promised, holds everybody's confirmed world up.
+  static constexpr Tick kArrears = 8 * kTicksPerSecond;
+  static constexpr Tick kBarred = 60 * kTicksPerSecond;  ///< who was in arrears; twice as long each time
+  static constexpr std::size_t kMostBarred = 64;
   static constexpr Tick kMuted = 2 * kTicksPerSecond;
   static constexpr Micros kTellAgain = 10 * kMicrosPerSecond;
 
@@ -39,6 +50,8 @@ class Guard {
   struct Watch {
     std::uint32_t incarnation = 0;
     std::deque<Tick> nonsense;  ///< the latest, kNonsense at most
+    Tick unlawful_since = -1;  ///< begin of the present series of orders it has no right to give
+    Tick unlawful_last = -1;
     Tick deaf_until = -1;
     struct Told {
       std::uint64_t drops = 0;  ///< since the last word
@@ -46,12 +59,20 @@ class Guard {
     };
     std::array<Told, sync::kDropReasons> told{};
   };
+  struct Barred {
+    PublicKey key{};
+    Tick until = 0;
+    int times = 0;
+  };
   Watch& watch(PeerId p, const Node& node);
+  bool is_too_much(Watch& w, sync::DropReason why, Tick now) const;
+  void bar(PeerId p, bool for_good, const Node& node);
   void tell(PeerId p, sync::DropReason why, Watch& w, Micros local);
-  void cut_off(PeerId p, Watch& w, RecordedNode& node, const Removals& removals);
+  void cut_off(PeerId p, Watch& w, const std::string& why, RecordedNode& node, const Removals& removals);
 
   SessionDesk& desk_;
   std::vector<Watch> watches_;  ///< by slot
+  std::vector<Barred> barred_;  ///< kMostBarred at most
 };
 
 /// Whether the updates that a transfer brings along were said by whom they are said to be of, as far as the transfer

@@ -26,6 +26,10 @@ Membership::Membership(SessionDesk& desk, RecordedNode& node)
 void Membership::on_join(const Endpoint& from, const wire::Join& join, Micros local) {
   const PeerId c = coordinator();
   if (!node_.node().member() || c == kNoPeer || way_back()) return;  // it asks again
+  if (guard_.bars(from.key, node_.node())) {
+    if (desk_.may_answer(local)) desk_.send(from, wire::Refuse{join.nonce, "it has been cut off"});
+    return;
+  }
   if (c == desk_.self) return doorkeeper_.on_join(from, join, node_, local);
   if (desk_.may_answer(local)) desk_.send(from, wire::Redirect{join.nonce, desk_.roster[c]});
 }
@@ -100,6 +104,7 @@ void Membership::follow_changes() {
 }
 
 void Membership::advance(Micros local) {
+  guard_.advance(node_, removals_);
   removals_.advance(node_);
   follow_changes();
   sides_.advance(node_.node());

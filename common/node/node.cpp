@@ -106,6 +106,9 @@ DropReason Node::take(std::span<const std::byte> datagram, Micros now, PeerId& s
     return DropReason::kForeign;
   const DropReason why = sync::admit(*packet, scene_, config_.slots, this->now());
   if (why != DropReason::kNone) return why;
+  for (const sync::Bundle& b : packet->updates)
+    if (!agreed_.log().knows(h.sender, b.index))
+      if (const DropReason wrong = sync::admit_claims(b, agreed_.confirmed()); wrong != DropReason::kNone) return wrong;
   if (!from.window.would_pass(packet->seq)) return DropReason::kDuplicate;
   if (judge_)
     if (const DropReason objection = judge_(*packet, h.sender); objection != DropReason::kNone) return objection;
@@ -130,6 +133,7 @@ DropReason Node::file_updates(const sync::StatePacket& packet, PeerId from) {
   // What was promised to be complete is complete: an unknown update below it contradicts its own sender.
   for (const sync::Bundle& b : packet.updates)
     if (b.index >= log.have(from) && b.tick <= log.complete(from)) return DropReason::kOrder;
+  if (log.contradicts(from, packet.mark_tick, packet.mark_count)) return DropReason::kOrder;
   for (const sync::Bundle& b : packet.updates) file(b);
   // An update just filed may have been its end.
   if (agreed_.log().closed(from)) return DropReason::kNone;

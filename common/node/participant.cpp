@@ -75,6 +75,11 @@ void Participant::warn_of_drops(const Endpoint& place, Micros local) {
 }
 
 void Participant::post(Parcel parcel) {
+  if (!config_.tamper) return hand_over(std::move(parcel));
+  for (Parcel& p : config_.tamper(std::move(parcel))) hand_over(std::move(p));
+}
+
+void Participant::hand_over(Parcel parcel) {
   if (gate_) return gate_->send(parcel, local_);
   outgoing_.push_back(std::move(parcel));
 }
@@ -91,7 +96,10 @@ void Participant::take(const Endpoint& from, std::span<const std::byte> datagram
     const auto why = life->node->receive(datagram, life->session->session_now(local));
     if (!life->membership || why == sync::DropReason::kNone) continue;
     if (why == sync::DropReason::kForeign) life->membership->on_stranger(from, datagram.size(), local);
-    life->membership->on_drop(*peer, why, local);
+    // Whoever has been held up itself finds everybody ahead of it.
+    const Tick due = life->node->node().now() + 1;
+    const bool behind = life->session->session_now(local) - tick_start(due) > kHeldUp;
+    if (why != sync::DropReason::kTick || !behind) life->membership->on_drop(*peer, why, local);
   }
 }
 

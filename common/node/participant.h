@@ -17,6 +17,8 @@ struct ParticipantConfig {
   std::optional<GateConfig> gate;  ///< the session has a key; otherwise nothing is sealed
   /// Where the n-th life of this peer (0, 1, ...) is recorded to; empty or nothing returned: nowhere.
   std::function<std::optional<RecordedNode::Recording>(int life)> recording;
+  /// For tests only: what becomes of a datagram before it is sealed and sent.
+  std::function<std::vector<Parcel>(Parcel)> tamper{};
   /// As Node's, besides the life it belongs to.
   std::function<void(int life, const sync::FoldState& state, std::uint64_t hash)> on_confirmed;
 };
@@ -92,6 +94,7 @@ class Participant {
   void collect(Life& life);
   void take(const Endpoint& from, std::span<const std::byte> datagram, Micros local);
   void post(Parcel parcel);
+  void hand_over(Parcel parcel);
   void warn_of_drops(const Endpoint& place, Micros local);
   NodeConfig node_config(const Session& session) const;
   Node::ConfirmedSink sink();

@@ -7,7 +7,7 @@
 namespace padr::node {
 
 bool Removals::suspected(const Node& node, PeerId p) {
-  return node.unanswered(p) >= kSilence || node.arrears(p) >= kArrears;
+  return node.unanswered(p) >= kSilence;
 }
 
 PeerId Removals::coordinator(const Node& node) const {

@@ -30,7 +30,7 @@ class Removals {
 
   /// The lowest peer that lives as far as this one can tell.
   PeerId coordinator(const Node& node) const;
-  /// Silent, one way or the other, for too long, or so slow to tell what it has promised that nobody gets on.
+  /// Silent, one way or the other, for too long.
   static bool suspected(const Node& node, PeerId p);
   /// Somebody else sits in the slot: what who sat there has asked does not count for it.
   void forget_asker(PeerId slot) {
@@ -46,7 +46,6 @@ class Removals {
 
   static constexpr Tick kSilence = 3 * kTicksPerSecond;
   static constexpr Tick kAskAgain = 6;
-  static constexpr Tick kArrears = 8 * kTicksPerSecond;
 
  private:
   struct Lost {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/sync/authority.h"
+
 namespace padr::sync {
 namespace {
 
@@ -79,6 +81,29 @@ DropReason admit(const StatePacket& p, const Scene& scene, int slots, Tick now, 
 
 DropReason admit(const Bundle& bundle, const Scene& scene, int slots, const AdmitLimits& limits) {
   return check_bundle(bundle, Checker{scene, slots, limits});
+}
+
+namespace {
+
+// Claims that were heard and then declared void are not on record, and what others rested on them may be.
+constexpr std::uint64_t kMostVoid = 64;
+// A claim that did not fit its tick's update is told in one of the next.
+constexpr Tick kToldLater = 2 * kTicksPerSecond;
+
+}  // namespace
+
+DropReason admit_claims(const Bundle& b, const FoldState& confirmed) {
+  const auto ticks = static_cast<std::uint64_t>(std::max(0, b.tick - confirmed.tick)) + 1;
+  const std::uint64_t most_rise = kMostVoid + ticks * confirmed.members.size();
+  for (const BodyUpdate& u : b.bodies) {
+    if (!u.has_state) continue;
+    const Authority& record = confirmed.authority[u.body];
+    if (u.epoch > record.epoch + most_rise) return DropReason::kValue;
+    const bool its_own = record.owner == b.peer && record.epoch == u.epoch;
+    const bool old = u.claimed < confirmed.tick - kToldLater;
+    if (old && !its_own && wins({b.peer, u.release, u.epoch, u.claimed}, record, u.body)) return DropReason::kValue;
+  }
+  return DropReason::kNone;
 }
 
 bool believable(const BodyState& state, const Scene& scene, const AdmitLimits& limits) {

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "common/model/scene.h"
+#include "common/sync/fold.h"
 #include "common/sync/packet.h"
 
 namespace padr::sync {
@@ -43,6 +44,9 @@ DropReason admit(const StatePacket& packet, const Scene& scene, int slots, Tick 
 
 /// The same of a single update, whose number and tick are another's to judge.
 DropReason admit(const Bundle& bundle, const Scene& scene, int slots, const AdmitLimits& limits = {});
+/// Whether its claims may rest on what is agreed so far. From there on a claim's epoch is one above another's, and nobody
+/// makes two in a tick; and a claim that was made long before is on record, or has lost.
+DropReason admit_claims(const Bundle& bundle, const FoldState& confirmed);
 /// Whether physics can take it.
 bool believable(const BodyState& state, const Scene& scene, const AdmitLimits& limits = {});
 

@@ -26,7 +26,8 @@ void UpdateLog::begin(PeerId peer, std::uint32_t first, Tick complete) {
 
 bool UpdateLog::insert(Bundle bundle) {
   Peer& p = peers_[bundle.peer];
-  if (bundle.index < p.have || bundle.index >= p.end || p.beyond.contains(bundle.index) || bundle.tick < final_)
+  if (bundle.index < p.have || bundle.index >= p.end || p.beyond.contains(bundle.index) ||
+      bundle.index - p.have > kMostBeyond || bundle.tick < final_)
     return false;
   std::vector<Bundle>& same_tick = by_tick_[bundle.tick];
   for (const Bundle& b : same_tick)
@@ -41,6 +42,15 @@ bool UpdateLog::insert(Bundle bundle) {
   same_tick.insert(place, std::move(bundle));
   settle(p);
   return true;
+}
+
+bool UpdateLog::contradicts(PeerId peer, Tick tick, std::uint32_t count) const {
+  const Peer& p = peers_[peer];
+  if (p.beyond.empty() || *p.beyond.rbegin() < count) return false;
+  for (auto it = by_tick_.begin(); it != by_tick_.end() && it->first <= tick; ++it)
+    for (const Bundle& b : it->second)
+      if (b.peer == peer && b.index >= count && b.index > p.have) return true;
+  return false;
 }
 
 void UpdateLog::mark(PeerId peer, Tick tick, std::uint32_t count) {

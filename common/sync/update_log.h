@@ -22,6 +22,9 @@ class UpdateLog {
   /// Files a bundle; false if it was known already, is of a final tick or beyond its slot's end, or its peer has
   /// another of its tick.
   bool insert(Bundle bundle);
+  /// Whether the same promise, that no bundle of a tick up to `tick` is numbered `count` or higher, is not true of what
+  /// is here.
+  bool contradicts(PeerId peer, Tick tick, std::uint32_t count) const;
   /// The peer says: all my bundles up to and including `tick` are numbered below `count`.
   void mark(PeerId peer, Tick tick, std::uint32_t count);
   /// Who sat in the slot says no more, ever: it is complete for all time once its bundles below `count` are here.
@@ -54,6 +57,12 @@ class UpdateLog {
   /// Ticks below `final` take no bundles any more; those below `keep`, too, are forgotten.
   void prune(Tick final, Tick keep);
   std::size_t size() const { return by_tick_.size(); }
+  /// Numbers of a peer's bundles that are remembered beyond the first hole; kMostBeyond at most.
+  std::size_t beyond(PeerId peer) const { return peers_[peer].beyond.size(); }
+
+  /// So far beyond the first that is missing a bundle's number may be. Whoever is as far behind with telling what is
+  /// missing is declared gone before.
+  static constexpr std::uint32_t kMostBeyond = 2048;
 
  private:
   static constexpr std::uint32_t kOpen = 0xFFFFFFFFU;

@@ -33,16 +33,20 @@ inline lab::GatheringConfig party_config(int founders, const std::string& netem,
 /// Peers on virtual time under the eyes of a judge.
 class Party {
  public:
-  explicit Party(lab::GatheringConfig config)
+  /// `prepare` gets hold of the gathering before anybody starts.
+  explicit Party(lab::GatheringConfig config, const std::function<void(lab::Gathering&)>& prepare = {})
       : founders_(config.wanted), gathering_(std::move(config)), judge_(gathering_) {
+    if (prepare) prepare(gathering_);
     gathering_.start({});
     for (int p = 1; p < founders_; ++p) gathering_.start(0);
   }
   Party(int founders, const std::string& netem, std::uint64_t seed) : Party(party_config(founders, netem, seed)) {}
 
   lab::Gathering& net() { return gathering_; }
+  const lab::Gathering& net() const { return gathering_; }
   const node::Node& node(int person) const { return gathering_.peer(person).node(); }
   const lab::Judge& judge() const { return judge_; }
+  lab::Judge& judge_too() { return judge_; }
 
   void run(double s) { gathering_.run_to(gathering_.now() + seconds(s)); }
   /// Until `done`, at most `s`; seconds it took, or nothing.

@@ -53,6 +53,7 @@ int Gathering::start(std::optional<int> by) {
     if (on_confirmed) on_confirmed(n, life, s, hash);
   };
   if (config_.seal != wire::SealMode::kNone) c.gate = gate_of(n, rng);
+  if (on_tamper) c.tamper = on_tamper(n);
   by_place_[p.place] = n;
   p.peer = std::make_unique<node::Participant>(config_.scene, std::move(c), local(p));
   return n;

@@ -75,6 +75,8 @@ class Gathering {
   std::function<void(int person, int life, const sync::FoldState&, std::uint64_t hash)> on_confirmed;
   /// Somebody is about to get this way to the network; it may be spoilt.
   std::function<void(int person, node::GateConfig&)> on_gate;
+  /// What becomes of what somebody who is about to start sends, before it is sealed; nothing: nothing does.
+  std::function<std::function<std::vector<node::Parcel>(node::Parcel)>(int person)> on_tamper;
   /// Whatever is on its way to somebody, from a place.
   std::function<void(const Endpoint& from, int to, std::span<const std::byte> datagram)> on_datagram;
   /// Somebody who is at no person's place sends something, which arrives at once.

@@ -43,8 +43,20 @@ void Judge::confirmed(int person, int life, const sync::FoldState& s, std::uint6
   }
 }
 
+// Nobody among honest peers has cause to cut anybody off.
+void Judge::check_drops(int person) {
+  const auto& dropped = gathering_.peer(person).node().stats().dropped;
+  for (const sync::DropReason why : {sync::DropReason::kMalformed, sync::DropReason::kEntity, sync::DropReason::kValue,
+                                     sync::DropReason::kSignature, sync::DropReason::kCutOff})
+    if (dropped[static_cast<std::size_t>(why)] > 0)
+      blame(name(person) + " has dropped an honest peer's datagram: " +
+            std::string(sync::kDropNames[static_cast<std::size_t>(why)]));
+}
+
 void Judge::turn(int person) {
+  if (liars_.contains(person)) return heard_.clear();
   const node::Participant& p = gathering_.peer(person);
+  if (p.playing() && liars_.empty()) check_drops(person);
   if (p.playing() && !p.node().expelled()) {
     const node::Node& n = p.node();
     Record r{person, 0, {n.self(), n.config().incarnation}, {}};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +19,8 @@ class Judge {
  public:
   explicit Judge(Gathering& gathering);
 
+  /// This person lies: it is nobody's peer, and what others drop may be its doing.
+  void expect_lies_of(int person) { liars_.insert(person); }
   /// The first violation, in one line; empty if there is none.
   const std::string& violation() const { return violation_; }
   std::uint64_t compared() const { return compared_; }
@@ -41,12 +44,14 @@ class Judge {
   };
   void confirmed(int person, int life, const sync::FoldState& s, std::uint64_t hash);
   void turn(int person);
+  void check_drops(int person);
   void compare(Tick t, Record r);
   void blame(const std::string& what);
 
   Gathering& gathering_;
   std::vector<Heard> heard_;
   std::map<Tick, std::vector<Record>> records_;
+  std::set<int> liars_;
   std::uint64_t compared_ = 0;
   std::string violation_;
 };

@@ -1,0 +1,108 @@
+// A member that sends more than anybody can keep.
+#include "tests/hostile/liar.h"
+
+namespace padr::test {
+namespace {
+
+using sync::DropReason;
+
+/// What a person keeps of all that others say.
+std::size_t kept(const node::Node& n) {
+  std::size_t sum = n.kept().log_ticks + n.kept().pending_checks;
+  for (PeerId p = 0; p < n.config().slots; ++p) sum += n.agreed().log().beyond(p);
+  return sum;
+}
+
+// Numbered ever higher, beyond a first one that never comes, and promised to be complete all the same.
+TEST(Floods, AMillionUpdates) {
+  for (const auto mode : {wire::SealMode::kNone, wire::SealMode::kAuth}) {
+    Trial t(3, 2, mode, 301);
+    std::uint64_t sent = 0;
+    std::uint32_t next = 1000;
+    std::uint32_t seq = 1'000'000;
+    std::size_t most = 0;
+    t.liar().send_too([&](const wire::Header& h) {
+      std::vector<wire::Bytes> out;
+      const Tick now = t.node(0).now();
+      for (int d = 0; d < 100; ++d) {
+        sync::StatePacket p;
+        p.seq = ++seq;
+        p.mark_tick = now + 100;
+        p.mark_count = next + 16;
+        for (int i = 0; i < 16; ++i) {
+          sync::Bundle b = avatar_update(2, next++, now + 60 + i);
+          if (mode != wire::SealMode::kNone && i == 0) b.signature = wire::sign_update(t.liar().key(), {h.session, 0}, b);
+          if (mode != wire::SealMode::kNone && i > 0) break;
+          p.updates.push_back(b);
+          ++sent;
+        }
+        out.push_back(wire::seal(h, wire::encode(p)));
+      }
+      return out;
+    });
+    const std::uint64_t enough = mode == wire::SealMode::kNone ? 1'000'000 : 20'000;
+    for (int i = 0; i < 10'000 && sent < enough; ++i) {
+      t.party().run(0.02);
+      most = std::max(most, kept(t.node(0)));
+    }
+    EXPECT_GE(sent, enough);
+    EXPECT_LT(most, 3000U) << "it is remembered";
+    t.liar().stop();
+    t.party().run(12);
+    t.expect_confirmed({0, 1});
+  }
+}
+
+// Promises that are not kept hold everybody's confirmed world up, but not for long.
+TEST(Floods, WhoNeverTellsWhatItPromisedIsDeclaredGone) {
+  Trial t(4, 1, wire::SealMode::kAuth, 302);
+  t.liar().begin([](sync::StatePacket& p, PeerId) {
+    p.updates.clear();
+    p.mark_count += 5;
+  });
+  t.party().run(6);
+  EXPECT_GT(t.lag(0), 180) << "it is waited for";
+  t.party().run(8);
+  EXPECT_TRUE(t.liar_is_out()) << t.party().story();
+  t.expect_no_harm();
+}
+
+// Polls, fetches, answers, probes and joins by the thousand.
+TEST(Floods, MessagesOfMembership) {
+  for (const auto mode : {wire::SealMode::kNone, wire::SealMode::kAuth}) {
+    Trial t(4, 2, mode, 303);
+    std::uint64_t sent = 0;
+    std::uint64_t nonce = 1;
+    t.liar().send_too([&](const wire::Header& h) {
+      std::vector<wire::Bytes> out;
+      const auto membership = [&](const wire::MembershipMessage& m) {
+        out.push_back(wire::seal({wire::Kind::kMembership, h.sender, h.session}, wire::encode_membership(m)));
+      };
+      wire::Fetched fetched{1, 0, {}};
+      for (std::uint32_t i = 0; i < 10; ++i)
+        fetched.updates.push_back(avatar_update(1, 5000 + 10 * static_cast<std::uint32_t>(nonce) + i, 600 + static_cast<Tick>(i)));
+      for (int i = 0; i < 20; ++i) {
+        membership(wire::Poll{{{1, 0, 0}, {3, 0, 0}}});
+        membership(wire::Answer{{{0, 0, 1'000'000}, {1, 0, 1'000'000}}});
+        membership(wire::Fetch{1, 0, 0});
+        membership(fetched);
+        membership(wire::Probe{0, {{2, 0, 0}, {5, 9, 0}, {6, 9, 0}, {7, 9, 0}, {8, 9, 0}, {9, 9, 0}}, false, 100});
+        membership(wire::Pull{++nonce, 0, ~std::uint64_t{0}});
+        membership(wire::Enter{nonce});
+        const wire::Join join{nonce, 0, 0, true, "x"};
+        out.push_back(wire::seal({wire::Kind::kSession, kNoPeer, h.session}, wire::encode_session(join)));
+      }
+      sent += out.size();
+      return out;
+    });
+    t.party().run(8);
+    EXPECT_GT(sent, 10'000U);
+    EXPECT_FALSE(t.node(0).other(1).frozen) << "asked by who is not the coordinator";
+    t.liar().stop();
+    t.party().run(8);
+    t.expect_confirmed({0, 1, 3});
+  }
+}
+
+}  // namespace
+}  // namespace padr::test

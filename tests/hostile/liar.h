@@ -1,0 +1,159 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/wire/codec.h"
+#include "common/wire/signature.h"
+#include "tests/membership/party.h"
+
+namespace padr::test {
+
+/// A member whose program is an honest peer's but for what leaves it: from some moment on, state datagrams are changed
+/// on their way out, sealed and signed with the member's own keys.
+class Liar {
+ public:
+  /// May change a packet before it goes to `to`; nothing is signed yet.
+  using Lie = std::function<void(sync::StatePacket& packet, PeerId to)>;
+
+  /// Changes what the liar says with every datagram from now on.
+  void begin(Lie lie) { lie_ = std::move(lie); }
+  /// What it sends besides, each time it sends a state datagram; unsealed.
+  void send_too(std::function<std::vector<wire::Bytes>(const wire::Header&)> extra) { extra_ = std::move(extra); }
+  void stop() { lie_ = {}, extra_ = {}; }
+  /// Whether lies are signed as what they are: the liar's.
+  bool signs = true;
+  std::uint64_t told = 0;  ///< state datagrams changed
+
+  void learn_key(const node::GateConfig& gate) {
+    key_ = wire::signing_key(wire::derive_key(gate.seed, "secret"));
+    sealed_ = true;
+  }
+  const wire::SigningKey& key() const { return key_; }
+
+  std::vector<node::Parcel> tamper(node::Parcel parcel) {
+    wire::SealError error{};
+    const auto opened = wire::open(parcel.bytes, error);
+    std::vector<node::Parcel> out;
+    if (opened && opened->header.kind == wire::Kind::kState) {
+      const wire::Header header = opened->header;
+      if (extra_)
+        for (wire::Bytes& bytes : extra_(header)) out.push_back({parcel.to, parcel.state_to, std::move(bytes)});
+      auto packet = lie_ ? wire::decode_state(opened->payload, header.sender) : std::nullopt;
+      if (packet) {
+        lie_(*packet, parcel.state_to);
+        for (sync::Bundle& b : packet->updates)
+          if (sealed_ && signs) b.signature = wire::sign_update(key_, {header.session, packet->incarnation}, b);
+        parcel.bytes = wire::seal(header, wire::encode(*packet));
+        ++told;
+      }
+    }
+    out.push_back(std::move(parcel));
+    return out;
+  }
+
+ private:
+  Lie lie_;
+  std::function<std::vector<wire::Bytes>(const wire::Header&)> extra_;
+  wire::SigningKey key_;
+  bool sealed_ = false;
+};
+
+/// What a peer would say of its avatar there.
+inline sync::AvatarUpdate avatar_at(Vec2 position, Vec2 velocity = {}) {
+  sync::AvatarUpdate u;
+  u.position = position;
+  u.velocity = velocity;
+  return u;
+}
+
+/// An update that says only that.
+inline sync::Bundle avatar_update(PeerId whose, std::uint32_t index, Tick tick) {
+  sync::Bundle b;
+  b.peer = whose;
+  b.index = index;
+  b.tick = tick;
+  b.avatar = avatar_at({3, 3});
+  return b;
+}
+
+/// Peers of whom one lies, on virtual time. All are named by their slots.
+class Trial {
+ public:
+  Trial(int founders, PeerId liar, wire::SealMode seal, std::uint64_t seed)
+      : liar_slot_(liar),
+        liars_(static_cast<std::size_t>(founders)),
+        party_(config(founders, seal, seed), [this](lab::Gathering& g) {
+          g.on_gate = [this](int person, node::GateConfig& gate) { of_person(person).learn_key(gate); };
+          g.on_tamper = [this](int person) -> std::function<std::vector<node::Parcel>(node::Parcel)> {
+            return [this, person](node::Parcel p) { return of_person(person).tamper(std::move(p)); };
+          };
+        }) {
+    EXPECT_TRUE(party_.run_until(10, [&] { return party_.united(); })) << party_.story();
+    party_.run(4);
+    persons_.resize(liars_.size());
+    for (int p = 0; p < founders; ++p) persons_[party_.node(p).self()] = p;
+    party_.judge_too().expect_lies_of(person(liar));
+  }
+
+  Liar& liar() { return of_person(person(liar_slot_)); }
+  Party& party() { return party_; }
+  int person(PeerId slot) const { return persons_[slot]; }
+  const node::Node& node(PeerId slot) const { return party_.node(person(slot)); }
+  Tick lag(PeerId slot) const { return party_.lag(person(slot)); }
+  std::vector<PeerId> honest() const {
+    std::vector<PeerId> all;
+    for (PeerId p = 0; p < persons_.size(); ++p)
+      if (p != liar_slot_ && party_.net().runs(person(p))) all.push_back(p);
+    return all;
+  }
+  /// Datagrams that a peer has dropped for a reason.
+  std::uint64_t dropped(PeerId slot, sync::DropReason why) const {
+    return node(slot).stats().dropped[static_cast<std::size_t>(why)];
+  }
+  bool noted(const std::string& words) const { return party_.story().find(words) != std::string::npos; }
+  /// Those of them confirm the same as one another, and now.
+  void expect_confirmed(const std::vector<PeerId>& who) {
+    const std::uint64_t before = party_.judge().compared();
+    const Tick tick = node(who[0]).agreed().confirmed().tick;
+    party_.run(3);
+    EXPECT_GT(party_.judge().compared(), before + 60) << party_.story();
+    EXPECT_GT(node(who[0]).agreed().confirmed().tick, tick + 100) << party_.story();
+    for (const PeerId p : who) EXPECT_LT(lag(p), 180) << p << "\n" << party_.story();
+    EXPECT_EQ(party_.judge().violation(), "") << party_.story();
+  }
+  /// Nobody honest has come to harm: all play on in the lives they had, and confirmed worlds are the same.
+  void expect_no_harm() {
+    for (const PeerId p : honest()) {
+      EXPECT_TRUE(party_.net().peer(person(p)).playing()) << p << "\n" << party_.story();
+      EXPECT_EQ(party_.net().peer(person(p)).life(), 0) << p << "\n" << party_.story();
+    }
+    expect_confirmed(honest());
+  }
+  /// The honest have declared the liar gone.
+  bool liar_is_out() const {
+    const auto all = honest();
+    return std::none_of(all.begin(), all.end(), [this](PeerId p) { return node(p).other(liar_slot_).there(); });
+  }
+
+ private:
+  Liar& of_person(int person) { return liars_[static_cast<std::size_t>(person)]; }
+  static lab::GatheringConfig config(int founders, wire::SealMode seal, std::uint64_t seed) {
+    lab::GatheringConfig c = party_config(founders, "delay 30ms 5ms loss 1%", seed);
+    c.seal = seal;
+    return c;
+  }
+
+  PeerId liar_slot_;
+  std::vector<Liar> liars_;   ///< by person; only one ever begins
+  std::vector<int> persons_;  ///< by slot
+  Party party_;
+};
+
+}  // namespace padr::test

@@ -1,0 +1,132 @@
+// A member that lies about what it sees: what nobody can compute with, what is not its to say, and what is not yet.
+#include "tests/hostile/liar.h"
+
+namespace padr::test {
+namespace {
+
+using sync::DropReason;
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+/// An update of the liar's, of the packet's tick, in place of any that is in it.
+sync::Bundle& say(sync::StatePacket& p, PeerId self) {
+  if (p.updates.empty()) {
+    sync::Bundle b;
+    b.peer = self;
+    b.tick = p.mark_tick;
+    b.index = p.mark_count++;
+    p.updates.push_back(b);
+  }
+  return p.updates.back();
+}
+
+struct Case {
+  const char* name;
+  DropReason why;
+  std::function<void(sync::StatePacket&, PeerId self)> lie;
+};
+
+const std::vector<Case>& cases() {
+  static const std::vector<Case> kCases{
+      {"NotANumber", DropReason::kValue,
+       [](sync::StatePacket& p, PeerId self) { say(p, self).avatar = avatar_at({kNan, 1}); }},
+      {"OutsideTheWorld", DropReason::kValue,
+       [](sync::StatePacket& p, PeerId self) { say(p, self).avatar = avatar_at({1e6F, 1}); }},
+      {"FasterThanAnything", DropReason::kValue,
+       [](sync::StatePacket& p, PeerId self) { say(p, self).avatar = avatar_at({1, 1}, {500, 0}); }},
+      {"EpochAtTheMaximum", DropReason::kValue,
+       [](sync::StatePacket& p, PeerId self) {
+         sync::Bundle& b = say(p, self);
+         sync::BodyUpdate u;
+         u.has_state = true;
+         u.epoch = 1U << 30U;
+         u.claimed = b.tick;
+         u.state.position = {5, 5};
+         b.bodies = {u};
+       }},
+      {"NoSuchBody", DropReason::kEntity,
+       [](sync::StatePacket& p, PeerId self) {
+         sync::BodyUpdate u;
+         u.body = 5000;
+         say(p, self).bodies = {u};
+       }},
+      {"FromTheFuture", DropReason::kTick, [](sync::StatePacket& p, PeerId) { p.mark_tick += 1000; }},
+  };
+  return kCases;
+}
+
+class Lies : public testing::TestWithParam<std::tuple<std::size_t, int>> {};
+
+TEST_P(Lies, HarmNobody) {
+  const Case& c = cases()[std::get<0>(GetParam())];
+  const auto who = static_cast<PeerId>(std::get<1>(GetParam()));
+  Trial t(4, who, wire::SealMode::kAuth, 100 + std::get<0>(GetParam()));
+  t.liar().begin([&](sync::StatePacket& p, PeerId) { c.lie(p, who); });
+  t.party().run(16);
+  for (const PeerId p : t.honest()) EXPECT_GE(t.dropped(p, c.why), 10U) << p << "\n" << t.party().story();
+  EXPECT_TRUE(t.liar_is_out()) << t.party().story();
+  t.expect_no_harm();
+}
+
+std::string case_name(const testing::TestParamInfo<std::tuple<std::size_t, int>>& info) {
+  return std::string(cases()[std::get<0>(info.param)].name) + (std::get<1>(info.param) == 0 ? "ByTheCoordinator" : "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, Lies, testing::Combine(testing::Range(std::size_t{0}, cases().size()), testing::Values(0, 2)),
+                         case_name);
+
+// Its updates are its own only: what it signs in another's name is nobody's.
+TEST(Lying, WhatIsNotSignedByItsSayerIsDropped) {
+  Trial t(4, 2, wire::SealMode::kAuth, 120);
+  t.liar().signs = false;
+  t.liar().begin([](sync::StatePacket& p, PeerId) {
+    for (sync::Bundle& b : p.updates)
+      if (b.avatar) b.avatar->position.x += 0.5F;
+  });
+  t.party().net().attract(Vec2{10, 7});
+  t.party().run(16);
+  EXPECT_GE(t.dropped(0, DropReason::kSignature), 10U) << t.party().story();
+  EXPECT_TRUE(t.noted("signature")) << t.party().story();
+  t.expect_no_harm();
+}
+
+// Another's number in the header: the address and the key say who it is.
+TEST(Lying, NobodySpeaksInAnothersName) {
+  for (const auto mode : {wire::SealMode::kNone, wire::SealMode::kAuth}) {
+    Trial t(4, 2, mode, 121);
+    t.liar().send_too([](const wire::Header& h) {
+      wire::Header other = h;
+      other.sender = 1;
+      sync::StatePacket p;
+      p.seq = 1'000'000;
+      p.mark_tick = 600;
+      p.mark_count = 100'000;
+      return std::vector<wire::Bytes>{wire::seal(other, wire::encode(p))};
+    });
+    t.party().run(5);
+    EXPECT_FALSE(t.liar_is_out()) << "it is harmless\n" << t.party().story();
+    t.expect_no_harm();
+  }
+}
+
+// Where it says it is, within what its avatar may do, is its own affair; but nobody's confirmed world depends on more
+// than what it says to all.
+TEST(Lying, TeleportsAreItsOwnAvatars) {
+  Trial t(4, 2, wire::SealMode::kAuth, 122);
+  Rng rng(122);
+  std::map<std::uint32_t, Vec2> said;
+  t.liar().begin([&](sync::StatePacket& p, PeerId) {
+    for (sync::Bundle& b : p.updates) {
+      if (!b.avatar) continue;
+      const auto [at, fresh] = said.try_emplace(b.index, Vec2{});
+      if (fresh)
+        at->second = {static_cast<float>(rng.uniform(1, 15)), static_cast<float>(rng.uniform(1, 10))};
+      b.avatar->position = at->second;
+    }
+  });
+  t.party().run(10);
+  t.expect_no_harm();
+}
+
+}  // namespace
+}  // namespace padr::test

@@ -1,0 +1,124 @@
+// A member that gives orders which are not its to give, or makes up what it passes on.
+#include "tests/hostile/liar.h"
+
+namespace padr::test {
+namespace {
+
+using sync::DropReason;
+
+/// From now on the liar's next update is this, as often as it is said.
+void give(Trial& t, std::function<void(sync::Bundle&)> order) {
+  t.liar().begin([order = std::move(order), index = std::optional<std::uint32_t>{}](sync::StatePacket& p,
+                                                                                    PeerId) mutable {
+    if (!index) index = p.mark_count;
+    for (sync::Bundle& b : p.updates) {
+      if (b.index != *index) continue;
+      sync::Bundle lie;
+      lie.peer = b.peer;
+      lie.index = b.index;
+      lie.tick = b.tick;
+      order(lie);
+      b = lie;
+    }
+  });
+  t.party().net().attract(Vec2{10, 7});  // so that there is something to say
+}
+
+// Who says so is heard no further, as what it has to say next cannot be known: it is declared gone itself.
+TEST(Orders, RemovalByWhoIsNotCoordinator) {
+  for (const auto mode : {wire::SealMode::kNone, wire::SealMode::kAuth}) {
+    Trial t(4, 2, mode, 201);
+    give(t, [](sync::Bundle& b) { b.removals = {{1, 0, 5}}; });
+    t.party().run(16);
+    EXPECT_GT(t.dropped(0, DropReason::kRight), 0U) << t.party().story();
+    EXPECT_GT(t.dropped(1, DropReason::kRight), 0U) << t.party().story();
+    EXPECT_EQ(t.liar_is_out(), mode == wire::SealMode::kAuth) << t.party().story();
+    t.expect_no_harm();
+  }
+}
+
+TEST(Orders, RemovalOfTheCoordinator) {
+  Trial t(4, 3, wire::SealMode::kAuth, 202);
+  give(t, [](sync::Bundle& b) { b.removals = {{0, 0, 5}}; });
+  t.party().run(16);
+  EXPECT_GT(t.dropped(0, DropReason::kRight), 0U) << t.party().story();
+  EXPECT_TRUE(t.liar_is_out()) << t.party().story();
+  t.expect_no_harm();
+}
+
+// Not even the coordinator can declare somebody gone whom the others have not been asked about.
+TEST(Orders, RemovalByTheCoordinatorThatAskedNobody) {
+  Trial t(4, 0, wire::SealMode::kAuth, 203);
+  give(t, [](sync::Bundle& b) { b.removals = {{2, 0, 5}}; });
+  t.party().run(18);
+  EXPECT_GT(t.dropped(1, DropReason::kRight), 0U) << t.party().story();
+  EXPECT_TRUE(t.liar_is_out()) << t.party().story();
+  t.expect_no_harm();
+}
+
+TEST(Orders, AdmissionByWhoIsNotCoordinator) {
+  Trial t(4, 2, wire::SealMode::kAuth, 204);
+  give(t, [](sync::Bundle& b) {
+    sync::Admission a;
+    a.slot = 6;
+    a.incarnation = 50;
+    a.at = ipv4({10, 0, 0, 66}, 7000);
+    a.at.key[0] = 1;
+    a.have.assign(12, 0);
+    b.admission = a;
+  });
+  t.party().run(16);
+  EXPECT_GT(t.dropped(0, DropReason::kRight), 0U) << t.party().story();
+  for (const PeerId p : t.honest()) EXPECT_FALSE(t.node(p).other(6).there());
+  EXPECT_TRUE(t.liar_is_out()) << t.party().story();
+  t.expect_no_harm();
+}
+
+TEST(Orders, PassingOnByWhoIsNotCoordinator) {
+  for (const auto mode : {wire::SealMode::kNone, wire::SealMode::kAuth}) {
+    Trial t(4, 2, mode, 205);
+    give(t, [](sync::Bundle& b) { b.passed_on = {avatar_update(1, 100'000, b.tick - 1)}; });
+    t.party().run(16);
+    EXPECT_GT(t.dropped(0, DropReason::kRight), 0U) << t.party().story();
+    EXPECT_EQ(t.liar_is_out(), mode == wire::SealMode::kAuth) << t.party().story();
+    t.expect_no_harm();
+  }
+}
+
+// The coordinator that does declare somebody gone may put words into its mouth, but for the signature.
+TEST(Orders, TheCoordinatorInventsWhatALostPeerSaid) {
+  Trial t(4, 0, wire::SealMode::kAuth, 206);
+  std::uint64_t forged = 0;
+  t.liar().begin([&](sync::StatePacket& p, PeerId) {
+    for (sync::Bundle& b : p.updates) {
+      if (b.removals.empty()) continue;
+      sync::Bundle lie;
+      lie.peer = b.peer;
+      lie.index = b.index;
+      lie.tick = b.tick;
+      lie.passed_on = {avatar_update(b.removals[0].slot, b.removals[0].count, b.tick - 1)};
+      lie.passed_on[0].signature = wire::sign_update(t.liar().key(), {1, 0}, lie.passed_on[0]);
+      b = lie;
+      ++forged;
+    }
+  });
+  t.party().net().kill(t.person(3));
+  t.party().run(20);
+  EXPECT_GT(forged, 0U);
+  EXPECT_GT(t.dropped(1, DropReason::kSignature) + t.dropped(2, DropReason::kSignature), 0U) << t.party().story();
+  t.expect_confirmed({1, 2});
+}
+
+// What passes for one's own word is known to have been said, or not.
+TEST(Orders, NobodyPutsWordsIntoOnesOwnMouth) {
+  Trial t(3, 0, wire::SealMode::kNone, 207);
+  const std::uint32_t own = t.node(1).agreed().log().have(1);
+  give(t, [own](sync::Bundle& b) { b.passed_on = {avatar_update(1, own + 3, b.tick - 1)}; });
+  t.party().run(3);
+  EXPECT_GT(t.dropped(1, DropReason::kRight), 0U) << t.party().story();
+  t.party().run(14);
+  t.expect_confirmed({1, 2});
+}
+
+}  // namespace
+}  // namespace padr::test
