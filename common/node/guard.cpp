@@ -1,7 +1,6 @@
 #include "common/node/guard.h"
 
 #include <algorithm>
-#include <iterator>
 #include <optional>
 #include <string>
 
@@ -118,18 +117,30 @@ void Guard::on_drop(PeerId p, DropReason why, RecordedNode& node, const Removals
   Watch& w = watch(p, n);
   tell(p, why, w, local);
   if (!desk_.config.sealed || (why != DropReason::kRight && !is_nonsense(why))) return;
-  if (is_too_much(w, why, n.now())) cut_off(p, w, "keeps sending what makes no sense", node, removals);
+  if (is_too_much(p, why, n)) cut_off(p, w, "keeps sending what makes no sense", node, removals);
 }
 
-bool Guard::is_too_much(Watch& w, DropReason why, Tick now) const {
+bool Guard::is_too_much(PeerId p, DropReason why, const Node& node) {
+  const Tick now = node.now();
   if (why == DropReason::kRight) {
+    Watch& w = watch(p, node);
     if (now - w.unlawful_last > kMuted) w.unlawful_since = now;
     w.unlawful_last = now;
     return now - w.unlawful_since >= kInsists;
   }
-  w.nonsense.push_back(now);
-  while (w.nonsense.front() < now - kWithin) w.nonsense.pop_front();
-  return w.nonsense.size() >= kNonsense;
+  std::deque<Tick>& nonsense = offender(p, node).nonsense;
+  nonsense.push_back(now);
+  while (nonsense.front() < now - kWithin) nonsense.pop_front();
+  return nonsense.size() >= kNonsense;
+}
+
+Guard::Offender& Guard::offender(PeerId p, const Node& node) {
+  const PublicKey& key = node.other(p).at.key;
+  const auto it = std::find_if(offenders_.begin(), offenders_.end(), [&](const Offender& o) { return o.key == key; });
+  if (it != offenders_.end()) return *it;
+  if (offenders_.size() == kMostOffenders) offenders_.erase(offenders_.begin());
+  offenders_.emplace_back().key = key;
+  return offenders_.back();
 }
 
 void Guard::advance(RecordedNode& node, const Removals& removals) {
@@ -148,22 +159,18 @@ void Guard::advance(RecordedNode& node, const Removals& removals) {
 }
 
 void Guard::bar(PeerId p, bool for_good, const Node& node) {
-  const PublicKey& key = node.other(p).at.key;
-  if (!desk_.config.sealed || key == PublicKey{}) return;  // nothing else says who somebody is
-  auto it = std::find_if(barred_.begin(), barred_.end(), [&](const Barred& b) { return b.key == key; });
-  if (it == barred_.end()) {
-    if (barred_.size() == kMostBarred) barred_.erase(barred_.begin());
-    barred_.push_back({key, 0, 0});
-    it = std::prev(barred_.end());
-  }
+  if (!desk_.config.sealed) return;  // nothing else says who somebody is
+  Offender& o = offender(p, node);
   constexpr int kMostDoubled = 6;
-  it->until = for_good ? kForGood : std::max(it->until, node.now() + (kBarred << std::min(it->times, kMostDoubled)));
-  ++it->times;
+  const Tick until = node.now() + (kBarred << std::min(o.times, kMostDoubled));
+  o.barred_until = for_good ? kForGood : std::max(o.barred_until, until);
+  o.nonsense.clear();
+  ++o.times;
 }
 
 bool Guard::bars(const PublicKey& key, const Node& node) const {
-  return std::any_of(barred_.begin(), barred_.end(),
-                     [&](const Barred& b) { return b.key == key && node.now() < b.until; });
+  return std::any_of(offenders_.begin(), offenders_.end(),
+                     [&](const Offender& o) { return o.key == key && node.now() < o.barred_until; });
 }
 
 void Guard::tell(PeerId p, DropReason why, Watch& w, Micros local) {
@@ -183,7 +190,6 @@ void Guard::cut_off(PeerId p, Watch& w, const std::string& why, RecordedNode& no
   const PeerId coordinator = removals.coordinator(n);
   const bool for_good = coordinator == n.self() || coordinator == p;
   bar(p, n.arrears(p) < kArrears, n);
-  w.nonsense.clear();
   w.unlawful_last = -kForGood / 2;
   w.deaf_until = for_good ? kForGood : n.now() + kMuted;
   desk_.note("peer " + std::to_string(p) + " " + why + ": " +

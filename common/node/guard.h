@@ -42,14 +42,13 @@ class Guard {
   /// Whoever is heard, but keeps back for so long what it has promised, holds everybody's confirmed world up.
   static constexpr Tick kArrears = 8 * kTicksPerSecond;
   static constexpr Tick kBarred = 60 * kTicksPerSecond;  ///< who was in arrears; twice as long each time
-  static constexpr std::size_t kMostBarred = 64;
+  static constexpr std::size_t kMostOffenders = 64;
   static constexpr Tick kMuted = 2 * kTicksPerSecond;
   static constexpr Micros kTellAgain = 10 * kMicrosPerSecond;
 
  private:
   struct Watch {
     std::uint32_t incarnation = 0;
-    std::deque<Tick> nonsense;  ///< the latest, kNonsense at most
     Tick unlawful_since = -1;  ///< begin of the present series of orders it has no right to give
     Tick unlawful_last = -1;
     Tick deaf_until = -1;
@@ -59,20 +58,23 @@ class Guard {
     };
     std::array<Told, sync::kDropReasons> told{};
   };
-  struct Barred {
+  /// Of a program, whatever slot it sits in, in whichever life.
+  struct Offender {
     PublicKey key{};
-    Tick until = 0;
+    std::deque<Tick> nonsense;  ///< the latest, kNonsense at most
+    Tick barred_until = 0;
     int times = 0;
   };
+  Offender& offender(PeerId p, const Node& node);
   Watch& watch(PeerId p, const Node& node);
-  bool is_too_much(Watch& w, sync::DropReason why, Tick now) const;
+  bool is_too_much(PeerId p, sync::DropReason why, const Node& node);
   void bar(PeerId p, bool for_good, const Node& node);
   void tell(PeerId p, sync::DropReason why, Watch& w, Micros local);
   void cut_off(PeerId p, Watch& w, const std::string& why, RecordedNode& node, const Removals& removals);
 
   SessionDesk& desk_;
   std::vector<Watch> watches_;  ///< by slot
-  std::vector<Barred> barred_;  ///< kMostBarred at most
+  std::vector<Offender> offenders_;  ///< kMostOffenders at most
 };
 
 /// Whether the updates that a transfer brings along were said by whom they are said to be of, as far as the transfer
