@@ -1,5 +1,6 @@
-"""X25519 (RFC 7748), ChaCha20 and Poly1305 (RFC 8439) and XChaCha20-Poly1305 (draft-irtf-cfrg-xchacha-03), slow and plain."""
+"""X25519 (RFC 7748), Ed25519 (RFC 8032), ChaCha20 and Poly1305 (RFC 8439) and XChaCha20-Poly1305 (draft-irtf-cfrg-xchacha-03), slow and plain."""
 import struct
+from hashlib import sha512
 
 P25519 = (1 << 255) - 19
 P1305 = (1 << 130) - 5
@@ -25,8 +26,93 @@ def x25519(scalar, point):
     return (x2 * pow(z2, P25519 - 2, P25519) % P25519).to_bytes(32, "little")
 
 
+ORDER = (1 << 252) + 27742317777372353535851937790883648493
+D = -121665 * pow(121666, P25519 - 2, P25519) % P25519
+ROOT_OF_MINUS_ONE = pow(2, (P25519 - 1) // 4, P25519)
+
+
+def inverse(number):
+    return pow(number, P25519 - 2, P25519)
+
+
+def add(p, q):
+    """Of two points x, y, z, x*y/z of the twisted Edwards curve."""
+    a, b = (p[1] - p[0]) * (q[1] - q[0]) % P25519, (p[1] + p[0]) * (q[1] + q[0]) % P25519
+    c, d = 2 * p[3] * q[3] * D % P25519, 2 * p[2] * q[2] % P25519
+    e, f, g, h = b - a, d - c, d + c, b + a
+    return e * f % P25519, g * h % P25519, f * g % P25519, e * h % P25519
+
+
+def times(number, point):
+    sum = (0, 1, 1, 0)
+    while number:
+        if number & 1:
+            sum = add(sum, point)
+        point, number = add(point, point), number >> 1
+    return sum
+
+
+def x_of(y, odd):
+    """Of the point with this y, or None if there is none."""
+    square = (y * y - 1) * inverse(D * y * y + 1) % P25519
+    x = pow(square, (P25519 + 3) // 8, P25519)
+    if (x * x - square) % P25519:
+        x = x * ROOT_OF_MINUS_ONE % P25519
+    if (x * x - square) % P25519 or (x == 0 and odd):
+        return None
+    return P25519 - x if x & 1 != odd else x
+
+
+def base_point():
+    y = 4 * inverse(5) % P25519
+    x = x_of(y, 0)
+    return x, y, 1, x * y % P25519
+
+
+def packed(point):
+    z = inverse(point[2])
+    x, y = point[0] * z % P25519, point[1] * z % P25519
+    return (y | (x & 1) << 255).to_bytes(32, "little")
+
+
+def unpacked(text):
+    number = int.from_bytes(text, "little")
+    y, odd = number & (1 << 255) - 1, number >> 255
+    x = x_of(y, odd) if y < P25519 else None
+    return None if x is None else (x, y, 1, x * y % P25519)
+
+
+def halves(secret):
+    digest = sha512(secret).digest()
+    return (int.from_bytes(digest[:32], "little") & ~7 & (1 << 254) - 1) | 1 << 254, digest[32:]
+
+
+def number_of(*texts):
+    return int.from_bytes(sha512(b"".join(texts)).digest(), "little") % ORDER
+
+
 def public_key(secret):
-    return x25519(secret, (9).to_bytes(32, "little"))
+    return packed(times(halves(secret)[0], base_point()))
+
+
+def sign(secret, text):
+    scalar, prefix = halves(secret)
+    public, r = public_key(secret), number_of(prefix, text)
+    big_r = packed(times(r, base_point()))
+    return big_r + ((r + number_of(big_r, public, text) * scalar) % ORDER).to_bytes(32, "little")
+
+
+def signed_by(public, text, signature):
+    s, key, r = int.from_bytes(signature[32:], "little"), unpacked(public), unpacked(signature[:32])
+    if s >= ORDER or key is None or r is None:
+        return False
+    return packed(times(s, base_point())) == packed(add(r, times(number_of(signature[:32], public, text), key)))
+
+
+def shared(secret, public):
+    """X25519 of the scalar of one pair and the point of another."""
+    y = int.from_bytes(public, "little") & (1 << 255) - 1
+    return x25519(sha512(secret).digest()[:32], ((1 + y) * inverse(1 - y) % P25519).to_bytes(32, "little"))
 
 
 def quarter(s, a, b, c, d):

@@ -55,6 +55,8 @@ def order_lines(prefix, update):
         lines += [f"{prefix}.admission.have[{slot}] = {have}" for slot, have in enumerate(admission["have"])]
     for removal in update["removals"]:
         lines.append(f"{prefix}.removal[{removal['slot']}] = {removal['incarnation']} {removal['count']}")
+    if update["signature"]:
+        lines.append(f"{prefix}.signature = {shown(update['signature'])}")
     if passed_on:
         lines += of(f"{prefix}.passed_on", passed_on, ("slot",)) + update_lines(f"{prefix}.passed_on", passed_on)
     return lines

@@ -3,7 +3,7 @@ import struct
 import zlib
 from hashlib import blake2b
 
-from ciphers import public_key, seal, unseal, x25519
+from ciphers import public_key, seal, shared, sign, unseal
 
 AUTH, ENCRYPT = 1, 2
 HEADER, TAG, LARGEST, HANDSHAKE = 14, 16, 1220, 76
@@ -15,7 +15,7 @@ def blake(key, text, size):
 
 def pair_key(session, secret, theirs, sender, receiver):
     """What goes from `sender` to `receiver`, by the secret of either and the public key of the other."""
-    return blake(session, b"padr pair" + x25519(secret, theirs) + sender + receiver, 32)
+    return blake(session, b"padr pair" + shared(secret, theirs) + sender + receiver, 32)
 
 
 def handshake_key(session):
@@ -37,7 +37,7 @@ def sealed(key, mode, sender, number, unsealed):
 
 def unsealed(key, number, datagram):
     """The unsealed datagram in a sealed one, or None."""
-    if not HEADER + TAG <= len(datagram) <= LARGEST or datagram[:2] != b"Pd" or datagram[2] >> 4 != 3:
+    if not HEADER + TAG <= len(datagram) <= LARGEST or datagram[:2] != b"Pd" or datagram[2] >> 4 != 4:
         return None
     mode = datagram[2] >> 2 & 3
     if mode not in (AUTH, ENCRYPT) or datagram[2] & 3 == 3:
@@ -52,7 +52,7 @@ def unsealed(key, number, datagram):
 
 
 def handshake(type, public, number, cookie):
-    return b"Pd\x33" + bytes([type]) + public + struct.pack("<Q", number) + cookie
+    return b"Pd\x43" + bytes([type]) + public + struct.pack("<Q", number) + cookie
 
 
 def hello(session, public, number, type=1, cookie=bytes(16)):
@@ -67,19 +67,25 @@ def introduction(key, public, number, cookie, type=3):
     return text + seal(key, nonce(number), text, b"")[1]
 
 
+def signed_text(session, incarnation, passed_on):
+    """What the signature of an update is over; `passed_on` is what would pass it on, without its signature."""
+    return b"padr update" + struct.pack("<HI", session, incarnation) + passed_on
+
+
 def vectors():
     """Those of the standard, by name; they are made of these secrets."""
     session, a, b = (bytes(range(n, n + 32)) for n in (0, 32, 64))
     pa, pb = public_key(a), public_key(b)
     ab, ba = pair_key(session, a, pb, pa, pb), pair_key(session, b, pa, pb, pa)
-    plain = bytes.fromhex("506430023412080110641805")
+    plain = bytes.fromhex("506440023412080110641805")
     plain += struct.pack("<I", zlib.crc32(plain))
     number = (5 << 32) + 7
     cookie = bytes(range(160, 176))
+    text = signed_text(0x1234, 130, bytes.fromhex("08021009185a22025001"))
     return {
         "session_key": session, "secret_a": a, "public_a": pa, "secret_b": b, "public_b": pb, "key_a_to_b": ab,
         "key_b_to_a": ba, "unsealed": plain, "auth": sealed(ab, AUTH, pa, number, plain),
         "encrypt": sealed(ab, ENCRYPT, pa, number, plain), "hello": hello(session, pa, 0x1122334455667788),
         "cookie": hello(session, pb, 0x1122334455667788, 2, cookie), "introduction": introduction(ab, pa, 1, cookie),
-        "acceptance": introduction(ba, pb, 1, bytes(16), 4),
+        "acceptance": introduction(ba, pb, 1, bytes(16), 4), "signed_text": text, "signature": sign(a, text),
     }  # fmt: skip

@@ -7,7 +7,7 @@ from rules import ascends, check_floats, check_length, require, require_place, r
 CAUSES = ("threshold", "contact_begin", "contact_end", "proxy", "body_threshold", "at_rest", "leave")
 MODELS = ("static", "first", "second", "input")
 MODELS_WITH_CONTROL = ("second", "input")
-MOST_BODIES = 27
+MOST_BODIES, MOST_SIGNED_BODIES, SIGNATURE = 27, 20, 64
 FIRST_BAD_BODY = 65535
 MOST_PEERS = 32
 MOST_PASSING = 3
@@ -26,7 +26,7 @@ UPDATE_FIELDS = {
     5: ("body", "uint32 column"), 6: ("body_flags", "uint32 column"), 7: ("epoch", "uint32 column"),
     8: ("claim_age", "uint32 column"), 9: ("body_state", "float column"), 10: ("leave", "bool"),
     11: ("admission", Single(ADMISSION_FIELDS)), 12: ("removals", REMOVAL_FIELDS),
-    13: ("passed_on", Single(PASSED_ON_FIELDS)),
+    13: ("passed_on", Single(PASSED_ON_FIELDS)), 14: ("signature", "bytes"),
 }
 PASSED_ON_FIELDS[4] = ("update", Single(UPDATE_FIELDS))
 
@@ -37,10 +37,14 @@ def decode_update(raw, mark_tick, mark_count, depth=0):
     require(sum(sorts) <= 1, "an update of two sorts")
     require(raw["index_back"] < mark_count, "a number below 0")
     require(raw["tick_back"] <= mark_tick, "a tick before the start")
+    signature = raw["signature"]
+    require(len(signature) in (0, SIGNATURE), "a signature of another length")
+    require(not signature or len(raw["body"]) <= MOST_SIGNED_BODIES, "too many bodies for a signed update")
     tick = mark_tick - raw["tick_back"]
     return {"index": mark_count - 1 - raw["index_back"], "tick": tick, "leave": raw["leave"],
             "avatar": decode_avatar(raw), "bodies": decode_bodies(raw, tick), "admission": decode_admission(raw["admission"]),
-            "removals": decode_removals(raw["removals"]), "passed_on": decode_passed_on(raw["passed_on"], depth)}  # fmt: skip
+            "removals": decode_removals(raw["removals"]), "passed_on": decode_passed_on(raw["passed_on"], depth),
+            "signature": signature}  # fmt: skip
 
 
 def decode_admission(raw):

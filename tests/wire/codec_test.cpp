@@ -58,8 +58,9 @@ StatePacket packet_with(const Bundle& b) {
 // A bundle that OutLink thinks too large is never sent, and everybody's confirmed world waits for it for ever: by the
 // bound as it was, that happened to large bundles that were passed on twice.
 TEST(Codec, TheLargestBundleFitsADatagramHoweverOftenItIsPassedOn) {
-  for (int passings = 0; passings <= sync::kMaxPassing; ++passings) {
-    const Bundle b = largest_bundle(passings);
+  for (int i = 0; i <= 2 * sync::kMaxPassing + 1; ++i) {
+    const int passings = i / 2;
+    const Bundle b = largest_bundle(passings, i % 2 == 1);
     EXPECT_LE(encoded_size(b), kMaxPayload - kStateOverhead) << passings;
     StatePacket p = packet_with(b);
     for (const Tick ahead : {0, 1 << 20}) {
@@ -73,14 +74,18 @@ TEST(Codec, TheLargestBundleFitsADatagramHoweverOftenItIsPassedOn) {
   }
 }
 
-TEST(Codec, ABodyMoreIsNotRead) {
-  Bundle b = largest_bundle(0);
+class BodyMore : public testing::TestWithParam<bool> {};
+
+TEST_P(BodyMore, IsNotRead) {
+  Bundle b = largest_bundle(0, GetParam());
   BodyUpdate u = b.bodies.front();
   u.body = 1;
   u.has_state = false;
   b.bodies.insert(b.bodies.begin(), u);
   EXPECT_FALSE(decode_state(encode(packet_with(b)), b.peer));
 }
+
+INSTANTIATE_TEST_SUITE_P(SignedOrNot, BodyMore, testing::Bool());
 
 TEST(Codec, UpdatesArePassedOnSoDeepAndNoDeeper) {
   Bundle b;

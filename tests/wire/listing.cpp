@@ -81,6 +81,11 @@ std::string order_lines(const std::string& at, const Bundle& b) {
   }
   for (const sync::Removal& r : b.removals)
     s += at + line(".removal[%d] = %u %u\n", int{r.slot}, r.incarnation, r.count);
+  if (b.signature) {
+    s += at + ".signature = ";
+    for (const std::byte byte : *b.signature) s += line("%02x", std::to_integer<unsigned>(byte));
+    s += "\n";
+  }
   for (const Bundle& lost : b.passed_on) {
     const std::string o = at + ".passed_on";
     s += o + line(".slot = %d\n", int{lost.peer}) + list(o, lost);

@@ -131,6 +131,8 @@ Bundle any_bundle(Rng& rng, PeerId peer, std::uint32_t index, Tick tick, int dep
   } else {
     tell_entities(rng, b);
   }
+  if (b.bodies.size() <= sync::kMaxBodiesPerSigned && rng.chance(0.3))
+    for (std::byte& byte : b.signature.emplace()) byte = static_cast<std::byte>(rng.below(256));
   return b;
 }
 
@@ -180,22 +182,24 @@ wire::MembershipMessage any_membership(Rng& rng, std::size_t kind) {
   }
 }
 
-Bundle largest_bundle(int passings) {
+Bundle largest_bundle(int passings, bool is_signed) {
   constexpr Tick kLate = (1 << 28) - 1;
   Bundle b;
   b.peer = 31;
   b.index = kSome - 1;
   b.tick = kLate;
+  if (is_signed) b.signature.emplace().fill(std::byte{0xA5});
   if (passings > 0) {
-    b.passed_on.push_back(largest_bundle(passings - 1));
+    b.passed_on.push_back(largest_bundle(passings - 1, is_signed));
     b.passed_on[0].peer = 30;
     return b;
   }
   b.avatar = sync::AvatarUpdate{};
   b.avatar->model = Model::kInput;
-  for (std::size_t i = 0; i < sync::kMaxBodiesPerBundle; ++i) {
+  const std::size_t most = is_signed ? sync::kMaxBodiesPerSigned : sync::kMaxBodiesPerBundle;
+  for (std::size_t i = 0; i < most; ++i) {
     BodyUpdate u;
-    u.body = static_cast<EntityId>(kNoEntity - sync::kMaxBodiesPerBundle + i);
+    u.body = static_cast<EntityId>(kNoEntity - most + i);
     u.has_state = true;
     u.epoch = kSome;
     u.claimed = 0;

@@ -19,8 +19,9 @@ sync::StatePacket any_packet(Rng& rng, PeerId sender);
 wire::MembershipMessage any_membership(Rng& rng, std::size_t kind);
 inline constexpr std::size_t kMembershipKinds = std::variant_size_v<wire::MembershipMessage>;
 
-/// The largest update there may be, every number as long as it gets within a session of 51 days, in `passings` others.
-sync::Bundle largest_bundle(int passings);
+/// The largest update there may be, every number as long as it gets within a session of 51 days, in `passings` others,
+/// all signed or none.
+sync::Bundle largest_bundle(int passings, bool is_signed = false);
 
 /// A session in which somebody comes in and somebody is lost, as one agreed world heard of it.
 class Played {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/wire/handshake.h"
+#include "common/wire/signature.h"
 #include "wire_md.h"
 
 namespace padr::wire {
@@ -44,7 +45,7 @@ Tag cookie_of(const Bytes& bytes) {
 
 TEST(SealedMd, EveryVectorIsWhatTheCodeMakes) {
   auto v = vectors();
-  ASSERT_EQ(v.size(), 14U);
+  ASSERT_EQ(v.size(), 16U);
   const Key session = key_of(v["session_key"]);
   const Key a = key_of(v["secret_a"]);
   const Key b = key_of(v["secret_b"]);
@@ -68,6 +69,31 @@ TEST(SealedMd, EveryVectorIsWhatTheCodeMakes) {
   EXPECT_EQ(encode_handshake(Cookie{public_b, kNonce, cookie}, h), v["cookie"]);
   EXPECT_EQ(encode_handshake(Introduction{public_a, 1, cookie}, keys->out), v["introduction"]);
   EXPECT_EQ(encode_handshake(Acceptance{public_b, 1}, keys->in), v["acceptance"]);
+}
+
+TEST(SealedMd, TheSignatureIsWhatTheCodeMakes) {
+  auto v = vectors();
+  sync::Bundle b;
+  b.peer = 2;
+  b.index = 9;
+  b.tick = 90;
+  b.leave = true;
+  const Said said{0x1234, 130};
+  EXPECT_EQ(signed_text(said, b), v["signed_text"]);
+  const sync::Signature s = sign_update(signing_key(key_of(v["secret_a"])), said, b);
+  EXPECT_EQ(Bytes(s.begin(), s.end()), v["signature"]);
+  b.signature = s;
+  EXPECT_TRUE(is_signed(key_of(v["public_a"]), said, b));
+  EXPECT_FALSE(is_signed(key_of(v["public_b"]), said, b));
+  EXPECT_FALSE(is_signed(key_of(v["public_a"]), {0x1235, 130}, b)) << "another session";
+  EXPECT_FALSE(is_signed(key_of(v["public_a"]), {0x1234, 131}, b)) << "another life";
+  for (const auto& change : {+[](sync::Bundle& c) { ++c.peer; }, +[](sync::Bundle& c) { ++c.index; },
+                             +[](sync::Bundle& c) { ++c.tick; }, +[](sync::Bundle& c) { c.leave = false; },
+                             +[](sync::Bundle& c) { c.signature.reset(); }}) {
+    sync::Bundle other = b;
+    change(other);
+    EXPECT_FALSE(is_signed(key_of(v["public_a"]), said, other));
+  }
 }
 
 TEST(SealedMd, HandshakesComeBackAsTheyWere) {

@@ -308,6 +308,8 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("no_peer", int{kNoPeer});
   add("no_entity", int{kNoEntity});
   add("max_bodies_per_update", sync::kMaxBodiesPerBundle);
+  add("max_bodies_per_signed", sync::kMaxBodiesPerSigned);
+  add("signature", sizeof(sync::Signature));
   add("max_passing", sync::kMaxPassing);
   add("ticks_per_second", kTicksPerSecond);
   add("max_label", kMaxLabel);
