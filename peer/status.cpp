@@ -11,6 +11,19 @@ std::uint64_t updates_told(const node::NodeStats& stats) {
   return std::accumulate(stats.updates_by_cause.begin(), stats.updates_by_cause.end(), std::uint64_t{0});
 }
 
+namespace {
+
+/// Datagrams that were dropped for what they said; what the network does to them is no news.
+std::uint64_t refused(const node::NodeStats& stats) {
+  using enum sync::DropReason;
+  std::uint64_t sum = 0;
+  for (const sync::DropReason why : {kMalformed, kTick, kOrder, kEntity, kValue, kSignature, kRight, kCutOff})
+    sum += stats.dropped[static_cast<std::size_t>(why)];
+  return sum;
+}
+
+}  // namespace
+
 double confirmed_lag_ms(const Player& player) {
   return (player.node().now() - player.confirmed().tick) * 1000.0 / kTicksPerSecond;
 }
@@ -33,6 +46,7 @@ std::string Status::line(const Player& player, Micros now) {
   if (history.came() > 0) line += fmt::format("  came {}", history.came());
   if (history.left() > 0) line += fmt::format("  left {}", history.left());
   if (history.removed() > 0) line += fmt::format("  lost {}", history.removed());
+  if (const std::uint64_t n = refused(totals.node); n > 0) line += fmt::format("  refused {}", n);
   if (player.life() > 0) line += fmt::format("  life {}", player.life() + 1);
   if (player.returning()) line += "  joining anew";
   if (player.leaving()) line += "  leaving";

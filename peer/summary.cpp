@@ -1,5 +1,7 @@
 #include "peer/summary.h"
 
+#include <array>
+
 #include "peer/status.h"
 #include "tools/support/command_line.h"
 #include "tools/support/json.h"
@@ -96,6 +98,12 @@ void put_others(Json& j, const Player& p) {
   j.field("removed", p.history().removed()).end_object();
 }
 
+void put_drops(Json& j, const std::array<std::uint64_t, sync::kDropReasons>& dropped) {
+  j.key("dropped").begin_object();
+  for (std::size_t d = 1; d < sync::kDropReasons; ++d) j.field(sync::kDropNames[d], dropped[d]);
+  j.end_object();
+}
+
 void put_traffic(Json& j, const node::NodeStats& s) {
   j.key("sent").begin_object();
   j.field("updates", updates_told(s)).field("bundles", s.bundles).field("repeats", s.repeats);
@@ -105,9 +113,7 @@ void put_traffic(Json& j, const node::NodeStats& s) {
   for (std::size_t c = 0; c < sync::kCauses; ++c) j.field(sync::kCauseNames[c], s.updates_by_cause[c]);
   j.end_object();
   j.key("received").begin_object().field("datagrams", s.datagrams_received).end_object();
-  j.key("dropped").begin_object();
-  for (std::size_t d = 1; d < sync::kDropReasons; ++d) j.field(sync::kDropNames[d], s.dropped[d]);
-  j.end_object();
+  put_drops(j, s.dropped);
 }
 
 void put_shim(Json& j, const link::Shim& shim) {
@@ -127,6 +133,7 @@ void put_links(Json& j, const Report& r) {
     if (to == p.self() || !n.at.is_set()) continue;
     j.begin_object().field("peer", to).field("incarnation", n.incarnation).field("endpoint", to_string(n.at));
     j.field("left", n.presence == node::Presence::kLeft).field("lost", n.presence == node::Presence::kAbsent);
+    put_drops(j, n.dropped);
     j.field("rtt_ms", static_cast<double>(p.node().link(to).round_trip()) * 1000.0 / kTicksPerSecond);
     j.field("silence_ms", p.node().silence(to) * 1000.0 / kTicksPerSecond);
     if (const link::Shim* shim = r.egress.shim(to)) put_shim(j, *shim);

@@ -65,7 +65,7 @@ def is_claimed(datagram):
         return False
     good = len(datagram) >= 10 and zlib.crc32(datagram[:-4]) == int.from_bytes(datagram[-4:], "little")
     somebody = datagram[3] < 32 or datagram[3] == 255
-    kinds = (0x30, 0x31, 0x32, *((0x34, 0x35, 0x36, 0x38, 0x39, 0x3A) if 30 <= len(datagram) <= 1220 else ()))
+    kinds = (0x40, 0x41, 0x42, *((0x44, 0x45, 0x46, 0x48, 0x49, 0x4A) if 30 <= len(datagram) <= 1220 else ()))
     return good or datagram[2] in kinds and somebody
 
 

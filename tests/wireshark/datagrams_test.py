@@ -48,7 +48,7 @@ def damaged(datagrams, rng):
         flipped = datagram[:at] + bytes([datagram[at] ^ 1 << rng.randrange(8)]) + datagram[at + 1:]
         yield flipped
         yield tagged(flipped[:-4])
-        yield tagged(datagram[:2] + bytes([0x40 | datagram[2] & 15]) + datagram[3:-4])
+        yield tagged(datagram[:2] + bytes([0x50 | datagram[2] & 15]) + datagram[3:-4])
         yield tagged(datagram[:2] + bytes([0x3F]) + datagram[3:-4])
         yield tagged(datagram[:-4] + bytes(1200))
 
@@ -76,7 +76,7 @@ def check_cut_off(path, datagrams):
     for datagram, shown in zip(datagrams, tshark.frames(path), strict=True):
         whole = len(datagram) <= 20
         wanted = fields(datagram) if whole else fields(datagram)[:4]
-        if is_claimed(datagram) and datagram[2] in (0x30, 0x31, 0x32) and len(datagram) <= 1200:
+        if is_claimed(datagram) and datagram[2] in (0x40, 0x41, 0x42) and len(datagram) <= 1200:
             tshark.compare(f"cut off: {datagram.hex(' ')}", wanted, shown)
 
 

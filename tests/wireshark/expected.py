@@ -15,7 +15,7 @@ from updates import CAUSES, MODELS, UPDATE_FIELDS, decode_update
 
 KINDS = ("state", "session", "membership")
 NOBODY = 255
-SEALED = (0x34, 0x35, 0x36, 0x38, 0x39, 0x3A)
+SEALED = (0x44, 0x45, 0x46, 0x48, 0x49, 0x4A)
 HANDSHAKES = ("hello", "cookie", "introduction", "acceptance")
 
 
@@ -24,7 +24,7 @@ def is_claimed(datagram):
     if datagram[:2] != b"Pd" or len(datagram) < 6:
         return False
     good = len(datagram) >= 10 and zlib.crc32(datagram[:-4]) == struct.unpack("<I", datagram[-4:])[0]
-    ours = datagram[2] in (0x30, 0x31, 0x32) and (datagram[3] < 32 or datagram[3] == NOBODY)
+    ours = datagram[2] in (0x40, 0x41, 0x42) and (datagram[3] < 32 or datagram[3] == NOBODY)
     return good or ours or is_handshake(datagram) or is_sealed(datagram) and (datagram[3] < 32 or datagram[3] == NOBODY)
 
 
@@ -38,7 +38,7 @@ def is_sealed(datagram):
 
 
 def is_handshake(datagram):
-    return len(datagram) == 76 and datagram[:3] == b"Pd\x33" and 1 <= datagram[3] <= 4 and not has_crc(datagram)
+    return len(datagram) == 76 and datagram[:3] == b"Pd\x43" and 1 <= datagram[3] <= 4 and not has_crc(datagram)
 
 
 def fields(datagram):
@@ -73,7 +73,7 @@ def of_sealed(datagram):
     yield "padr.seal.id", struct.unpack_from("<I", datagram, 6)[0]
     yield "padr.seal.number", struct.unpack_from("<I", datagram, 10)[0]
     yield "padr.seal.tag", datagram[-16:]
-    if datagram[2] < 0x38:
+    if datagram[2] < 0x48:
         plain = datagram[:2] + bytes([datagram[2] & 0xF3]) + datagram[3:6] + datagram[14:-16]
         yield from of_content(plain + struct.pack("<I", zlib.crc32(plain)))
 

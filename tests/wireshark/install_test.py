@@ -84,7 +84,7 @@ def check_without_lua(home, repository, path, script):
     shown = [line.split("\t")[0] for line in out.splitlines()]
     wanted = []
     for datagram in pcap.read(path):
-        if datagram and datagram[:3] == b"Pd\x30":
+        if datagram and datagram[:3] == b"Pd\x40":
             wanted.append(str(decode(datagram)["seq"]))
     assert shown == wanted and len(wanted) > 20, (shown, wanted)
 

@@ -87,6 +87,7 @@ constexpr FieldName kNames[] = {
     {"padr.update.index", true},
     {"padr.update.tick", true},
     {"padr.update.leave", true},
+    {"padr.update.signature", true},
     {"padr.join.scene_hash", false},
     {"padr.join.fingerprint", false},
     {"padr.join.authority", false},

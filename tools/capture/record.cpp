@@ -43,6 +43,13 @@ std::string address_of(const Endpoint& e) {
 
 }  // namespace
 
+void Record::bytes(std::string_view name, std::span<const std::byte> v) {
+  std::string hex;
+  for (const std::byte b : v)
+    for (const unsigned shift : {4U, 0U}) hex += "0123456789abcdef"[std::to_integer<unsigned>(b) >> shift & 15U];
+  text(name, hex);
+}
+
 void Record::hex32(std::string_view name, std::uint32_t v) {
   add(name, {hex_of(v, 8), true});
 }

@@ -24,6 +24,7 @@ class Record {
   void flag(std::string_view name, bool v) { add(name, {v ? "true" : "false", false}); }
   void text(std::string_view name, std::string_view v) { add(name, {std::string(v), true}); }
   void hex32(std::string_view name, std::uint32_t v);
+  void bytes(std::string_view name, std::span<const std::byte> v);
   void hex64(std::string_view name, std::uint64_t v);
   /// The shortest text that reads back as the same float; text if it is not finite.
   void real(std::string_view name, float v);

@@ -103,10 +103,7 @@ class MembershipFields {
     r_.hex64("padr.nonce", m.nonce);
     r_.number("padr.piece.index", m.index);
     r_.number("padr.piece.count", m.count);
-    std::string hex;
-    for (const std::byte b : m.bytes)
-      for (const unsigned shift : {4U, 0U}) hex += "0123456789abcdef"[std::to_integer<unsigned>(b) >> shift & 15U];
-    r_.text("padr.piece.bytes", hex);
+    r_.bytes("padr.piece.bytes", m.bytes);
   }
   void operator()(const wire::Enter& m) const { r_.hex64("padr.nonce", m.nonce); }
   void operator()(const wire::Poll& m) const {

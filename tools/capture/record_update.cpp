@@ -107,6 +107,7 @@ void put_update(Record& r, const Bundle& b, Tick mark_tick, std::uint32_t mark_c
   r.number("padr.update.index", b.index);
   r.number("padr.update.tick", static_cast<std::uint64_t>(b.tick));
   if (b.leave) r.flag("padr.update.leave", true);
+  if (b.signature) r.bytes("padr.update.signature", *b.signature);
   if (b.avatar) put_avatar(r, *b.avatar);
   for (const sync::BodyUpdate& u : b.bodies) put_body(r, u, b.peer, b.tick);
   put_orders(r, b);

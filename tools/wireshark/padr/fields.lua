@@ -49,6 +49,7 @@ local LIST = {
   { "padr.update.index", "uint32", "Number" },
   { "padr.update.tick", "uint32", "Tick", "at which its states are true" },
   { "padr.update.leave", "bool", "Leaves" },
+  { "padr.update.signature", "bytes", "Signature", "of whoever the update is of" },
   { "padr.cause", "uint8", "Cause", "why it was sent", updates.CAUSES },
   { "padr.avatar", "none", "Avatar" },
   { "padr.avatar.flags", "hex8", "Flags" },

@@ -11,7 +11,7 @@ schema.update = {
   { "index_back", "uint32" }, { "tick_back", "uint32" }, { "avatar", "uint32" }, { "avatar_state", "floats" },
   { "body", "uint32s" }, { "body_flags", "uint32s" }, { "epoch", "uint32s" }, { "claim_age", "uint32s" },
   { "body_state", "floats" }, { "leave", "bool" }, { "admission", one = admission }, { "removals", many = removal },
-  { "passed_on", one = passed_on },
+  { "passed_on", one = passed_on }, { "signature", "bytes" },
 }
 passed_on[4] = { "update", one = schema.update }
 

@@ -12,6 +12,7 @@ updates.MOST_TICK = 2147483646
 updates.MOST_PEERS = 32
 
 local MOST_BODIES, FIRST_BAD_BODY, MOST_PASSING = 27, 65535, 3
+local MOST_SIGNED_BODIES, SIGNATURE = 20, 64
 local MOST_SPEED, MOST_SPIN, MOST_ANGLE, MOST_CONTROL = 121, 95, 100000, 10000
 local MOST_EPOCH, MOST_NUMBER = 1073741824, 1073741823
 
@@ -127,6 +128,9 @@ function updates.decode(raw, peer, mark_tick, mark_count, depth)
   require_that(count_sorts(raw) <= 1, "an update of two sorts")
   require_that(raw.index_back.v < mark_count, "a number below 0")
   require_that(raw.tick_back.v <= mark_tick, "a tick before the start")
+  local signature = #raw.signature.v
+  require_that(signature == 0 or signature == SIGNATURE, "a signature of another length")
+  require_that(signature == 0 or #raw.body <= MOST_SIGNED_BODIES, "too many bodies for a signed update")
   check_orders(raw, depth)
   local update = {
     raw = raw, peer = peer, index = mark_count - 1 - raw.index_back.v, tick = mark_tick - raw.tick_back.v, leave = raw.leave.v,
