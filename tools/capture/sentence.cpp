@@ -1,5 +1,4 @@
 #include "tools/capture/sentence.h"
-#include "tools/support/text.h"
 
 #include <set>
 
@@ -16,6 +15,10 @@ std::string joined(const std::vector<Record::Value>* values) {
   if (values == nullptr) return out;
   for (const auto& v : *values) out += (out.empty() ? "" : " ") + v.text;
   return out;
+}
+
+std::string plural(std::size_t n, const std::string& what) {
+  return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
 }
 
 std::string who(const Record& r) {
@@ -42,7 +45,7 @@ std::string state(const Record& r) {
   if (first(r, "padr.mark") == "true") {
     out += ", mark, has " + first(r, "padr.have");
   } else {
-    out += ", " + support::plural(std::stoul(updates), "update") + causes(r);
+    out += ", " + plural(std::stoul(updates), "update") + causes(r);
     if (const auto* bodies = r.find("padr.entity"))
       out += ", " + std::string(bodies->size() == 1 ? "body " : "bodies ") + joined(bodies);
   }

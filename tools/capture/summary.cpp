@@ -21,11 +21,15 @@ double per_second(std::uint64_t n, double seconds) {
   return seconds > 0 ? static_cast<double>(n) / seconds : 0;
 }
 
+std::string counted(std::uint64_t n, const std::string& what) {
+  return count(n) + " " + what + (n == 1 ? "" : "s");
+}
+
 std::string contents_text(const Source& s, const Tally& t) {
   std::string out;
   for (const std::string& f : s.files) out += (out.empty() ? "" : ", ") + (f == "-" ? "standard input" : f);
   const Contents& c = s.contents;
-  out += ": " + support::plural(c.packets, "packet") + ", " + support::plural(c.ours, "datagram") + " of PADR in " +
+  out += ": " + counted(c.packets, "packet") + ", " + counted(c.ours, "datagram") + " of PADR in " +
          support::fixed_or_dash(t.all().seconds(), 1) + " s";
   const auto add = [&out](std::uint64_t n, const std::string& what) {
     if (n > 0) out += ", " + count(n) + " " + what;

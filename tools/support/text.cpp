@@ -35,10 +35,6 @@ std::string fixed_or_dash(double v, int digits) {
   return std::isfinite(v) ? fixed(v, digits) : "-";
 }
 
-std::string plural(std::uint64_t n, std::string_view what) {
-  return std::to_string(n) + " " + std::string(what) + (n == 1 ? "" : "s");
-}
-
 std::string hex(std::uint64_t v) {
   std::string s(16, '0');
   for (auto c = s.rbegin(); c != s.rend(); ++c, v >>= 4U) *c = "0123456789abcdef"[v & 15U];

@@ -13,9 +13,6 @@ std::string fixed(double v, int digits);
 /// The same, and "-" for what is not finite.
 std::string fixed_or_dash(double v, int digits);
 
-/// "1 update", "2 updates".
-std::string plural(std::uint64_t n, std::string_view what);
-
 /// 16 hexadecimal digits.
 std::string hex(std::uint64_t v);
 
