@@ -200,7 +200,8 @@ function Show:update(tree, update, first)
   self:add(node, "padr.update.index", update.index)
   self:add(node, "padr.update.tick", update.tick)
   if update.leave then self:value(node, "padr.update.leave", raw.leave) end
-  if #raw.signature.v > 0 then self:add(node, "padr.update.signature", ByteArray.new(raw.signature.v, true)) end
+  local signature = #raw.signature.v > 0 and self:range(raw.signature.at, raw.signature.stop)
+  if signature then self:raw(node, "padr.update.signature", signature) end
   if update.avatar then self:avatar(node, update.avatar) end
   for _, body in ipairs(update.bodies) do self:body(node, body, update.peer) end
   self:orders(node, update)
