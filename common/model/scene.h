@@ -52,6 +52,9 @@ struct Scene {
   bool continuous = false;     ///< Box2D's continuous collision against fixed things: for fast small bodies
   int velocity_iterations = 8;
   int position_iterations = 3;
+  float max_speed =
+      121;              ///< m/s, that is believed: Box2D's own limit is 2 m a step, 120 at 60 Hz, give or take rounding
+  float max_spin = 95;  ///< rad/s, likewise: a quarter turn a step, 94.2
   AvatarDef avatar;
   std::vector<BodyDef> bodies;   ///< entity ids 0, 1, ...
   std::vector<BodyDef> statics;  ///< walls, posts, slopes: no entity ids

@@ -25,7 +25,8 @@ struct Sayer {
 /// Who sat in the slot when its update of that number was said; nothing if that is not known.
 std::optional<Sayer> sayer(PeerId p, std::uint32_t index, const Node& node) {
   const Neighbour& n = node.other(p);
-  if (index >= n.first && p != node.self()) return n.at.has_key() ? std::optional(Sayer{n.incarnation, n.at.key}) : std::nullopt;
+  if (index >= n.first && p != node.self())
+    return n.at.has_key() ? std::optional(Sayer{n.incarnation, n.at.key}) : std::nullopt;
   for (auto f = n.former.rbegin(); f != n.former.rend(); ++f)
     if (index >= f->first && f->key != PublicKey{}) return Sayer{f->incarnation, f->key};
   return std::nullopt;
@@ -39,7 +40,9 @@ bool is_nonsense(DropReason why) {
 
 /// Whether x may have been the coordinator at tick t: nobody lower is there who is well as far as we can tell.
 bool may_coordinate(PeerId x, Tick t, const Node& node, const Removals& removals) {
-  const auto new_then = [t](std::uint32_t incarnation, Tick since) { return incarnation > 0 && since + kHandOver >= t; };
+  const auto new_then = [t](std::uint32_t incarnation, Tick since) {
+    return incarnation > 0 && since + kHandOver >= t;
+  };
   for (PeerId p = 0; p < x; ++p) {
     if (p == node.self()) {
       if (!node.leaving() && !new_then(node.config().incarnation, node.in_since())) return false;

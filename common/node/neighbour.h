@@ -46,7 +46,7 @@ struct Neighbour {
   bool frozen = false;             ///< being declared gone: nothing more is taken from it
   std::vector<sync::Bundle> held;  ///< frozen: updates of it that are here beyond the first that is not
 
-  std::vector<Former> former;      ///< the latest kFormer, eldest first
+  std::vector<Former> former;                               ///< the latest kFormer, eldest first
   std::array<std::uint64_t, sync::kDropReasons> dropped{};  ///< of who sits there now
 
   static constexpr std::size_t kFormer = 4;

@@ -170,11 +170,9 @@ class Node {
   std::uint64_t lookahead_steps() const { return predictor_.steps(); }
   /// Ticks since anything valid was heard of p; since the start if nothing was.
   Tick silence(PeerId p) const { return now() - others_[p].heard; }
-  /// By how many ticks what p has told in full lies back, and with it everybody's confirmed world; 0 if nothing of it is
-  /// waited for.
-  Tick arrears(PeerId p) const {
-    return std::max(0, now() - std::max(agreed_.log().complete(p), others_[p].excused));
-  }
+  /// By how many ticks what p has told in full lies back, and with it everybody's confirmed world; 0 if nothing of it
+  /// is waited for.
+  Tick arrears(PeerId p) const { return std::max(0, now() - std::max(agreed_.log().complete(p), others_[p].excused)); }
   /// Ticks since p last said that it had got something new of ours: both ways of the link worked then.
   Tick unanswered(PeerId p) const { return now() - others_[p].answered; }
   /// By how much this peer's session clock leads that of the lowest other peer, in microseconds, as far as delays

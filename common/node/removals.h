@@ -67,9 +67,9 @@ class Removals {
   void bury(RecordedNode& node);
 
   SessionDesk& desk_;
-  std::map<PeerId, Lost> lost_;          ///< as the coordinator
+  std::map<PeerId, Lost> lost_;                                  ///< as the coordinator
   std::map<std::pair<PeerId, PeerId>, std::uint32_t> answered_;  ///< by asker and slot: the latest incarnation
-  std::map<PeerId, PeerId> frozen_for_;  ///< as one who has answered: whom for
+  std::map<PeerId, PeerId> frozen_for_;                          ///< as one who has answered: whom for
   Tick asked_ = 0;
 };
 

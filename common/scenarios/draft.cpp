@@ -132,6 +132,8 @@ Draft draft_of(const Document& document) {
   scene.upper = vec(from.upper());
   scene.gravity = vec(from.gravity());
   scene.warm_starting = from.warm_starting();
+  scene.max_speed = static_cast<float>(from.max_speed());
+  scene.max_spin = static_cast<float>(from.max_spin());
   scene.continuous = from.continuous();
   scene.velocity_iterations = static_cast<int>(from.velocity_iterations());
   scene.position_iterations = static_cast<int>(from.position_iterations());

@@ -17,7 +17,7 @@ struct Checker {
     return is_finite(p) && p.x >= scene.lower.x - limits.margin && p.x <= scene.upper.x + limits.margin &&
            p.y >= scene.lower.y - limits.margin && p.y <= scene.upper.y + limits.margin;
   }
-  bool speed(Vec2 v) const { return is_finite(v) && length(v) <= limits.max_speed; }
+  bool speed(Vec2 v) const { return is_finite(v) && length(v) <= std::min(limits.max_speed, scene.max_speed); }
 
   bool avatar(const AvatarUpdate& u) const {
     // Targets may lie anywhere a pointer may be; accelerations are bounded by the force over a step, generously.
@@ -27,7 +27,7 @@ struct Checker {
   }
   bool body(const BodyState& s) const {
     const bool turn = std::isfinite(s.angle) && std::abs(s.angle) <= limits.max_angle && std::isfinite(s.spin) &&
-                      std::abs(s.spin) <= limits.max_spin;
+                      std::abs(s.spin) <= std::min(limits.max_spin, scene.max_spin);
     return place(s.position) && speed(s.velocity) && turn;
   }
 };

@@ -25,15 +25,15 @@ enum class DropReason : std::uint8_t {
   kCutOff,     ///< of a member that is not listened to any more, or not for now
 };
 inline constexpr std::size_t kDropReasons = 12;
-inline constexpr std::array<std::string_view, kDropReasons> kDropNames{
-    "none",  "seal",   "foreign", "malformed", "duplicate", "tick",
-    "order", "entity", "value",   "signature", "right",     "cut_off"};
+inline constexpr std::array<std::string_view, kDropReasons> kDropNames{"none",      "seal",      "foreign", "malformed",
+                                                                       "duplicate", "tick",      "order",   "entity",
+                                                                       "value",     "signature", "right",   "cut_off"};
 
 /// Limits of what is believed: Box2D asserts, and so aborts, on what is not finite, and loses precision far out.
 struct AdmitLimits {
   float margin = 20;           ///< m beyond the scene's corners
-  float max_speed = 121;       ///< m/s: Box2D's own limit is 2 m a step, 120 at 60 Hz, give or take its rounding
-  float max_spin = 95;         ///< rad/s: a quarter turn a step, 94.2, likewise
+  float max_speed = 121;       ///< m/s; the scene may say less
+  float max_spin = 95;         ///< rad/s, likewise
   float max_angle = 1.0e5F;    ///< rad
   float max_control = 1.0e4F;  ///< an avatar's target point, m, or acceleration, m/s^2, from zero
   Tick max_ahead = 120;        ///< ticks a sender's clock may lead ours
@@ -44,8 +44,8 @@ DropReason admit(const StatePacket& packet, const Scene& scene, int slots, Tick 
 
 /// The same of a single update, whose number and tick are another's to judge.
 DropReason admit(const Bundle& bundle, const Scene& scene, int slots, const AdmitLimits& limits = {});
-/// Whether its claims may rest on what is agreed so far. From there on a claim's epoch is one above another's, and nobody
-/// makes two in a tick; and a claim that was made long before is on record, or has lost.
+/// Whether its claims may rest on what is agreed so far. From there on a claim's epoch is one above another's, and
+/// nobody makes two in a tick; and a claim that was made long before is on record, or has lost.
 DropReason admit_claims(const Bundle& bundle, const FoldState& confirmed);
 /// Whether physics can take it.
 bool believable(const BodyState& state, const Scene& scene, const AdmitLimits& limits = {});

@@ -4,8 +4,8 @@
 #include <span>
 
 #include "common/sync/updates.h"
-#include "common/wire/secret.h"
 #include "common/wire/seal.h"
+#include "common/wire/secret.h"
 
 namespace padr::wire {
 

@@ -4,7 +4,9 @@
 
 #include <chrono>
 
+#include "common/wire/codec.h"
 #include "common/wire/sealed.h"
+#include "common/wire/signature.h"
 
 namespace padr {
 namespace {
@@ -48,6 +50,41 @@ void sealing(benchmark::State& state, wire::SealMode mode) {
   state.counters["times"] = with / without;
 }
 
+/// An update of the avatar and so many bodies, signed, and checked as each of its receivers does.
+void signing(benchmark::State& state) {
+  wire::choose_fast_code();
+  const wire::Key secret = wire::derive_key({}, "bench");
+  const wire::SigningKey key = wire::signing_key(secret);
+  const PublicKey who = wire::public_key(secret);
+  sync::Bundle b;
+  b.peer = 1;
+  b.index = 1000;
+  b.tick = 10'000;
+  b.avatar = sync::AvatarUpdate{};
+  for (int i = 0; i < state.range(0); ++i) {
+    sync::BodyUpdate& u = b.bodies.emplace_back();
+    u.body = static_cast<EntityId>(i);
+    u.has_state = true;
+    u.epoch = 7;
+    u.claimed = 9'990;
+  }
+  const auto bare = static_cast<double>(wire::encoded_size(b));
+  const wire::Said said{4660, 0};
+  double sign = 0;
+  double check = 0;
+  for (auto unused : state) {
+    (void)unused;
+    sign += seconds_of([&] { b.signature = wire::sign_update(key, said, b); });
+    check += seconds_of([&] { benchmark::DoNotOptimize(wire::is_signed(who, said, b)); });
+  }
+  const double updates = static_cast<double>(state.iterations()) * kBatch;
+  state.counters["sign_us"] = sign * 1e6 / updates;
+  state.counters["check_us"] = check * 1e6 / updates;
+  state.counters["bytes"] = bare;
+  state.counters["more_bytes"] = static_cast<double>(wire::encoded_size(b)) - bare;
+}
+
+BENCHMARK(signing)->Arg(0)->Arg(1)->Arg(20);
 BENCHMARK_CAPTURE(sealing, auth, wire::SealMode::kAuth)->Arg(100)->Arg(1190);
 BENCHMARK_CAPTURE(sealing, encrypt, wire::SealMode::kEncrypt)->Arg(100)->Arg(1190);
 

@@ -31,7 +31,8 @@ TEST(Floods, AMillionUpdates) {
         p.mark_count = next + 16;
         for (int i = 0; i < 16; ++i) {
           sync::Bundle b = avatar_update(2, next++, now + 60 + i);
-          if (mode != wire::SealMode::kNone && i == 0) b.signature = wire::sign_update(t.liar().key(), {h.session, 0}, b);
+          if (mode != wire::SealMode::kNone && i == 0)
+            b.signature = wire::sign_update(t.liar().key(), {h.session, 0}, b);
           if (mode != wire::SealMode::kNone && i > 0) break;
           p.updates.push_back(b);
           ++sent;
@@ -80,7 +81,8 @@ TEST(Floods, MessagesOfMembership) {
       };
       wire::Fetched fetched{1, 0, {}};
       for (std::uint32_t i = 0; i < 10; ++i)
-        fetched.updates.push_back(avatar_update(1, 5000 + 10 * static_cast<std::uint32_t>(nonce) + i, 600 + static_cast<Tick>(i)));
+        fetched.updates.push_back(
+            avatar_update(1, 5000 + 10 * static_cast<std::uint32_t>(nonce) + i, 600 + static_cast<Tick>(i)));
       for (int i = 0; i < 20; ++i) {
         membership(wire::Poll{{{1, 0, 0}, {3, 0, 0}}});
         membership(wire::Answer{{{0, 0, 1'000'000}, {1, 0, 1'000'000}}});

@@ -29,11 +29,17 @@ struct Case {
 const std::vector<Case>& cases() {
   static const std::vector<Case> kCases{
       {"NotANumber", DropReason::kValue,
-       [](sync::StatePacket& p, PeerId self) { say(p, self).avatar = avatar_at({kNan, 1}); }},
+       [](sync::StatePacket& p, PeerId self) {
+         say(p, self).avatar = avatar_at({kNan, 1});
+       }},
       {"OutsideTheWorld", DropReason::kValue,
-       [](sync::StatePacket& p, PeerId self) { say(p, self).avatar = avatar_at({1e6F, 1}); }},
+       [](sync::StatePacket& p, PeerId self) {
+         say(p, self).avatar = avatar_at({1e6F, 1});
+       }},
       {"FasterThanAnything", DropReason::kValue,
-       [](sync::StatePacket& p, PeerId self) { say(p, self).avatar = avatar_at({1, 1}, {500, 0}); }},
+       [](sync::StatePacket& p, PeerId self) {
+         say(p, self).avatar = avatar_at({1, 1}, {500, 0});
+       }},
       {"EpochAtTheMaximum", DropReason::kValue,
        [](sync::StatePacket& p, PeerId self) {
          sync::Bundle& b = say(p, self);
@@ -72,7 +78,8 @@ std::string case_name(const testing::TestParamInfo<std::tuple<std::size_t, int>>
   return std::string(cases()[std::get<0>(info.param)].name) + (std::get<1>(info.param) == 0 ? "ByTheCoordinator" : "");
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, Lies, testing::Combine(testing::Range(std::size_t{0}, cases().size()), testing::Values(0, 2)),
+INSTANTIATE_TEST_SUITE_P(Each, Lies,
+                         testing::Combine(testing::Range(std::size_t{0}, cases().size()), testing::Values(0, 2)),
                          case_name);
 
 // Its updates are its own only: what it signs in another's name is nobody's.
@@ -119,8 +126,7 @@ TEST(Lying, TeleportsAreItsOwnAvatars) {
     for (sync::Bundle& b : p.updates) {
       if (!b.avatar) continue;
       const auto [at, fresh] = said.try_emplace(b.index, Vec2{});
-      if (fresh)
-        at->second = {static_cast<float>(rng.uniform(1, 15)), static_cast<float>(rng.uniform(1, 10))};
+      if (fresh) at->second = {static_cast<float>(rng.uniform(1, 15)), static_cast<float>(rng.uniform(1, 10))};
       b.avatar->position = at->second;
     }
   });

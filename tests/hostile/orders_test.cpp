@@ -8,19 +8,19 @@ using sync::DropReason;
 
 /// From now on the liar's next update is this, as often as it is said.
 void give(Trial& t, std::function<void(sync::Bundle&)> order) {
-  t.liar().begin([order = std::move(order), index = std::optional<std::uint32_t>{}](sync::StatePacket& p,
-                                                                                    PeerId) mutable {
-    if (!index) index = p.mark_count;
-    for (sync::Bundle& b : p.updates) {
-      if (b.index != *index) continue;
-      sync::Bundle lie;
-      lie.peer = b.peer;
-      lie.index = b.index;
-      lie.tick = b.tick;
-      order(lie);
-      b = lie;
-    }
-  });
+  t.liar().begin(
+      [order = std::move(order), index = std::optional<std::uint32_t>{}](sync::StatePacket& p, PeerId) mutable {
+        if (!index) index = p.mark_count;
+        for (sync::Bundle& b : p.updates) {
+          if (b.index != *index) continue;
+          sync::Bundle lie;
+          lie.peer = b.peer;
+          lie.index = b.index;
+          lie.tick = b.tick;
+          order(lie);
+          b = lie;
+        }
+      });
   t.party().net().attract(Vec2{10, 7});  // so that there is something to say
 }
 

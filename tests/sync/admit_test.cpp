@@ -41,6 +41,53 @@ struct Spoilt {
   std::function<void(StatePacket&)> spoil;
 };
 
+TEST(Admit, TheScenarioMaySetLowerLimits) {
+  Scene scene;
+  scene.upper = {20, 15};
+  BodyState s;
+  s.position = {5, 5};
+  s.velocity = {30, 0};
+  s.spin = 50;
+  EXPECT_TRUE(believable(s, scene));
+  scene.max_speed = 30;
+  scene.max_spin = 50;
+  EXPECT_TRUE(believable(s, scene)) << "at the limit";
+  scene.max_speed = 29;
+  EXPECT_FALSE(believable(s, scene));
+  scene.max_speed = 30;
+  scene.max_spin = 49;
+  EXPECT_FALSE(believable(s, scene));
+}
+
+// What honest peers can come to, and one more.
+TEST(Admit, ClaimsRestOnWhatIsAgreed) {
+  FoldState agreed;
+  agreed.tick = 1000;
+  agreed.members.resize(4);
+  agreed.authority.resize(1);
+  agreed.authority[0] = {1, false, 5, 900};
+  Bundle b;
+  b.peer = 2;
+  b.tick = 1010;
+  BodyUpdate u;
+  u.has_state = true;
+  u.epoch = 5 + 64 + 4 * 11;
+  u.claimed = 1010;
+  b.bodies = {u};
+  EXPECT_EQ(admit_claims(b, agreed), DropReason::kNone);
+  ++b.bodies[0].epoch;
+  EXPECT_EQ(admit_claims(b, agreed), DropReason::kValue) << "an epoch that nobody can have come to";
+  b.bodies[0].epoch = 5;
+  b.bodies[0].claimed = 899;
+  EXPECT_EQ(admit_claims(b, agreed), DropReason::kNone) << "it may have waited for room in an update";
+  b.tick = 1110;
+  agreed.tick = 1100;
+  EXPECT_EQ(admit_claims(b, agreed), DropReason::kValue) << "it would have been folded, and is not on record";
+  b.peer = 1;
+  b.bodies[0].claimed = 900;
+  EXPECT_EQ(admit_claims(b, agreed), DropReason::kNone) << "the owner's own";
+}
+
 TEST(Admit, Table) {
   const Scene scene = test::busy_scene(1, 10);
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();

@@ -20,8 +20,8 @@ struct RecordedLives {
 
   /// Persons 0, 1 and 2 begin together; 3 comes late, 1 is killed; 2 and 4 are cut off and come back; the founder
   /// leaves.
-  explicit RecordedLives(std::uint64_t seed) {
-    lab::Gathering g(config(seed));
+  explicit RecordedLives(std::uint64_t seed, wire::SealMode seal = wire::SealMode::kNone) {
+    lab::Gathering g(config(seed, seal));
     const auto run = [&g](double s) { g.run_to(g.now() + static_cast<Micros>(s * 1e6)); };
     g.start({});
     g.start(0);
@@ -46,8 +46,9 @@ struct RecordedLives {
   }
 
  private:
-  lab::GatheringConfig config(std::uint64_t seed) {
+  lab::GatheringConfig config(std::uint64_t seed, wire::SealMode seal) {
     lab::GatheringConfig c;
+    c.seal = seal;
     c.scene = scenarios::load_embedded("arena", seed);
     c.technique = technique_by_name("full");
     c.netem = link::parse_netem("delay 40ms 15ms loss 3%");

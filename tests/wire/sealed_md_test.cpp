@@ -87,9 +87,9 @@ TEST(SealedMd, TheSignatureIsWhatTheCodeMakes) {
   EXPECT_FALSE(is_signed(key_of(v["public_b"]), said, b));
   EXPECT_FALSE(is_signed(key_of(v["public_a"]), {0x1235, 130}, b)) << "another session";
   EXPECT_FALSE(is_signed(key_of(v["public_a"]), {0x1234, 131}, b)) << "another life";
-  for (const auto& change : {+[](sync::Bundle& c) { ++c.peer; }, +[](sync::Bundle& c) { ++c.index; },
-                             +[](sync::Bundle& c) { ++c.tick; }, +[](sync::Bundle& c) { c.leave = false; },
-                             +[](sync::Bundle& c) { c.signature.reset(); }}) {
+  for (const auto& change :
+       {+[](sync::Bundle& c) { ++c.peer; }, +[](sync::Bundle& c) { ++c.index; }, +[](sync::Bundle& c) { ++c.tick; },
+        +[](sync::Bundle& c) { c.leave = false; }, +[](sync::Bundle& c) { c.signature.reset(); }}) {
     sync::Bundle other = b;
     change(other);
     EXPECT_FALSE(is_signed(key_of(v["public_a"]), said, other));

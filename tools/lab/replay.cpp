@@ -187,7 +187,7 @@ class Replay::Again {
   node::Node::ConfirmedSink on_confirmed_;
   std::optional<node::Node> node_;
   sync::Signature signature_{};  ///< of what the step to come publishes
-  bool stepped_ = false;  ///< the first step of a trace is the state before any
+  bool stepped_ = false;         ///< the first step of a trace is the state before any
   std::size_t next_out_ = 0;
   ReplayResult result_;
 };

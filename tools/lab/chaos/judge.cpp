@@ -49,8 +49,8 @@ void Judge::check_drops(int person) {
   for (const sync::DropReason why : {sync::DropReason::kMalformed, sync::DropReason::kEntity, sync::DropReason::kValue,
                                      sync::DropReason::kSignature, sync::DropReason::kCutOff})
     if (dropped[static_cast<std::size_t>(why)] > 0)
-      blame(name(person) + " has dropped an honest peer's datagram: " +
-            std::string(sync::kDropNames[static_cast<std::size_t>(why)]));
+      blame(name(person) +
+            " has dropped an honest peer's datagram: " + std::string(sync::kDropNames[static_cast<std::size_t>(why)]));
 }
 
 void Judge::turn(int person) {
