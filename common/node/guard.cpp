@@ -151,13 +151,14 @@ void Guard::advance(RecordedNode& node, const Removals& removals) {
   if (!n.member() || n.leaving()) return;
   for (PeerId p = 0; p < n.config().slots; ++p) {
     const Neighbour& other = n.other(p);
-    if (p == n.self() || !other.there() || other.frozen || n.arrears(p) < kArrears || n.silence(p) > kTicksPerSecond)
-      continue;
+    if (p == n.self() || !other.there() || other.frozen || n.silence(p) > kTicksPerSecond) continue;
+    const bool tells = n.arrears(p) < kArrears;
+    if (tells && n.unacknowledged(p) < kArrears) continue;
     Watch& w = watch(p, n);
     const PeerId coordinator = removals.coordinator(n);
     if (w.deaf_until == kForGood || (coordinator != n.self() && coordinator != p)) continue;
-    cut_off(p, w, "has kept back for " + std::to_string(kArrears / kTicksPerSecond) + " s what it promised", node,
-            removals);
+    const std::string what = tells ? "acknowledged nothing" : "kept back what it promised";
+    cut_off(p, w, "has " + what + " for " + std::to_string(kArrears / kTicksPerSecond) + " s", node, removals);
   }
 }
 
@@ -192,7 +193,7 @@ void Guard::cut_off(PeerId p, Watch& w, const std::string& why, RecordedNode& no
   const Node& n = node.node();
   const PeerId coordinator = removals.coordinator(n);
   const bool for_good = coordinator == n.self() || coordinator == p;
-  bar(p, n.arrears(p) < kArrears, n);
+  bar(p, n.arrears(p) < kArrears && n.unacknowledged(p) < kArrears, n);
   w.unlawful_last = -kForGood / 2;
   w.deaf_until = for_good ? kForGood : n.now() + kMuted;
   desk_.note("peer " + std::to_string(p) + " " + why + ": " +

@@ -148,7 +148,9 @@ void Node::take_check(const sync::StatePacket& packet, PeerId from) {
   if (packet.check_tick <= agreed_.confirmed().tick) {
     compare(packet.check_tick, packet.check_hash, from);
   } else if (pending_checks_.size() < kChecksKept) {
-    pending_checks_[packet.check_tick].push_back({from, others_[from].incarnation, packet.check_hash});
+    std::vector<Check>& at = pending_checks_[packet.check_tick];
+    if (std::none_of(at.begin(), at.end(), [from](const Check& c) { return c.from == from; }))
+      at.push_back({from, others_[from].incarnation, packet.check_hash});
   }
 }
 
@@ -318,6 +320,12 @@ bool Node::publish_order() {
   bundle.tick = now();
   publish(std::move(bundle));
   return true;
+}
+
+Tick Node::unacknowledged(PeerId p) const {
+  const std::uint32_t acked = std::max(others_[p].link.acked(), own_first_);
+  if (acked >= own_end()) return 0;
+  return std::max(0, now() - std::max(own_log_[acked - own_first_].tick, others_[p].excused));
 }
 
 std::optional<sync::Signature> Node::signed_now() const {

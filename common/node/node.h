@@ -173,6 +173,8 @@ class Node {
   /// By how many ticks what p has told in full lies back, and with it everybody's confirmed world; 0 if nothing of it
   /// is waited for.
   Tick arrears(PeerId p) const { return std::max(0, now() - std::max(agreed_.log().complete(p), others_[p].excused)); }
+  /// How old the first update of ours is that p, which may well hear us, has not acknowledged; ticks.
+  Tick unacknowledged(PeerId p) const;
   /// Ticks since p last said that it had got something new of ours: both ways of the link worked then.
   Tick unanswered(PeerId p) const { return now() - others_[p].answered; }
   /// By how much this peer's session clock leads that of the lowest other peer, in microseconds, as far as delays

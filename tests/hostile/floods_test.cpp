@@ -68,6 +68,16 @@ TEST(Floods, WhoNeverTellsWhatItPromisedIsDeclaredGone) {
   t.expect_no_harm();
 }
 
+// What is not acknowledged is kept, but not for ever.
+TEST(Floods, WhoAcknowledgesNothingIsDeclaredGone) {
+  Trial t(4, 2, wire::SealMode::kAuth, 304);
+  t.liar().begin([](sync::StatePacket& p, PeerId) { p.have = p.have_beyond = 0; });
+  t.party().run(18);
+  EXPECT_TRUE(t.liar_is_out()) << t.party().story();
+  EXPECT_LT(t.node(0).kept().own_updates, 16U * 60U);
+  t.expect_no_harm();
+}
+
 // Polls, fetches, answers, probes and joins by the thousand.
 TEST(Floods, MessagesOfMembership) {
   for (const auto mode : {wire::SealMode::kNone, wire::SealMode::kAuth}) {
