@@ -76,7 +76,6 @@ class Agreement {
 
 struct Counts {
   std::uint64_t passed, handshakes, moves;
-  friend bool operator==(const Counts&, const Counts&) = default;
 };
 
 Counts counts(const SmallNet& net, int peer) {

@@ -10,6 +10,7 @@
 namespace padr::test {
 namespace {
 
+constexpr Micros kTurn = kMicrosPerSecond / kTicksPerSecond;
 constexpr std::size_t kKept = 256;
 constexpr int kMostTurns = 300;  // until all play
 
@@ -62,7 +63,7 @@ bool SmallNet::come_together() {
 }
 
 void SmallNet::turn() {
-  now_ += kTickLength;
+  now_ += kTurn;
   for (int p = 0; p < peers(); ++p)
     for (const Passing& d : std::exchange(people_[static_cast<std::size_t>(p)].coming, {}))
       arrive(p, place(d.from), d.bytes);
