@@ -114,7 +114,7 @@ class Forger:
             self.genuine[receiver].add(datagram)
             self.heap.append((sender, receiver, datagram))
         if len(self.heap) > 300 and self.forged < self.wanted:
-            for _ in range(60):
+            for _ in range(200):
                 self.forge()
         return []
 
