@@ -10,7 +10,7 @@ namespace {
 namespace proto = padr::scenario;
 
 // Names this use of the seed, so that other users of it draw other numbers.
-constexpr std::uint64_t kStream = 0x5CA77E2;
+constexpr std::uint64_t kScatterStream = 0x5CA77E2;
 // Tries allowed: enough for a loose filling, few enough to give up within seconds on 5,000 bodies that do not fit.
 constexpr std::uint64_t kTriesPerBody = 40;
 constexpr std::uint64_t kTriesToStart = 4000;
@@ -38,7 +38,7 @@ class Filling {
         document_(document),
         block_(document.scenario().scatter(index)),
         origin_(document.origin("scatter[" + std::to_string(index) + "]")),
-        rng_(derive_seed(seed, kStream, static_cast<std::uint64_t>(index))) {
+        rng_(derive_seed(seed, kScatterStream, static_cast<std::uint64_t>(index))) {
     lower_ = block_.has_lower() ? Vec2{static_cast<float>(block_.lower().x()), static_cast<float>(block_.lower().y())}
                                 : draft.scene.lower;
     upper_ = block_.has_upper() ? Vec2{static_cast<float>(block_.upper().x()), static_cast<float>(block_.upper().y())}

@@ -9,7 +9,7 @@ namespace padr::scenarios {
 namespace {
 
 // Names this use of the seed, so that other users of it draw other numbers.
-constexpr std::uint64_t kStream = 0x3A4DE2;
+constexpr std::uint64_t kWanderStream = 0x3A4DE2;
 // Fitts's law with values usual for a mouse: seconds, and seconds per bit.
 constexpr double kFittsStart = 0.15;
 constexpr double kFittsPerBit = 0.2;
@@ -45,7 +45,7 @@ WanderOptions wander_options(const Scene& scene, int slot) {
 }
 
 Wander::Wander(const WanderOptions& options, std::uint64_t seed)
-    : options_(options), seed_(derive_seed(seed, kStream, static_cast<std::uint64_t>(options.slot))) {
+    : options_(options), seed_(derive_seed(seed, kWanderStream, static_cast<std::uint64_t>(options.slot))) {
   // Room for the longest reach three times, so that every plan has some choice.
   const Tick longest = reach_ticks(options_.lower, options_.upper, kSmallGoal);
   chapter_ticks_ = std::max(kShortestChapter, 3 * longest + 2 * ticks(kLongestPause));

@@ -47,8 +47,8 @@ TEST(Gaps, PercentilesAreWithinThreePercent) {
 class Talk {
  public:
   Talk() {
-    a_ = ipv4({}, 1);
-    b_ = ipv4({}, 2);
+    a_ = padr::ipv4({}, 1);
+    b_ = padr::ipv4({}, 2);
   }
   sync::StatePacket packet(std::uint32_t seq, Tick tick, std::uint32_t count) const {
     sync::StatePacket p;
@@ -162,7 +162,7 @@ TEST(Record, EveryFieldHasAPlaceInTheTable) {
   t.say(0, p, 5);
   Datagram d;
   d.payload = t.bytes_;
-  d.from = d.to = ipv4({}, 0);
+  d.from = d.to = padr::ipv4({}, 0);
   d.time_ns = 1'000'000'007;
   Recorder recorder;
   const Record r = recorder.record(d);

@@ -35,7 +35,7 @@ std::string bad_network(Rng& rng) {
 // A sanitized build is some thirty times slower and looks for other mistakes: it takes a sample, without the settling.
 // It lasts as long, because on the worst of these networks confirmed trails by some seconds.
 constexpr int kSeconds = 8;
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(PADR_SANITIZED)
 constexpr int kRunsEach = 1;
 constexpr int kSettle = 0;
 #else

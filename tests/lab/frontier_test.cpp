@@ -15,7 +15,7 @@ Technique tight_full() {
   return t;
 }
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(PADR_SANITIZED)
 constexpr int kSeeds = 2;
 #else
 constexpr int kSeeds = 24;

@@ -44,6 +44,9 @@ class Monitor:
     """A running padr-monitor."""
 
     def __init__(self, *arguments, env=None, web="127.0.0.1:0", heard="127.0.0.1:0"):
+        env = dict(os.environ if env is None else env)
+        # AddressSanitizer keeps what has been freed, and memory() counts it.
+        env["ASAN_OPTIONS"] = env.get("ASAN_OPTIONS", "") + ":quarantine_size_mb=1"
         self.process = subprocess.Popen(
             [PROGRAM, "--listen", web, "--peers-listen", heard, *map(str, arguments)],
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env,

@@ -26,13 +26,13 @@ TEST(PathCsv, ReadsWhatPeopleAndTheirToolsWrite) {
   }
 }
 
-struct Case {
+struct Spoilt {
   std::string text;
   std::string expected;
 };
 
 TEST(PathCsv, ErrorsNameFileLineColumnAndWhatIsAllowed) {
-  const std::vector<Case> cases{
+  const std::vector<Spoilt> cases{
       {"", "p.csv:1:1: the file ends after 0 rows, allowed: at least 2 rows t,x,y"},
       {"t,x,y\n", "p.csv:2:1: the file ends after 0 rows, allowed: at least 2 rows t,x,y"},
       {"t,x,y\n0,1,2\n", "p.csv:3:1: the file ends after 1 rows, allowed: at least 2 rows t,x,y"},
@@ -56,7 +56,7 @@ TEST(PathCsv, ErrorsNameFileLineColumnAndWhatIsAllowed) {
       {"0,1,2\n0,1,2\n", "p.csv:2:1: t is 0 s, allowed: more than 0 s, the t of the row before"},
       {"1,1,2\n\n0.5,1,2\n", "p.csv:3:1: t is 0.5 s, allowed: more than 1 s, the t of the row before"},
   };
-  for (const Case& c : cases) {
+  for (const Spoilt& c : cases) {
     EXPECT_EQ(error_of([&] { parse_path_csv(c.text, "p.csv"); }), c.expected) << c.text;
   }
 }

@@ -35,7 +35,7 @@ StatePacket good() {
   return p;
 }
 
-struct Row {
+struct Spoilt {
   const char* what;
   DropReason why;
   std::function<void(StatePacket&)> spoil;
@@ -46,7 +46,7 @@ TEST(Admit, Table) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInf = std::numeric_limits<float>::infinity();
   const auto state = [](StatePacket& p) -> BodyState& { return p.updates[0].bodies[0].state; };
-  const std::vector<Row> rows{
+  const std::vector<Spoilt> rows{
       {"nothing wrong", DropReason::kNone, [](StatePacket&) {}},
       {"two seconds ahead", DropReason::kNone, [](StatePacket& p) { p.mark_tick = 220; }},
       {"more than that", DropReason::kTick, [](StatePacket& p) { p.mark_tick = 221; }},
@@ -80,7 +80,7 @@ TEST(Admit, Table) {
          p.updates[1].avatar->velocity.x = 1;
        }},
   };
-  for (const Row& r : rows) {
+  for (const Spoilt& r : rows) {
     StatePacket p = good();
     r.spoil(p);
     EXPECT_EQ(admit(p, scene, 4, 100), r.why) << r.what;

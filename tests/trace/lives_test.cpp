@@ -51,7 +51,7 @@ trace::Step step_to(Tick t) {
   return s;
 }
 
-std::string error_of(const Bytes& bytes) {
+std::string error_in(const Bytes& bytes) {
   try {
     trace::TraceReader r(bytes, "t");
     while (r.next()) {
@@ -154,7 +154,7 @@ TEST(TraceOfLives, WhatMakesNoSenseIsNamed) {
       {written(beyond, [](auto&) {}), "peer 3, allowed: below the number of slots"},
   };
   for (const auto& [bytes, expected] : cases)
-    EXPECT_NE(error_of(bytes).find(expected), std::string::npos) << expected << ", found: " << error_of(bytes);
+    EXPECT_NE(error_in(bytes).find(expected), std::string::npos) << expected << ", found: " << error_in(bytes);
 }
 
 TEST(TraceOfLives, EveryLifeOfEverybodyDoesTheSameAgain) {

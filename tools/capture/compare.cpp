@@ -15,7 +15,7 @@
 namespace padr::capture {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kCompareFooter =
     "Traces are those of padr-peer --trace; give one or all peers of a session. Each state datagram that a trace says\n"
     "was sent or received is looked for in the capture, and the other way round. What was sent and is not in the\n"
     "capture was lost before it came there (by --netem, or on the way); what is in the capture and was not received "
@@ -29,7 +29,7 @@ constexpr const char* kFooter =
     "Exit code: 0 if capture and traces agree but for what was lost; 1 if not, or if a file is damaged; 2 for a wrong\n"
     "command line.";
 
-struct Options {
+struct CompareOptions {
   std::vector<std::string> files;
   std::vector<std::string> keylogs;
   std::string json;
@@ -178,7 +178,7 @@ std::string as_json(const Comparison& c, const std::vector<LinkStory>& links, co
   return j.text();
 }
 
-int run(const Options& o) {
+int run_compare(const CompareOptions& o) {
   Comparison comparison;
   std::vector<std::string> captures_files;
   for (const std::string& f : o.files) {
@@ -217,8 +217,8 @@ int run(const Options& o) {
 }  // namespace
 
 Run declare_compare(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
-  app.footer(kFooter);
+  const auto o = std::make_shared<CompareOptions>();
+  app.footer(kCompareFooter);
   app.add_option("FILE", o->files, "Captures and traces in any order; the files say which they are")
       ->required()
       ->type_name("CAPTURE|TRACE");
@@ -226,7 +226,7 @@ Run declare_compare(CLI::App& app) {
   app.add_flag("--losses", o->losses, "Name every datagram that was lost, not only the first of each link");
   app.add_option("--json", o->json, "Everything as JSON; - for standard output, in place of the text")
       ->type_name("FILE|-");
-  return [o](const std::vector<std::string>&) { return run(*o); };
+  return [o](const std::vector<std::string>&) { return run_compare(*o); };
 }
 
 }  // namespace padr::capture

@@ -8,7 +8,7 @@
 namespace padr::capture {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kExportFooter =
     "Fields have the names of the Wireshark dissector, and tshark's for what is around (frame.number, "
     "frame.time_epoch,\n"
     "ip.src, udp.srcport, ...). A field that can come several times in a datagram is a list: of what is in updates "
@@ -23,7 +23,7 @@ constexpr const char* kFooter =
     ".\"padr.entity\"]'\n"
     "  padr-capture export lo.pcap --csv --out lo.csv";
 
-struct Options {
+struct ExportOptions {
   std::vector<std::string> files;
   std::vector<std::string> keylogs;
   bool json = false;
@@ -37,7 +37,7 @@ std::string csv_head() {
   return head + "\n";
 }
 
-int run(const Options& o) {
+int run_export(const ExportOptions& o) {
   if (o.json == o.csv) throw UserError("export: give one of --json and --csv");
   Captures captures(o.files, o.keylogs);
   std::unique_ptr<support::OutputFile> file;
@@ -60,13 +60,13 @@ int run(const Options& o) {
 }  // namespace
 
 Run declare_export(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ExportOptions>();
   declare_captures(app, o->files, o->keylogs);
-  app.footer(kFooter);
+  app.footer(kExportFooter);
   app.add_flag("--json", o->json, "One JSON object a line");
   app.add_flag("--csv", o->csv, "One row a datagram, a column for every field there is");
   app.add_option("--out", o->out, "- is standard output")->type_name("FILE|-")->capture_default_str();
-  return [o](const std::vector<std::string>&) { return run(*o); };
+  return [o](const std::vector<std::string>&) { return run_export(*o); };
 }
 
 }  // namespace padr::capture

@@ -12,7 +12,7 @@ namespace {
 
 using Steady = std::chrono::steady_clock;
 
-constexpr const char* kFooter =
+constexpr const char* kFollowFooter =
     "Examples:\n"
     "  padr-capture follow peer0.pcapng\n"
     "  tcpdump -U -i any -w - udp | padr-capture follow -\n"
@@ -21,7 +21,7 @@ constexpr const char* kFooter =
     "or\n"
     "1 if the capture is damaged.";
 
-struct Options {
+struct FollowOptions {
   std::string file;
   std::vector<std::string> keylogs;
   bool json = false;
@@ -34,7 +34,7 @@ void say(Recorder& recorder, const Datagram& d, bool json) {
   std::fwrite(line.data(), 1, line.size(), stdout);
 }
 
-int run(const Options& o) {
+int run_follow(const FollowOptions& o) {
   constexpr auto kLook = std::chrono::milliseconds(50);
   // One file, which is asked again at its end: a pipe has none before the last writer is gone.
   Captures captures({o.file}, o.keylogs);
@@ -56,8 +56,8 @@ int run(const Options& o) {
 }  // namespace
 
 Run declare_follow(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
-  app.footer(kFooter);
+  const auto o = std::make_shared<FollowOptions>();
+  app.footer(kFollowFooter);
   app.add_option("CAPTURE", o->file, "pcap or pcapng that is being written; - is standard input")
       ->required()
       ->type_name("FILE");
@@ -67,7 +67,7 @@ Run declare_follow(CLI::App& app) {
       ->type_name("S")
       ->check(support::between(0.0, 86400.0, "seconds"))
       ->capture_default_str();
-  return [o](const std::vector<std::string>&) { return run(*o); };
+  return [o](const std::vector<std::string>&) { return run_follow(*o); };
 }
 
 }  // namespace padr::capture

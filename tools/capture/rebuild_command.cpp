@@ -7,7 +7,7 @@
 namespace padr::capture {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kRebuildFooter =
     "Every update that the packets carry is folded into the confirmed world as every peer folds it, and the hashes "
     "that\n"
     "peers told are compared with it: proof that the packets alone carry the whole story. It begins with the "
@@ -22,14 +22,14 @@ constexpr const char* kFooter =
     "or\n"
     "a capture is damaged; 2 for a wrong command line.";
 
-struct Options {
+struct RebuildOptions {
   std::vector<std::string> files;
   std::vector<std::string> keylogs;
   SettingFlags setting;
   std::string json, csv, svg;
 };
 
-int run(const Options& o, const std::vector<std::string>& command) {
+int run_rebuild(const RebuildOptions& o, const std::vector<std::string>& command) {
   Captures captures(o.files, o.keylogs);
   Bookkeeper books;
   while (const Datagram* d = captures.next()) books.take(*d);
@@ -59,15 +59,15 @@ int run(const Options& o, const std::vector<std::string>& command) {
 }  // namespace
 
 Run declare_rebuild(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<RebuildOptions>();
   declare_captures(app, o->files, o->keylogs);
-  app.footer(kFooter);
+  app.footer(kRebuildFooter);
   o->setting.declare(app);
   app.add_option("--csv", o->csv, "Write the confirmed state of every entity at every tick")->type_name("FILE");
   app.add_option("--svg", o->svg, "Draw four moments of the world")->type_name("FILE");
   app.add_option("--json", o->json, "The result as JSON; - for standard output, in place of the text")
       ->type_name("FILE|-");
-  return [o](const std::vector<std::string>& command) { return run(*o, command); };
+  return [o](const std::vector<std::string>& command) { return run_rebuild(*o, command); };
 }
 
 }  // namespace padr::capture

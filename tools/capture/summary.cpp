@@ -21,7 +21,7 @@ double per_second(std::uint64_t n, double seconds) {
   return seconds > 0 ? static_cast<double>(n) / seconds : 0;
 }
 
-std::string plural(std::uint64_t n, const std::string& what) {
+std::string counted(std::uint64_t n, const std::string& what) {
   return count(n) + " " + what + (n == 1 ? "" : "s");
 }
 
@@ -29,7 +29,7 @@ std::string contents_text(const Source& s, const Tally& t) {
   std::string out;
   for (const std::string& f : s.files) out += (out.empty() ? "" : ", ") + (f == "-" ? "standard input" : f);
   const Contents& c = s.contents;
-  out += ": " + plural(c.packets, "packet") + ", " + plural(c.ours, "datagram") + " of PADR in " +
+  out += ": " + counted(c.packets, "packet") + ", " + counted(c.ours, "datagram") + " of PADR in " +
          support::fixed_or_dash(t.all().seconds(), 1) + " s";
   const auto add = [&out](std::uint64_t n, const std::string& what) {
     if (n > 0) out += ", " + count(n) + " " + what;

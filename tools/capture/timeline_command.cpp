@@ -8,7 +8,7 @@
 namespace padr::capture {
 namespace {
 
-struct Options {
+struct TimelineOptions {
   std::vector<std::string> files;
   std::vector<std::string> keylogs;
   std::optional<int> session;
@@ -34,7 +34,7 @@ std::pair<std::uint16_t, std::vector<Event>> choose(const Timeline& t, std::opti
   return {found->first, std::move(events)};
 }
 
-int run(const Options& o) {
+int run_timeline(const TimelineOptions& o) {
   Captures captures(o.files, o.keylogs);
   Timeline timeline;
   while (const Datagram* d = captures.next()) timeline.take(*d);
@@ -49,7 +49,7 @@ int run(const Options& o) {
 }  // namespace
 
 Run declare_timeline(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<TimelineOptions>();
   declare_captures(app, o->files, o->keylogs);
   app.footer("Events:\n" + std::string(kEventsHelp) +
              "\n\nThe time is that of the capture, the tick that at which it is true. Without any of --csv, --svg and "
@@ -61,7 +61,7 @@ Run declare_timeline(CLI::App& app) {
   app.add_option("--csv", o->csv, "One row an event; - is standard output")->type_name("FILE|-");
   app.add_option("--svg", o->svg, "A picture: peers, and who owns which body")->type_name("FILE");
   app.add_option("--json", o->json, "The events as JSON; - is standard output")->type_name("FILE|-");
-  return [o](const std::vector<std::string>&) { return run(*o); };
+  return [o](const std::vector<std::string>&) { return run_timeline(*o); };
 }
 
 }  // namespace padr::capture

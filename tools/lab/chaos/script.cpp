@@ -18,7 +18,7 @@ constexpr std::array<Kind, 12> kDraw{Kind::kStart, Kind::kStart, Kind::kStart, K
                                      Kind::kKill,  Kind::kKill,  Kind::kPause, Kind::kDivide,
                                      Kind::kPause, Kind::kShape, Kind::kFight, Kind::kStart};
 
-Micros seconds(double s) {
+Micros micros(double s) {
   return static_cast<Micros>(s * 1e6);
 }
 
@@ -42,7 +42,7 @@ ChaosScript make_script(std::uint64_t seed, Micros length, int most) {
   s.length = length;
   s.founders = 2 + static_cast<int>(rng.below(static_cast<std::uint32_t>(std::max(1, most / 2 - 1))));
   int there = s.founders;
-  for (Micros at = seconds(rng.uniform(3, 8)); at < length; at += seconds(rng.uniform(1, 9))) {
+  for (Micros at = micros(rng.uniform(3, 8)); at < length; at += micros(rng.uniform(1, 9))) {
     ChaosEvent e;
     e.kind = kDraw[rng.below(kDraw.size())];
     e.at = at;
@@ -52,9 +52,9 @@ ChaosScript make_script(std::uint64_t seed, Micros length, int most) {
     if (e.kind == Kind::kStart && there >= most) e.kind = Kind::kFight;
     if (e.kind == Kind::kStart) ++there;
     if (e.kind == Kind::kLeave || e.kind == Kind::kKill) --there;
-    if (e.kind == Kind::kPause) e.span = seconds(rng.uniform(0.2, 8));
-    if (e.kind == Kind::kDivide) e.span = seconds(rng.uniform(0.5, 12));
-    if (e.kind == Kind::kFight) e.span = seconds(rng.uniform(2, 8));
+    if (e.kind == Kind::kPause) e.span = micros(rng.uniform(0.2, 8));
+    if (e.kind == Kind::kDivide) e.span = micros(rng.uniform(0.5, 12));
+    if (e.kind == Kind::kFight) e.span = micros(rng.uniform(2, 8));
     s.events.push_back(e);
   }
   return s;
