@@ -1,7 +1,8 @@
 // What sealing a datagram and opening it again costs, beside what the same costs unsealed: one item is one datagram
-// there and back. The counter `times` is the ratio of the two, measured in turns. `frame_4` and `frame_22` are how much of
-// a frame that takes of a peer among 4 and among 22, in per cent, if it sends every other a datagram in every frame and
-// gets one: more than any technique but `everything` does; `unsealed_4` and `unsealed_22` are the same without seals.
+// there and back. The counter `times` is the ratio of the two, measured in turns. `frame_4` and `frame_22` are how much
+// of a frame that takes of a peer among 4 and among 22, in per cent, if it sends every other a datagram in every frame
+// and gets one: more than any technique but `everything` does; `unsealed_4` and `unsealed_22` are the same without
+// seals.
 #include <benchmark/benchmark.h>
 
 #include <chrono>
