@@ -83,7 +83,7 @@ void SmallNet::post(int from, node::Parcel parcel) {
     if (!same_place(parcel.to, place(to)) || to == from) continue;
     if (lie) parcel.bytes = with_lies(from, to, parcel.bytes);
     Person& receiver = people_[static_cast<std::size_t>(to)];
-    receiver.awaited.insert(parcel.bytes);
+    receiver.awaited.insert(text_of(parcel.bytes));
     sent_.push_back({from, to, parcel.bytes});
     if (sent_.size() > kKept) sent_.pop_front();
     if (losing_ > 0)
@@ -106,7 +106,7 @@ wire::Bytes SmallNet::with_lies(int from, int to, const wire::Bytes& sealed) {
 
 void SmallNet::arrive(int to, const Endpoint& from, std::span<const std::byte> bytes) {
   Person& who = people_[static_cast<std::size_t>(to)];
-  who.awaited.erase(wire::Bytes(bytes.begin(), bytes.end()));
+  who.awaited.erase(text_of(bytes));
   who.peer->receive(from, bytes, now_);
 }
 

@@ -5,6 +5,8 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "common/node/participant.h"
@@ -37,7 +39,7 @@ class SmallNet {
   /// All that was sent, the newest last; kept up to a bound.
   const std::deque<Passing>& sent() const { return sent_; }
   /// Whether exactly this was sent to that peer by another and has not arrived yet.
-  bool awaited(int to, const wire::Bytes& bytes) const { return person(to).awaited.count(bytes) > 0; }
+  bool awaited(int to, std::span<const std::byte> bytes) const { return person(to).awaited.count(text_of(bytes)) > 0; }
   const wire::Key& session_key() const { return key_; }
   /// Somebody sends this to a peer; it arrives at once.
   void inject(const Endpoint& from, int to, std::span<const std::byte> bytes);
@@ -53,9 +55,12 @@ class SmallNet {
   struct Person {
     std::unique_ptr<node::Participant> peer;
     std::map<PublicKey, wire::Key> keys;  ///< what it sends to whom is sealed with
-    std::set<wire::Bytes> awaited;        ///< sent to it, and not arrived yet
+    std::set<std::string> awaited;        ///< sent to it, and not arrived yet
     std::vector<Passing> coming;
   };
+  static std::string text_of(std::span<const std::byte> bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  }
   const Person& person(int p) const { return people_[static_cast<std::size_t>(p)]; }
   wire::Bytes with_lies(int from, int to, const wire::Bytes& sealed);
   void post(int from, node::Parcel parcel);
