@@ -1,0 +1,126 @@
+// What keeping the agreed world costs besides stepping it: an update that comes late, hashing, saving and restoring;
+// and the lab beside its own worlds stepped as often and nothing else. All in multiples of a step of the same world.
+#include <benchmark/benchmark.h>
+
+#include "common/link/netem_spec.h"
+#include "common/scenarios/scenarios.h"
+#include "common/sync/agreed_world.h"
+#include "tests/bench/party.h"
+#include "tools/lab/simulation.h"
+
+namespace padr::bench {
+namespace {
+
+/// An avatar update of peer 1 that is `depth` ticks late, time after time.
+///   steps           of catching up, in steps of the world at that time
+///   steps_per_tick  that over the depth
+void late_update(benchmark::State& state) {
+  const auto depth = static_cast<Tick>(state.range(0));
+  const auto bodies = static_cast<int>(state.range(1));
+  const Scene scene = restless_room(bodies, 2);
+  sync::AgreedWorld agreed(scene, {2, 2, 0, true, true, {}}, {});
+  world::World bare(scene, 2);
+  world::Snapshot s;
+  for (Tick t = 0; t < 2 * kTicksPerSecond; ++t) agreed.step();
+  double late = 0;
+  double step = 0;
+  std::uint32_t index = 0;
+  for (auto unused : state) {
+    (void)unused;
+    for (Tick t = 0; t < depth; ++t) agreed.step();
+    agreed.predicted().world().save(s);
+    bare.restore(s);
+    step += seconds_of([&bare] { bare.step(); });
+    sync::Bundle b;
+    b.peer = 1;
+    b.index = index++;
+    b.tick = agreed.now() - depth + 1;
+    b.avatar.emplace();
+    b.avatar->position = agreed.predicted().world().position(agreed.predicted().world().avatar(1));
+    late += seconds_of([&] {
+      agreed.insert(b);
+      agreed.catch_up();
+    });
+  }
+  state.counters["steps"] = late / step;
+  state.counters["steps_per_tick"] = late / step / static_cast<double>(depth);
+}
+
+/// Of the whole state: what every confirmed tick, every predicted tick and every rewinding costs.
+void state_of(benchmark::State& state) {
+  const Scene scene = restless_room(static_cast<int>(state.range(0)), 4);
+  sync::Fold fold(scene, 4, 4, true);
+  for (int i = 0; i < kTicksPerSecond; ++i) fold.step();
+  sync::FoldState s;
+  double hash = 0;
+  double save = 0;
+  double restore = 0;
+  double step = 0;
+  for (auto unused : state) {
+    (void)unused;
+    step += seconds_of([&fold] { fold.step(); });
+    save += seconds_of([&] { fold.save(s); });
+    hash += seconds_of([&s] { benchmark::DoNotOptimize(hash_of(s)); });
+    restore += seconds_of([&] { fold.restore(s); });
+  }
+  state.counters["save_steps"] = save / step;
+  state.counters["hash_steps"] = hash / step;
+  state.counters["restore_steps"] = restore / step;
+}
+
+/// A lab run of 4 peers in the arena, 100 ms, 2 % lost, and then the same worlds stepped as often.
+///   runs_per_s   of one minute each
+///   speed        of bare physics, which is 1
+void lab_run(benchmark::State& state) {
+  constexpr Tick kTicks = 60 * kTicksPerSecond;
+  constexpr int kPeers = 4;
+  double run = 0;
+  double bare = 0;
+  for (auto unused : state) {
+    (void)unused;
+    lab::SimulationConfig c;
+    c.scene = scenarios::load_embedded("arena", 1);
+    c.peers = kPeers;
+    c.netem = link::parse_netem("delay 100ms loss 2%");
+    c.ticks = kTicks;
+    std::vector<std::unique_ptr<scenarios::InputSource>> inputs;
+    for (int p = 0; p < kPeers; ++p) {
+      inputs.push_back(scenarios::make_input("wander", {c.scene, p, 1, {}}));
+      c.inputs.push_back(inputs.back().get());
+    }
+    const Scene scene = c.scene;
+    lab::Simulation simulation(std::move(c));
+    world::World world(scene, kPeers);
+    world::Snapshot s;
+    std::uint64_t replayed = 0;
+    for (Tick t = 0; t < kTicks; ++t) {
+      run += seconds_of([&simulation] { simulation.step(); });
+      std::uint64_t all = 0;
+      for (PeerId p = 0; p < kPeers; ++p) all += simulation.node(p).agreed().replayed_steps();
+      // As often as this tick: live and predicted of every peer, and what was replayed.
+      const std::uint64_t steps = 2 * kPeers + (all - replayed);
+      replayed = all;
+      simulation.node(0).live().world().save(s);
+      for (std::uint64_t i = 0; i < steps; ++i) {
+        world.restore(s);
+        bare += seconds_of([&world] { world.step(); });
+      }
+    }
+  }
+  state.counters["runs_per_s"] = static_cast<double>(state.iterations()) / run;
+  state.counters["speed"] = bare / run;
+}
+
+BENCHMARK(late_update)
+    ->ArgNames({"depth", "bodies"})
+    ->Args({6, 60})
+    ->Args({6, 1000})
+    ->Args({30, 60})
+    ->Args({120, 60})
+    ->Iterations(50)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(state_of)->ArgName("bodies")->Arg(60)->Arg(200)->Arg(1000)->Iterations(200);
+BENCHMARK(lab_run)->Iterations(1)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace padr::bench

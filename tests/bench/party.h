@@ -1,0 +1,59 @@
+#pragma once
+
+#include <ctime>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/link/shim.h"
+#include "common/node/node.h"
+#include "common/scenarios/input.h"
+
+namespace padr::bench {
+
+/// Seconds of processor time that this thread has had.
+inline double processor_seconds() {
+  std::timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec) * 1e-9;
+}
+
+/// Seconds of processor time that `work` takes.
+inline double seconds_of(const auto& work) {
+  const double start = processor_seconds();
+  work();
+  return processor_seconds() - start;
+}
+
+/// A room as dense as `arena`, 5 m^2 a body, with so many bodies and places to start from.
+Scene room(int bodies, int spawns);
+/// The same, in which every body moves for ever: nothing slows it down, and what it hits throws it back.
+Scene restless_room(int bodies, int spawns);
+
+/// Nodes in lock step, every directed link through a shim; the first one's frames are measured.
+class Party {
+ public:
+  /// `input`: as for padr-peer --input, of all of them.
+  Party(const Scene& scene, int peers, const std::string& netem, const std::string& input);
+
+  struct Frame {
+    double seconds = 0;             ///< all datagrams of one tick, the step, and what goes out, encoded
+    std::uint64_t allocations = 0;  ///< meanwhile
+    std::size_t datagrams = 0;      ///< that came in
+  };
+  /// One tick of all of them; the first one's frame.
+  Frame tick();
+
+  const node::Node& first() const { return *nodes_[0]; }
+
+ private:
+  std::vector<std::vector<std::byte>> arrived(std::size_t at);
+  Frame frame(std::size_t p);
+
+  Tick now_ = 0;
+  std::vector<std::unique_ptr<node::Node>> nodes_;
+  std::vector<std::unique_ptr<scenarios::InputSource>> inputs_;
+  std::vector<std::vector<std::unique_ptr<link::Shim>>> shims_;  ///< from, to
+};
+
+}  // namespace padr::bench
