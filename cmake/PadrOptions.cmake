@@ -39,9 +39,12 @@ if(PADR_COVERAGE)
 endif()
 
 # Against what a mistake of ours would let a datagram do, in optimised builds without sanitizers, which have their own.
-# None of it changes a float.
-option(PADR_HARDEN "Hardening flags of compiler and linker, in optimised builds" OFF)
-if(PADR_HARDEN AND NOT PADR_SANITIZE AND NOT PADR_COVERAGE AND NOT CMAKE_BUILD_TYPE STREQUAL "Debug")
+# None of it changes a float. tests/architecture looks whether it is in the programs.
+option(PADR_HARDEN "Hardening flags of compiler and linker, in optimised builds" ON)
+set(PADR_HARDENED OFF)
+if(PADR_HARDEN AND NOT PADR_SANITIZE AND NOT PADR_COVERAGE AND NOT CMAKE_BUILD_TYPE STREQUAL "Debug"
+   AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+  set(PADR_HARDENED ON)
   add_compile_options(-fPIE -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2 -D_GLIBCXX_ASSERTIONS -fstack-protector-strong
     -fstack-clash-protection)
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|i[3-6]86")

@@ -56,7 +56,8 @@ Gate::Channel* Gate::known(const PublicKey& key) {
 
 Gate::Channel* Gate::lately_at(const Endpoint& place, Micros local) {
   const auto it = std::find_if(channels_.begin(), channels_.end(), [&](const Channel& c) {
-    return same_place(c.at, place) && (local - c.heard <= kQuiet || (c.cookie && local - c.baked <= kCookieFresh));
+    return (same_place(c.at, place) || same_place(c.home, place)) &&
+           (local - c.heard <= kQuiet || (c.cookie && local - c.baked <= kCookieFresh));
   });
   return it == channels_.end() ? nullptr : &*it;
 }
@@ -80,6 +81,7 @@ Gate::Channel* Gate::make(const PublicKey& key, const Endpoint& at, bool by_forc
   c.id = wire::short_id(key);
   c.keys = *keys;
   c.at = at.place();
+  c.home = c.at;
   c.name = c.at;
   c.name.key = key;
   c.heard = local;
@@ -95,7 +97,7 @@ void Gate::send(const Parcel& parcel, Micros local) {
     if (c == nullptr) c = make(parcel.to.key, parcel.to, true, local);
     if (c == nullptr) return;
     c->name = parcel.to;
-    if (!c->met) c->at = parcel.to.place();
+    if (!c->met) c->at = c->home = parcel.to.place();
   } else {
     c = lately_at(parcel.to, local);
     if (c == nullptr) return call(parcel, local);
@@ -132,6 +134,9 @@ void Gate::introduce(Channel& to) {
 // It may not know us yet, or not any more.
 void Gate::keep_company(Channel& c, Micros local) {
   if (c.met && local - c.heard <= kQuiet) return;
+  // Where we were told that it is, whoever may have led us elsewhere since.
+  c.home = c.name.place();
+  c.here = 0;
   if (c.cookie && local - c.baked <= kCookieFresh) {
     if (local - c.greeted < kGreetAgain) return;
     c.greeted = local;
@@ -144,6 +149,8 @@ void Gate::keep_company(Channel& c, Micros local) {
 void Gate::post(Channel& to, const Parcel& parcel) {
   outgoing_.push_back(
       {to.at, parcel.state_to, wire::seal_with(to.keys.out, config_.mode, id_, ++number_, parcel.bytes)});
+  // If both of two are led astray, neither gets what would put the other right.
+  if (!same_place(to.home, to.at)) outgoing_.push_back({to.home, parcel.state_to, outgoing_.back().bytes});
 }
 
 std::vector<Parcel> Gate::take_outgoing() {
@@ -204,7 +211,9 @@ void Gate::heard(Channel& c, const Endpoint& place, std::uint64_t number, Micros
   if (newest && !same_place(c.at, place)) {
     if (c.met) ++stats_.moves;
     c.at = place.place();
+    c.here = 0;
   }
+  if (newest && c.here < kSettled && ++c.here == kSettled) c.home = c.at;
   c.met = true;
   c.heard = local;
 }
@@ -235,7 +244,7 @@ void Gate::take(const Endpoint& place, const wire::Cookie& cookie, Micros local)
     callers_.erase(caller);
     if (c == nullptr) c = make(cookie.key, place, true, local);
     if (c == nullptr) return;
-    if (!c->met) c->at = place.place();
+    if (!c->met) c->at = c->home = place.place();
   } else if (c == nullptr || c->nonce == 0 || c->nonce != cookie.nonce) {
     drop(GateDrop::kCookie);
     return;

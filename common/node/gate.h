@@ -49,7 +49,8 @@ struct GateStats {
 
 /// Between the network and a peer in a session with a key: seals what goes out, and lets in what was sealed by somebody
 /// who has the session's key, for us, once. Whoever comes in is named by place and public key; a peer whose place
-/// changes keeps its name.
+/// changes keeps its name. Whoever passes datagrams on can make it seem to have moved, so that what is for it goes to
+/// where it was, too, until enough has come from the new place.
 ///
 /// Two programs get to know one another's keys by a handshake, or from others whom they know: endpoints that carry a
 /// key are enough to begin with, and the handshake goes on beside until there is an answer. Everything is repeated by
@@ -78,6 +79,7 @@ class Gate {
 
   static constexpr std::size_t kMostChannels = 256;
   static constexpr std::size_t kMostWaiting = 8;
+  static constexpr int kSettled = 8;
 
  private:
   /// Somebody whose public key we know.
@@ -87,6 +89,8 @@ class Gate {
     wire::PairKeys keys;
     Endpoint name;  ///< as we were told of it, or first met it
     Endpoint at;    ///< where it is, by what it sent last
+    Endpoint home;  ///< where it was before, until it has settled there
+    int here = 0;   ///< of its newest datagrams in a row, how many came from there; counted to kSettled
     NumberWindow<4096> window;
     bool met = false;  ///< something of it has come
     Micros heard = 0;  ///< when, or when we began

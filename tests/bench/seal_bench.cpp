@@ -1,9 +1,14 @@
 // What sealing a datagram and opening it again costs, beside what the same costs unsealed: one item is one datagram
-// there and back. The counter `times` is the ratio of the two, measured in turns.
+// there and back. The counter `times` is the ratio of the two, measured in turns. `frame_4` and `frame_22` are how much
+// of a frame that takes of a peer among 4 and among 22, in per cent, if it sends every other a datagram in every frame
+// and gets one: more than any technique but `everything` does; `unsealed_4` and `unsealed_22` are the same without
+// seals.
 #include <benchmark/benchmark.h>
 
 #include <chrono>
+#include <string>
 
+#include "common/model/ids.h"
 #include "common/wire/codec.h"
 #include "common/wire/sealed.h"
 #include "common/wire/signature.h"
@@ -48,6 +53,11 @@ void sealing(benchmark::State& state, wire::SealMode mode) {
   state.counters["unsealed_us"] = without * 1e6 / datagrams;
   state.counters["sealed_us"] = with * 1e6 / datagrams;
   state.counters["times"] = with / without;
+  for (const int peers : {4, 22}) {
+    const double per_cent = 100.0 * (peers - 1) * kTicksPerSecond / datagrams;
+    state.counters["frame_" + std::to_string(peers)] = with * per_cent;
+    state.counters["unsealed_" + std::to_string(peers)] = without * per_cent;
+  }
 }
 
 /// An update of the avatar and so many bodies, signed, and checked as each of its receivers does.

@@ -4,6 +4,8 @@
 Usage: peer_session.py PATH_TO_PADR_PEER [unittest arguments]
 """
 
+import ctypes
+import os
 import struct
 import zlib
 
@@ -114,6 +116,30 @@ class Refusal(Case):
             s.sendto(future(b"anything"), sender)
             self.assertEqual(joiner.end(), 1)
             self.assertIn("protocol version differs: 5 at 127.0.0.1", joiner.text())
+
+
+PR_CAPBSET_DROP, PR_SET_NO_NEW_PRIVS = 24, 38
+LIBC = ctypes.CDLL(None)
+
+
+def without_capabilities():
+    """Between fork and exec: whoever runs the program has no capability left, nor can it get one."""
+    capability = 0
+    while LIBC.prctl(PR_CAPBSET_DROP, capability, 0, 0, 0) == 0:  # fails behind the last, and for who is not root
+        capability += 1
+    LIBC.prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0)
+
+
+class Rights(Case):
+    def test_needs_none(self):
+        bare = {"preexec_fn": without_capabilities, "env": {**os.environ, "PADR_KEY": "44" * 32}}
+        founder = self.peer("--wait-peers", 2, "--duration", 2, **bare)
+        joiner = self.peer("--join", f"127.0.0.1:{founder.port()}", "--duration", 2, **bare)
+        with open(f"/proc/{founder.process.pid}/status") as f:
+            status = dict(line.rstrip("\n").split(":\t", 1) for line in f)
+        self.assertEqual((int(status["CapEff"], 16), status["NoNewPrivs"]), (0, "1"))
+        self.assertEqual([founder.end(), joiner.end()], [0, 0])
+        self.check_agreement([founder, joiner], least_common=2)
 
 
 class Binding(Case):

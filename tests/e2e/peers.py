@@ -23,7 +23,7 @@ PATIENCE = 30.0  # s until something that should happen counts as missing; a loa
 class Peer:
     """A running padr-peer. Its log is read by a thread, so that it never blocks on a full pipe."""
 
-    def __init__(self, *arguments, env=None):
+    def __init__(self, *arguments, env=None, preexec_fn=None):
         self.arguments = [str(a) for a in arguments]
         self.json_file = tempfile.NamedTemporaryFile(suffix=".json", delete=False)
         self.json_file.close()
@@ -31,6 +31,7 @@ class Peer:
         self.process = subprocess.Popen(
             [PROGRAM, "--json", self.json_file.name, *self.arguments],
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace", env=env,
+            preexec_fn=preexec_fn,
         )  # fmt: skip
         self.log = []
         self.news = threading.Condition()

@@ -1,5 +1,7 @@
 #include "common/node/gate.h"
 
+#include <algorithm>
+
 #include "tests/gate/two_gates.h"
 
 namespace padr::test {
@@ -170,6 +172,57 @@ TEST(Gate, WhoMovesKeepsItsName) {
   EXPECT_TRUE(g.b.receive(place(1), early, g.now));
   g.b.send({name, kNoPeer, words("to you")}, g.now);
   EXPECT_EQ(g.b.take_outgoing().at(0).to, place(5));
+}
+
+// Found by fuzzing: who passes on one datagram of each from elsewhere, before it arrives, has both send there for ever.
+TEST(Gate, BothLedAstrayAtOnceFindOneAnotherAgain) {
+  TwoGates g;
+  g.meet();
+  g.b.send({g.names[0], kNoPeer, words("back")}, g.now);
+  const wire::Bytes forth = g.sealed("forth");
+  const wire::Bytes back = g.b.take_outgoing().at(0).bytes;
+  ASSERT_TRUE(g.b.receive(place(5), forth, g.now));
+  ASSERT_TRUE(g.a.receive(place(5), back, g.now));
+  g.say("where are you");
+  bool arrived = false;
+  for (const auto& p : g.a.take_outgoing())
+    if (same_place(p.to, place(2))) arrived = arrived || g.b.receive(place(1), p.bytes, g.now);
+  EXPECT_TRUE(arrived);
+  g.b.send({g.names[0], kNoPeer, words("here")}, g.now);
+  EXPECT_EQ(g.b.take_outgoing().at(0).to, place(1));
+}
+
+TEST(Gate, WhoIsLedAstrayForLongIsLookedForWhereItWasToldToBe) {
+  TwoGates g;
+  g.meet();
+  for (int i = 0; i < Gate::kSettled; ++i) ASSERT_TRUE(g.b.receive(place(5), g.sealed("x"), g.now));
+  const auto is_sent_home = [&] {
+    g.b.send({g.names[0], kNoPeer, words("to you")}, g.now);
+    const auto out = g.b.take_outgoing();
+    return std::any_of(out.begin(), out.end(), [](const auto& p) { return same_place(p.to, place(1)); });
+  };
+  g.now += 2'000'000;
+  EXPECT_FALSE(is_sent_home());
+  g.now += 1;
+  EXPECT_TRUE(is_sent_home());
+}
+
+TEST(Gate, WhoHasMovedIsSentToWhereItWasUntilItIsSettled) {
+  TwoGates g;
+  g.meet();
+  const Endpoint name = g.names[0];
+  const auto places = [&] {
+    g.b.send({name, kNoPeer, words("to you")}, g.now);
+    std::vector<Endpoint> to;
+    for (const auto& p : g.b.take_outgoing()) to.push_back(p.to);
+    return to;
+  };
+  for (int i = 1; i < Gate::kSettled; ++i) {
+    ASSERT_TRUE(g.b.receive(place(5), g.sealed("x"), g.now));
+    EXPECT_EQ(places(), (std::vector{place(5), place(1)})) << i;
+  }
+  ASSERT_TRUE(g.b.receive(place(5), g.sealed("x"), g.now));
+  EXPECT_EQ(places(), std::vector{place(5)});
 }
 
 TEST(Gate, ForgedDatagramsDoNotMoveAnybody) {
