@@ -134,6 +134,7 @@ void put_links(Json& j, const Report& r) {
     j.begin_object().field("peer", to).field("incarnation", n.incarnation).field("endpoint", to_string(n.at));
     j.field("left", n.presence == node::Presence::kLeft).field("lost", n.presence == node::Presence::kAbsent);
     put_drops(j, n.dropped);
+    j.field("cut_off", n.cut_offs);
     j.field("rtt_ms", static_cast<double>(p.node().link(to).round_trip()) * 1000.0 / kTicksPerSecond);
     j.field("silence_ms", p.node().silence(to) * 1000.0 / kTicksPerSecond);
     if (const link::Shim* shim = r.egress.shim(to)) put_shim(j, *shim);

@@ -28,6 +28,8 @@ LinkStatus link_of(const node::Node& node, PeerId p) {
   if (l.measured) l.delay_in_ms = static_cast<float>(n.clock.least()) * 1e-3F;
   l.loss_in = n.window.loss();
   l.silence_ms = milliseconds(static_cast<float>(node.silence(p)));
+  l.dropped = n.dropped;
+  l.cut_offs = n.cut_offs;
   return l;
 }
 

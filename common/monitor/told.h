@@ -10,6 +10,7 @@
 #include "common/model/endpoint.h"
 #include "common/model/ids.h"
 #include "common/model/vec.h"
+#include "common/sync/admit.h"
 #include "common/sync/updates.h"
 
 namespace padr::monitor {
@@ -121,6 +122,9 @@ struct LinkStatus {
   bool cut_out = false;     ///< cut by an order: nothing goes there
   bool cut_in = false;      ///< nothing is taken from there
   std::string netem;        ///< what the link out suffers; empty: nothing
+  /// Datagrams from there that were not taken, by reason; of whoever has sat in the slot in this life of the teller's.
+  std::array<std::uint64_t, sync::kDropReasons> dropped{};
+  std::uint32_t cut_offs = 0;  ///< how often who sits there now was given a deaf ear, for good or for a while
   friend bool operator==(const LinkStatus&, const LinkStatus&) = default;
 };
 

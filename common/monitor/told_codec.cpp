@@ -106,10 +106,18 @@ void put(const LinkStatus& l, file::Link& out) {
   out.set_loss_in(l.loss_in);
   out.set_silence_ms(l.silence_ms);
   out.set_netem(cut_text(l.netem));
+  // Mostly there is nothing to tell, and a datagram has room for more links then.
+  const auto last = std::find_if(l.dropped.rbegin(), l.dropped.rend(), [](std::uint64_t n) { return n > 0; });
+  out.mutable_dropped()->Assign(l.dropped.begin(), last.base());
+  out.set_cut_offs(l.cut_offs);
 }
 
 bool take(const file::Link& in, LinkStatus& l) {
-  if (in.flags() > (kThere | kMeasured | kCutOut | kCutIn)) return false;
+  if (in.flags() > (kThere | kMeasured | kCutOut | kCutIn) ||
+      static_cast<std::size_t>(in.dropped_size()) > sync::kDropReasons)
+    return false;
+  std::copy(in.dropped().begin(), in.dropped().end(), l.dropped.begin());
+  l.cut_offs = in.cut_offs();
   l.incarnation = in.incarnation();
   l.there = (in.flags() & kThere) != 0;
   l.measured = (in.flags() & kMeasured) != 0;

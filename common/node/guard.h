@@ -33,6 +33,8 @@ class Guard {
   void advance(RecordedNode& node, const Removals& removals);
   /// Whether somebody who asks to be let in has been cut off before, and not long enough ago.
   bool bars(const PublicKey& key, const Node& node) const;
+  /// Keys of whom something is held against them; kMostOffenders at most.
+  std::size_t offenders() const { return offenders_.size(); }
   /// Whether p is listened to.
   bool hears(PeerId p, const Node& node) const;
 

@@ -47,7 +47,8 @@ struct Neighbour {
   std::vector<sync::Bundle> held;  ///< frozen: updates of it that are here beyond the first that is not
 
   std::vector<Former> former;                               ///< the latest kFormer, eldest first
-  std::array<std::uint64_t, sync::kDropReasons> dropped{};  ///< of who sits there now
+  std::array<std::uint64_t, sync::kDropReasons> dropped{};  ///< by reason, of whoever has sat there
+  std::uint32_t cut_offs = 0;                               ///< how often who sits there now was given a deaf ear
 
   static constexpr std::size_t kFormer = 4;
   bool there() const { return presence == Presence::kThere; }

@@ -94,6 +94,8 @@ class Node {
   void set_judge(Judge judge) { judge_ = std::move(judge); }
   /// A datagram of p's was not even looked at.
   void count_drop(PeerId p, sync::DropReason why);
+  /// It is not listened to any more, or not for now.
+  void count_cut_off(PeerId p) { ++others_[p].cut_offs; }
   /// The signature of what this peer published with the last step, if it did and signs.
   std::optional<sync::Signature> signed_now() const;
   /// Advances to the next tick with the avatar driven towards `target` (m); `outgoing` then holds what to send.

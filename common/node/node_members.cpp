@@ -53,8 +53,10 @@ void Node::admit(const sync::Admission& a, const sync::Bundle& by) {
   std::vector<Former> former = std::move(n.former);
   if (former.size() == Neighbour::kFormer) former.erase(former.begin());
   former.push_back({n.first, n.incarnation, n.at.key});
+  const auto dropped = n.dropped;
   n = Neighbour{};
   n.former = std::move(former);
+  n.dropped = dropped;
   n.presence = Presence::kThere;
   n.incarnation = a.incarnation;
   n.first = a.first;

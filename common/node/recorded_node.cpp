@@ -1,5 +1,7 @@
 #include "common/node/recorded_node.h"
 
+#include <algorithm>
+
 #include "common/trace/truth.h"
 #include "common/wire/membership_codec.h"
 #include "common/wire/transfer_codec.h"
@@ -107,6 +109,7 @@ void RecordedNode::push(EntityId b, Vec2 velocity) {
 
 void RecordedNode::cut_off(PeerId p, bool for_good, const std::string& why) {
   remark({"cut_off", p, why});
+  node_.count_cut_off(p);
   if (for_good) give_up(p);
 }
 
@@ -167,6 +170,11 @@ void RecordedNode::finish(bool superseded) {
   f.hash_mismatches = n.hash_mismatches;
   f.first_mismatch = n.first_mismatch;
   f.superseded = superseded;
+  for (PeerId p = 0; p < node_.config().slots; ++p) {
+    const auto& dropped = node_.other(p).dropped;
+    if (std::any_of(dropped.begin(), dropped.end(), [](std::uint64_t d) { return d > 0; }))
+      f.dropped_of.push_back({p, {dropped.begin(), dropped.end()}});
+  }
   writer_->footer(f);
 }
 

@@ -144,6 +144,12 @@ struct Confirmed {
   std::uint64_t hash = 0;
 };
 
+/// Datagrams that were not taken of whoever sat in a slot, by reason.
+struct Dropped {
+  PeerId peer = kNoPeer;
+  std::vector<std::uint64_t> by_reason;
+};
+
 /// Counters at a clean end, as in node::NodeStats.
 struct Footer {
   std::uint64_t bundles = 0;
@@ -156,7 +162,8 @@ struct Footer {
   std::uint64_t hash_checks = 0;
   std::uint64_t hash_mismatches = 0;
   Tick first_mismatch = -1;
-  bool superseded = false;  ///< the peer began another life, in another trace
+  bool superseded = false;          ///< the peer began another life, in another trace
+  std::vector<Dropped> dropped_of;  ///< slots that something was dropped of; older traces tell none
 };
 
 /// One record after the header.

@@ -206,7 +206,7 @@ struct TraceReader::Parser {
     return Remark{in.remark().kind(), peer == 0 ? kNoPeer : slot(peer - 1, "is about no slot"), in.remark().text()};
   }
 
-  static Footer footer(const file::Footer& in) {
+  Footer footer(const file::Footer& in) const {
     Footer f;
     f.bundles = in.bundles();
     f.updates_by_cause.assign(in.updates_by_cause().begin(), in.updates_by_cause().end());
@@ -219,6 +219,9 @@ struct TraceReader::Parser {
     f.hash_mismatches = in.hash_mismatches();
     f.first_mismatch = in.first_mismatch();
     f.superseded = in.superseded();
+    for (const file::Dropped& d : in.dropped_of())
+      f.dropped_of.push_back(
+          {slot(d.peer(), "dropped something of no slot"), {d.by_reason().begin(), d.by_reason().end()}});
     return f;
   }
 };
@@ -320,7 +323,7 @@ std::optional<Event> TraceReader::next() {
     }
     case file::Record::kFooter:
       clean_ = true;
-      return Parser::footer(record.footer());
+      return parser.footer(record.footer());
     case file::Record::kHeader:
       refuse("is a second header");
     case file::Record::KIND_NOT_SET:

@@ -214,6 +214,11 @@ void TraceWriter::footer(const Footer& f) {
   out.set_hash_mismatches(f.hash_mismatches);
   out.set_first_mismatch(f.first_mismatch);
   out.set_superseded(f.superseded);
+  for (const Dropped& d : f.dropped_of) {
+    file::Dropped& of = *out.add_dropped_of();
+    of.set_peer(d.peer);
+    for (const std::uint64_t n : d.by_reason) of.add_by_reason(n);
+  }
   hand_over(record, sink_);
 }
 

@@ -78,6 +78,23 @@ TEST(Floods, WhoAcknowledgesNothingIsDeclaredGone) {
   t.expect_no_harm();
 }
 
+// Asked what it has of a lost peer, it says: far more than there is. Nobody can ever send that.
+TEST(Floods, WhoClaimsToHaveMoreOfALostPeerThanItCanShow) {
+  for (const auto mode : {wire::SealMode::kNone, wire::SealMode::kAuth}) {
+    Trial t(4, 2, mode, 304);
+    const PeerId lost = 3;
+    t.liar().send_too([&](const wire::Header& h) {
+      const wire::Answer lie{{{lost, 0, 1'000'000}}};
+      return std::vector<wire::Bytes>{
+          wire::seal({wire::Kind::kMembership, h.sender, h.session}, wire::encode_membership(lie))};
+    });
+    t.party().net().kill(t.person(lost));
+    t.party().run(30);
+    EXPECT_FALSE(t.node(0).other(lost).reachable()) << t.party().story();
+    t.expect_confirmed({0, 1});
+  }
+}
+
 // Polls, fetches, answers, probes and joins by the thousand.
 TEST(Floods, MessagesOfMembership) {
   for (const auto mode : {wire::SealMode::kNone, wire::SealMode::kAuth}) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <limits>
 
 #include "tests/monitor/samples.h"
@@ -98,6 +100,26 @@ TEST(MonitorCodec, AStatusWithManyLinksIsToldInSeveralThatHaveAll) {
     again.links.insert(again.links.end(), part.links.begin(), part.links.end());
   }
   EXPECT_TRUE(again == whole);
+}
+
+TEST(MonitorCodec, DropsOfALinkComeByReasonAndNotMoreReasonsThanThereAre) {
+  monitor::LinkStatus l;
+  l.to = 3;
+  l.dropped.fill(1);
+  l.dropped.back() = 200;  // two bytes
+  l.cut_offs = 2;
+  monitor::Status s;
+  s.links = {l};
+  Bytes datagram = monitor::encode(kFrom, s).at(0);
+  const auto told = monitor::decode_told(datagram);
+  ASSERT_TRUE(told);
+  EXPECT_EQ(std::get<monitor::Status>(told->message).links, s.links);
+  // Of as many bytes, but two numbers where there was one.
+  const std::array last{std::byte{1}, std::byte{200}, std::byte{1}};
+  const auto at = std::search(datagram.begin(), datagram.end(), last.begin(), last.end());
+  ASSERT_NE(at, datagram.end());
+  *(at + 1) = std::byte{1};
+  EXPECT_FALSE(monitor::decode_told(datagram));
 }
 
 TEST(MonitorCodec, OfTooManyEventsTheNewestAreTold) {

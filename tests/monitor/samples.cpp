@@ -96,6 +96,8 @@ monitor::LinkStatus any_link(Rng& rng) {
   l.cut_out = rng.chance(0.1);
   l.cut_in = rng.chance(0.1);
   l.netem = any_text(rng, 60);
+  if (rng.chance(0.3)) l.dropped[rng.below(sync::kDropReasons)] = rng.next_u64() >> rng.below(64);
+  if (rng.chance(0.1)) l.cut_offs = rng.next_u32();
   return l;
 }
 

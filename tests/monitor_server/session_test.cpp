@@ -189,6 +189,38 @@ TEST(Session, MetricsAreInPrometheusForm) {
   EXPECT_NE(text.find("\npadr_link_delay_seconds{from=\"1\",peer=\"0\"} 0."), std::string::npos);
 }
 
+TEST(Session, WhatIsDroppedOfWhomAndWhoIsCutOffIsInTheWordsAndTheMetrics) {
+  Heard h(3, 30, 0);
+  Status told;
+  told.tick = 31;
+  for (const PeerId from : {PeerId{1}, PeerId{2}}) {
+    LinkStatus l;
+    l.to = from;
+    l.there = from == 1;  // who was cut off is removed soon
+    l.dropped[static_cast<std::size_t>(sync::DropReason::kDuplicate)] = 7;
+    if (from == 2) l.dropped[static_cast<std::size_t>(sync::DropReason::kMalformed)] = 20;
+    if (from == 2) l.cut_offs = 1;
+    told.links.push_back(l);
+  }
+  for (const Bytes& b : encode(test::WatchedSession::origin(0), told)) {
+    const auto t = decode_told(b);
+    ASSERT_TRUE(t);
+    h.session.take(*t, {}, h.now);
+  }
+  const json peers = json::parse(peers_text(
+      h.session, 0, [](PeerId) { return "no"; }, h.now));
+  const json expected = {{{"from", 1}, {"cut_off", 0}, {"by_reason", {{"duplicate", 7}}}},
+                         {{"from", 2}, {"cut_off", 1}, {"by_reason", {{"malformed", 20}, {"duplicate", 7}}}}};
+  EXPECT_EQ(peers["peers"][0]["drops"], expected);
+  EXPECT_EQ(peers["peers"][1]["drops"], json::array());
+  const std::string text = metrics_text(&h.session, {}, nullptr, h.now);
+  EXPECT_NE(text.find("\npadr_peer_dropped_total{peer=\"0\",from=\"2\",reason=\"malformed\"} 20\n"), std::string::npos)
+      << text;
+  EXPECT_NE(text.find("\npadr_peer_dropped_total{peer=\"0\",from=\"1\",reason=\"duplicate\"} 7\n"), std::string::npos);
+  EXPECT_NE(text.find("\npadr_peer_cut_off{peer=\"0\",from=\"2\"} 1\n"), std::string::npos);
+  EXPECT_EQ(text.find("padr_peer_cut_off{peer=\"0\",from=\"1\""), std::string::npos);
+}
+
 TEST(Series, AnHourIsFlat) {
   Series s;
   for (Tick t = 0; t < 3 * 3600 * kTicksPerSecond; t += 15) s.add({t, {}});

@@ -137,6 +137,28 @@ TEST(Report, WhoWasInterferedWithIsNoted) {
   EXPECT_EQ(std::count_if(r.notes.begin(), r.notes.end(), says("peer 0 was")), 0);
 }
 
+TEST(Report, WhatIsDroppedOfWhomAndWhoIsCutOffIsToldAndIsNoInterference) {
+  test::RunConfig c;
+  c.ticks = 60;
+  c.before_step = [](Tick t, const auto& nodes) {
+    if (t >= 20 && t < 25) nodes[1]->count_drop(0, sync::DropReason::kValue);
+    if (t == 25) nodes[1]->count_drop(0, sync::DropReason::kDuplicate);
+    if (t == 26) nodes[1]->cut_off(0, false, "keeps sending what makes no sense");
+  };
+  const test::RecordedRun run(c);
+  const report::Report r = report::analyse(labelled(run.traces));
+  EXPECT_TRUE(r.peers[0].drops.empty());
+  ASSERT_EQ(r.peers[1].drops.size(), 1U);
+  const report::Drops& d = r.peers[1].drops[0];
+  EXPECT_EQ(d.of, 0);
+  EXPECT_EQ(d.cut_offs, 1U);
+  EXPECT_EQ(d.by_reason.at(static_cast<std::size_t>(sync::DropReason::kValue)), 5U);
+  EXPECT_EQ(r.peers[1].dropped.at(static_cast<std::size_t>(sync::DropReason::kValue)), 5U);
+  EXPECT_EQ(r.peers[1].remarks, 0U);
+  EXPECT_NE(report::table(r).find("5 value"), std::string::npos) << report::table(r);
+  EXPECT_NE(report::json(r, {}).find("\"cut_off\": 1"), std::string::npos);
+}
+
 TEST(Report, LinksShowWhatTheShimDid) {
   test::RunConfig c;
   c.netem = "delay 100ms";

@@ -92,6 +92,7 @@ Bytes small_trace(bool footer = true) {
   f.updates_by_cause = {1, 2, 3};
   f.wire_bytes_sent = 1ULL << 40U;
   f.first_mismatch = -1;
+  f.dropped_of = {{2, {0, 5}}};
   w.footer(f);
   return out;
 }
@@ -198,6 +199,9 @@ TEST(TraceFormat, EventsComeBackInOrderAndExact) {
   const auto f = std::get<trace::Footer>(r.next().value());
   EXPECT_EQ(f.updates_by_cause, (std::vector<std::uint64_t>{1, 2, 3}));
   EXPECT_EQ(f.wire_bytes_sent, 1ULL << 40U);
+  ASSERT_EQ(f.dropped_of.size(), 1U);
+  EXPECT_EQ(f.dropped_of[0].peer, 2);
+  EXPECT_EQ(f.dropped_of[0].by_reason, (std::vector<std::uint64_t>{0, 5}));
   EXPECT_FALSE(r.next());
   EXPECT_TRUE(r.clean());
   EXPECT_FALSE(r.truncated());

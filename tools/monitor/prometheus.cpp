@@ -157,6 +157,23 @@ void inconsistency(Writer& w, const Session& s) {
     if (const auto i = s.inconsistency(p->origin.slot)) w.value(of(*p), double{i->shown_m});
 }
 
+/// Of those who have left, too: what they sent is no less dropped.
+void drops(Writer& w, const Session& s) {
+  w.metric("padr_peer_dropped_total", "counter", "Datagrams from the member in slot `from` that `peer` did not take");
+  for (const PeerRecord* p : s.peers())
+    for (const auto& [from, link] : p->links)
+      for (std::size_t d = 1; d < sync::kDropReasons; ++d)
+        if (link.dropped[d] > 0)
+          w.value(of(*p) + "," + label("from", std::to_string(from)) + "," + label("reason", sync::kDropNames[d]),
+                  static_cast<double>(link.dropped[d]));
+  w.metric("padr_peer_cut_off", "gauge",
+           "How often `peer` has cut off who sits in slot `from`, for good or for a while");
+  for (const PeerRecord* p : s.peers())
+    for (const auto& [from, link] : p->links)
+      if (link.cut_offs > 0)
+        w.value(of(*p) + "," + label("from", std::to_string(from)), static_cast<double>(link.cut_offs));
+}
+
 void peers(Writer& w, const Session& s, Micros now) {
   w.metric("padr_peer_up", "gauge", "1 if the peer has told something in the last second");
   for (const PeerRecord* p : s.peers())
@@ -179,6 +196,7 @@ void peers(Writer& w, const Session& s, Micros now) {
     for (const PeerRecord* p : s.peers())
       if (const auto v = m.value(*p)) w.value(of(*p), *v);
   }
+  drops(w, s);
   for (const LinkMetric& m : kLinkMetrics) {
     w.metric(m.name, "gauge", m.help);
     for (const PeerRecord* p : s.peers())

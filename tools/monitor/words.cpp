@@ -127,6 +127,21 @@ void links(Json& j, const PeerRecord& p) {
   j.end_array();
 }
 
+/// Of whom it has not taken something, and why; who has left since, too.
+void drops(Json& j, const PeerRecord& p) {
+  j.key("drops").begin_array();
+  for (const auto& [from, l] : p.links) {
+    if (l.cut_offs == 0 && std::all_of(l.dropped.begin(), l.dropped.end(), [](std::uint64_t n) { return n == 0; }))
+      continue;
+    j.begin_object().field("from", int{from}).field("cut_off", l.cut_offs);
+    j.key("by_reason").begin_object();
+    for (std::size_t d = 1; d < sync::kDropReasons; ++d)
+      if (l.dropped[d] > 0) j.field(sync::kDropNames[d], l.dropped[d]);
+    j.end_object().end_object();
+  }
+  j.end_array();
+}
+
 void numbers_of(Json& j, const PeerRecord& p, Agreement::Verdict verdict) {
   j.key("confirmed");
   if (p.status && p.status->confirmed >= 0) {
@@ -162,6 +177,7 @@ void peer(Json& j, const PeerRecord& p, Agreement::Verdict verdict, std::string_
   numbers_of(j, p, verdict);
   j.key("frames").begin_object().field("received", p.frames).field("lost", p.lost).end_object();
   links(j, p);
+  drops(j, p);
   j.end_object();
 }
 

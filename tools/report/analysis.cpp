@@ -148,7 +148,23 @@ class Analysis {
 
   static void take(Cursor& c, const trace::Retune&) { ++c.peer.retunes; }
   static void take(Cursor& c, const trace::Push&) { ++c.peer.pushes; }
-  static void take(Cursor& c, const trace::Remark&) { ++c.peer.remarks; }
+  static void take(Cursor& c, const trace::Remark& m) {
+    // Its own decision, and no interference.
+    if (m.kind == "cut_off" && m.peer != kNoPeer)
+      ++drops_of(c, m.peer).cut_offs;
+    else
+      ++c.peer.remarks;
+  }
+  static void take(Cursor& c, const trace::Footer& f) {
+    c.peer.dropped = f.dropped;
+    for (const trace::Dropped& d : f.dropped_of) drops_of(c, d.peer).by_reason = d.by_reason;
+  }
+  static Drops& drops_of(Cursor& c, PeerId p) {
+    std::vector<Drops>& all = c.peer.drops;
+    const auto at = std::find_if(all.begin(), all.end(), [p](const Drops& d) { return d.of >= p; });
+    if (at != all.end() && at->of == p) return *at;
+    return *all.insert(at, {p, {}, 0});
+  }
 
   template <typename Other>
   void take(Cursor&, const Other&) {}

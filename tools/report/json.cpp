@@ -1,4 +1,8 @@
 #include "tools/support/json.h"
+
+#include <algorithm>
+
+#include "common/sync/admit.h"
 #include "tools/report/outputs.h"
 #include "tools/report/rates.h"
 #include "tools/support/revision.h"
@@ -45,6 +49,28 @@ void put_provenance(Json& j, const Peer& p) {
   j.field("start_unix_us", h.start_unix_us).end_object();
 }
 
+void put_reasons(Json& j, const std::vector<std::uint64_t>& dropped) {
+  j.begin_object();
+  for (std::size_t d = 1; d < std::min(dropped.size(), sync::kDropReasons); ++d)
+    j.field(sync::kDropNames[d], dropped[d]);
+  j.end_object();
+}
+
+void put_drops(Json& j, const Peer& p) {
+  j.key("dropped");
+  if (p.dropped.empty())
+    j.null();
+  else
+    put_reasons(j, p.dropped);
+  j.key("drops").begin_array();
+  for (const Drops& d : p.drops) {
+    j.begin_object().field("of", int{d.of}).field("cut_off", d.cut_offs).key("by_reason");
+    put_reasons(j, d.by_reason);
+    j.end_object();
+  }
+  j.end_array();
+}
+
 void put_peer(Json& j, const Peer& p) {
   j.begin_object();
   j.field("peer", p.header.peer).field("name", p.name).field("incarnation", p.header.incarnation);
@@ -63,6 +89,7 @@ void put_peer(Json& j, const Peer& p) {
   j.field("snaps", p.snaps).field("snap_m", p.snap_m);
   j.field("late_ticks", p.late_ticks).field("worst_lateness_us", p.worst_lateness);
   j.field("damaged_datagrams_received", p.damaged);
+  put_drops(j, p);
   j.key("interference").begin_object();
   j.field("knobs_turned", p.retunes).field("pushes", p.pushes).field("links_and_pauses", p.remarks).end_object();
   put_provenance(j, p);

@@ -49,6 +49,13 @@ struct Link {
   double reordered_percent() const;
 };
 
+/// What a peer did not take of whoever sat in a slot, all over its life.
+struct Drops {
+  PeerId of = kNoPeer;
+  std::vector<std::uint64_t> by_reason;  ///< as in sync::DropReason
+  std::uint64_t cut_offs = 0;            ///< how often it stopped listening to it, for good or for a while
+};
+
 /// One life of a peer, from its coming until it says goodbye: what it sees and sends while it makes sure that everybody
 /// has its last updates is left out of inconsistency and traffic.
 struct Peer {
@@ -77,6 +84,9 @@ struct Peer {
   std::uint64_t retunes = 0;  ///< its knobs were turned
   std::uint64_t pushes = 0;   ///< it was told to push a body
   std::uint64_t remarks = 0;  ///< impairments, cuts, pauses
+  /// What it dropped in all, by reason, told at a clean end only; who did not know all reasons tells fewer.
+  std::vector<std::uint64_t> dropped;
+  std::vector<Drops> drops;  ///< by slot, where there is something to tell
   Tick went() const { return left_at >= 0 ? left_at : last_tick; }
   Tick played() const { return went() - came; }
   double seconds() const { return static_cast<double>(played()) / kTicksPerSecond; }

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "common/sync/admit.h"
 #include "tools/report/outputs.h"
 #include "tools/report/rates.h"
 #include "tools/support/text.h"
@@ -124,6 +125,33 @@ std::string peers_table(const Report& r) {
          g.text();
 }
 
+/// What is said twice or late is nobody's fault.
+bool is_network(std::size_t why) {
+  return why == static_cast<std::size_t>(sync::DropReason::kDuplicate) ||
+         why == static_cast<std::size_t>(sync::DropReason::kForeign);
+}
+
+/// Only where there is something besides what any network does.
+std::string drops_table(const Report& r) {
+  Table g({"at", "of", "cut off", "dropped by reason"});
+  bool any = false;
+  for (const Peer& p : r.peers)
+    for (const Drops& d : p.drops) {
+      std::string reasons;
+      bool blamed = d.cut_offs > 0;
+      for (std::size_t why = 1; why < std::min(d.by_reason.size(), sync::kDropReasons); ++why) {
+        if (d.by_reason[why] == 0) continue;
+        reasons += (reasons.empty() ? "" : ", ") + count(d.by_reason[why]) + " " + std::string(sync::kDropNames[why]);
+        blamed = blamed || !is_network(why);
+      }
+      if (!blamed) continue;
+      any = true;
+      g.row({"peer " + p.name, "slot " + std::to_string(d.of), d.cut_offs == 0 ? "-" : count(d.cut_offs),
+             reasons.empty() ? "not told" : reasons});
+    }
+  return any ? "\nDropped for what it said, and who was cut off, for good or for a while.\n" + g.text() : "";
+}
+
 std::string lives_table(const Report& r) {
   if (!comings_and_goings(r)) return "";
   Table g({"who", "came s", "went s", "how", "trace"});
@@ -171,7 +199,7 @@ std::string table(const Report& r) {
   s += "\nTraffic until goodbye. Rates per peer, IPv4 and UDP headers included; then entity updates by cause, each "
        "counted once.\n" +
        traffic.text();
-  s += links_table(r) + peers_table(r) + lives_table(r) + hand_overs_line(r);
+  s += links_table(r) + peers_table(r) + drops_table(r) + lives_table(r) + hand_overs_line(r);
   for (const std::string& n : r.notes) s += "\nNote: " + n + "\n";
   return s + verdict(r);
 }

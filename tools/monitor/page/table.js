@@ -20,6 +20,13 @@ const COLUMNS = [
   { head: "traffic", title: "Sent, with IP and UDP headers", cell: (p) => number(p.rates?.kbit_per_s, 1, " kbit/s") },
   { head: "replayed", title: "Steps played again because something came late, for each tick", cell: (p) => number(p.rates?.replayed_per_tick, 1, " /tick") },
   { head: "late ticks", title: "Ticks that began late on that machine", cell: (p) => number(p.late_ticks, 0) },
+  {
+    head: "dropped",
+    title: "Datagrams of other peers that it did not take for what they said, and whom it has cut off for that",
+    cell: (p) => dropWords(p.drops),
+    paint: (td, p) => { td.dataset.cut = p.drops.some((d) => d.cut_off > 0) ? "yes" : "no"; },
+    tip: (p) => p.drops.map(dropReasons).join("\n"),
+  },
   { head: "technique", cell: (p) => p.technique ?? "–", title: (p) => p.settings },
   { head: "address", cell: (p) => p.address ?? "–" },
   { head: "life", title: "How often it has come in again", cell: (p) => String((p.incarnation ?? 0) + 1) },
@@ -41,7 +48,7 @@ export class Tables {
         state: p.state,
         cells: COLUMNS.map((c) => ({
           text: c.cell(p, session.points.get(p.slot)),
-          title: typeof c.title === "function" ? c.title(p) : "",
+          title: c.tip?.(p) ?? (typeof c.title === "function" ? c.title(p) : ""),
           paint: c.paint && ((td) => c.paint(td, p)),
         })),
       })),
@@ -75,6 +82,20 @@ function linkCell(from, to) {
   if (link.loss_percent > 0) parts.push(number(link.loss_percent, 0, " % lost"));
   const netem = link.netem ? ` [${link.netem}]` : "";
   return { text: parts.join(", "), title: `netem: ${link.netem || "none"}`, paint: (td) => { td.dataset.netem = netem; delete td.dataset.cut; } };
+}
+
+// What the network says twice or late is nobody's fault.
+const BLAMELESS = ["duplicate", "foreign"];
+
+function dropWords(drops) {
+  const blamed = (d) => sum(Object.entries(d.by_reason).filter(([why]) => !BLAMELESS.includes(why)).map(([, n]) => n));
+  const cut = drops.filter((d) => d.cut_off > 0).map((d) => d.from);
+  return `${sum(drops.map(blamed))}${cut.length > 0 ? `, cut off: ${cut.join(" ")}` : ""}`;
+}
+
+function dropReasons(d) {
+  const reasons = Object.entries(d.by_reason).map(([why, n]) => `${n} ${why.replace("_", " ")}`);
+  return `of peer ${d.from}: ${reasons.join(", ") || "none"}${d.cut_off > 0 ? `; cut off, ${d.cut_off} ${d.cut_off === 1 ? "time" : "times"}` : ""}`;
 }
 
 /** A table whose cells are made once and then changed. */
