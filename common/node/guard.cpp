@@ -141,7 +141,11 @@ Guard::Offender& Guard::offender(PeerId p, const Node& node) {
   const PublicKey& key = node.other(p).at.key;
   const auto it = std::find_if(offenders_.begin(), offenders_.end(), [&](const Offender& o) { return o.key == key; });
   if (it != offenders_.end()) return *it;
-  if (offenders_.size() == kMostOffenders) offenders_.erase(offenders_.begin());
+  // Who is barred for the longest is remembered the longest.
+  if (offenders_.size() == kMostOffenders)
+    offenders_.erase(std::min_element(offenders_.begin(), offenders_.end(), [](const Offender& a, const Offender& b) {
+      return a.barred_until < b.barred_until;
+    }));
   offenders_.emplace_back().key = key;
   return offenders_.back();
 }
@@ -160,6 +164,9 @@ void Guard::advance(RecordedNode& node, const Removals& removals) {
     const std::string what = tells ? "acknowledged nothing" : "kept back what it promised";
     cut_off(p, w, "has " + what + " for " + std::to_string(kArrears / kTicksPerSecond) + " s", node, removals);
   }
+  for (const PeerId p : removals.withholding(n))
+    if (Watch& w = watch(p, n); w.deaf_until != kForGood)
+      cut_off(p, w, "keeps back what it has of who is lost", node, removals);
 }
 
 void Guard::bar(PeerId p, bool for_good, const Node& node) {
@@ -193,7 +200,10 @@ void Guard::cut_off(PeerId p, Watch& w, const std::string& why, RecordedNode& no
   const Node& n = node.node();
   const PeerId coordinator = removals.coordinator(n);
   const bool for_good = coordinator == n.self() || coordinator == p;
-  bar(p, n.arrears(p) < kArrears && n.unacknowledged(p) < kArrears, n);
+  const auto withholding = removals.withholding(n);
+  const bool by_network = n.arrears(p) >= kArrears || n.unacknowledged(p) >= kArrears ||
+                          std::find(withholding.begin(), withholding.end(), p) != withholding.end();
+  bar(p, !by_network, n);
   w.unlawful_last = -kForGood / 2;
   w.deaf_until = for_good ? kForGood : n.now() + kMuted;
   desk_.note("peer " + std::to_string(p) + " " + why + ": " +

@@ -52,7 +52,7 @@ void Membership::receive(const Endpoint& from, const wire::Header& header, const
   const auto member = sender(from, header);
   if (!member || !hears(*member)) return;
   if (const auto* poll = std::get_if<wire::Poll>(&message)) removals_.on_poll(*member, *poll, node_);
-  if (const auto* answer = std::get_if<wire::Answer>(&message)) removals_.on_answer(*member, *answer);
+  if (const auto* answer = std::get_if<wire::Answer>(&message)) removals_.on_answer(*member, *answer, node_.node());
   if (const auto* fetch = std::get_if<wire::Fetch>(&message)) removals_.on_fetch(*member, *fetch, node_.node());
   if (const auto* fetched = std::get_if<wire::Fetched>(&message)) removals_.on_fetched(*fetched, node_.node(), guard_);
 }

@@ -35,10 +35,13 @@ void Removals::on_poll(PeerId from, const wire::Poll& poll, RecordedNode& node) 
   if (!answer.lost.empty()) desk_.send(desk_.roster[from], answer);
 }
 
-void Removals::on_answer(PeerId from, const wire::Answer& answer) {
+void Removals::on_answer(PeerId from, const wire::Answer& answer, const Node& node) {
   for (const wire::Seat& s : answer.lost) {
     const auto it = lost_.find(s.slot);
-    if (it != lost_.end() && it->second.incarnation == s.incarnation) it->second.have[from] = s.have;
+    if (it == lost_.end() || it->second.incarnation != s.incarnation) continue;
+    // No log has more beyond what another lacks.
+    const std::uint32_t most = node.agreed().log().have(s.slot) + sync::UpdateLog::kMostBeyond;
+    if (it->second.have.insert_or_assign(from, std::min(s.have, most)).second) moved_ = node.now();
   }
 }
 
@@ -54,7 +57,7 @@ void Removals::on_fetched(const wire::Fetched& fetched, const Node& node, const 
   for (const sync::Bundle& b : fetched.updates)
     if (b.index >= it->second.least && b.index < it->second.most && !it->second.fetched.contains(b.index) &&
         guard.said(b, node) && sync::admit(b, node.live().world().scene(), desk_.slots) == sync::DropReason::kNone)
-      it->second.fetched.emplace(b.index, b);
+      it->second.fetched.emplace(b.index, b), moved_ = node.now();
 }
 
 void Removals::thaw(RecordedNode& node) {
@@ -79,15 +82,34 @@ void Removals::notice(RecordedNode& node) {
     node.freeze(p, true);
     lost_[p].incarnation = n.other(p).incarnation;
     asked_ = n.now() - kAskAgain;
+    moved_ = n.now();
     desk_.note("peer " + std::to_string(p) + " has been silent for " + std::to_string(kSilence / kTicksPerSecond) +
                    " s: asking the others what they have of it",
                true);
   }
 }
 
+/// Whether it is waited for, and believed. What only somebody had who is lost by now, nobody will ever send.
+bool Removals::counts(PeerId p, const Node& node) const {
+  return p != desk_.self && node.other(p).reachable() && !node.departed(p) && !lost_.contains(p);
+}
+
+std::vector<PeerId> Removals::withholding(const Node& node) const {
+  std::vector<PeerId> who;
+  if (lost_.empty() || ordered() || node.now() - moved_ < kWithheld) return who;
+  for (PeerId p = 0; p < node.config().slots; ++p) {
+    if (!counts(p, node)) continue;
+    const bool silent =
+        std::any_of(lost_.begin(), lost_.end(), [p](const auto& entry) { return !entry.second.have.contains(p); });
+    const auto of = missing_ ? lost_.find(missing_->of) : lost_.end();
+    if (silent || (of != lost_.end() && of->second.have.at(p) > missing_->index)) who.push_back(p);
+  }
+  return who;
+}
+
 bool Removals::all_answered(const Node& node) const {
   for (PeerId p = 0; p < node.config().slots; ++p) {
-    if (p == desk_.self || !node.other(p).reachable() || node.departed(p) || lost_.contains(p)) continue;
+    if (!counts(p, node)) continue;
     for (const auto& [slot, lost] : lost_)
       if (!lost.have.contains(p)) return false;
   }
@@ -107,6 +129,7 @@ void Removals::advance(RecordedNode& node) {
   thaw(node);
   notice(node);
   std::erase_if(lost_, [&](const auto& entry) { return !node.node().other(entry.first).frozen; });
+  missing_.reset();
   if (lost_.empty() || ordered()) return;
   if (!all_answered(node.node())) return ask(node.node());
   for (auto& [p, lost] : lost_)
@@ -123,6 +146,7 @@ bool Removals::gather(PeerId p, Lost& lost, const Node& node) {
   const sync::UpdateLog& log = node.agreed().log();
   lost.least = lost.most = log.have(p);
   for (const auto& [q, have] : lost.have) {
+    if (!counts(q, node)) continue;
     lost.least = std::min(lost.least, have);
     lost.most = std::max(lost.most, have);
   }
@@ -133,7 +157,8 @@ bool Removals::gather(PeerId p, Lost& lost, const Node& node) {
       if (found->second.tick >= node.now()) return false;  // its clock was ahead
       continue;
     }
-    fetch(p, lost, i, node.now());
+    missing_ = {p, i};
+    fetch(p, lost, i, node);
     return false;
   }
   return true;
@@ -141,13 +166,13 @@ bool Removals::gather(PeerId p, Lost& lost, const Node& node) {
 
 // Not everybody who has had an update still keeps it, not even we: who came later may have it in the state it began
 // with. One is asked after the other.
-void Removals::fetch(PeerId p, Lost& lost, std::uint32_t index, Tick now) {
-  if (now - asked_ < kAskAgain) return;
+void Removals::fetch(PeerId p, Lost& lost, std::uint32_t index, const Node& node) {
+  if (node.now() - asked_ < kAskAgain) return;
   std::vector<PeerId> had;
   for (const auto& [q, have] : lost.have)
-    if (have > index) had.push_back(q);
+    if (have > index && counts(q, node)) had.push_back(q);
   if (had.empty()) return;
-  asked_ = now;
+  asked_ = node.now();
   desk_.send(desk_.roster[had[lost.fetches++ % had.size()]], wire::Fetch{p, lost.incarnation, index});
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "common/node/recorded_node.h"
 #include "common/node/session_desk.h"
@@ -22,7 +24,7 @@ class Removals {
   explicit Removals(SessionDesk& desk) : desk_(desk) {}
 
   void on_poll(PeerId from, const wire::Poll& poll, RecordedNode& node);
-  void on_answer(PeerId from, const wire::Answer& answer);
+  void on_answer(PeerId from, const wire::Answer& answer, const Node& node);
   void on_fetch(PeerId from, const wire::Fetch& fetch, const Node& node);
   void on_fetched(const wire::Fetched& fetched, const Node& node, const Guard& guard);
   /// Once a tick.
@@ -36,6 +38,9 @@ class Removals {
   void forget_asker(PeerId slot) {
     std::erase_if(answered_, [slot](const auto& entry) { return entry.first.first == slot; });
   }
+  /// Who is heard, but for kWithheld has not said what it has of the lost, or not sent what it says it has: nobody can
+  /// be declared gone as long as that counts.
+  std::vector<PeerId> withholding(const Node& node) const;
   bool busy() const { return !lost_.empty(); }
   /// This peer has told `by` what it has of who sits, or sat, in the slot: `by` may declare that one gone.
   bool answered(PeerId by, PeerId slot) const { return answered_.contains({by, slot}); }
@@ -46,6 +51,7 @@ class Removals {
 
   static constexpr Tick kSilence = 3 * kTicksPerSecond;
   static constexpr Tick kAskAgain = 6;
+  static constexpr Tick kWithheld = 4 * kTicksPerSecond;
 
  private:
   struct Lost {
@@ -59,11 +65,12 @@ class Removals {
   };
   void thaw(RecordedNode& node);
   void notice(RecordedNode& node);
+  bool counts(PeerId p, const Node& node) const;
   bool all_answered(const Node& node) const;
   void ask(const Node& node);
   bool ordered() const;
   bool gather(PeerId p, Lost& lost, const Node& node);
-  void fetch(PeerId p, Lost& lost, std::uint32_t index, Tick now);
+  void fetch(PeerId p, Lost& lost, std::uint32_t index, const Node& node);
   void bury(RecordedNode& node);
 
   SessionDesk& desk_;
@@ -71,6 +78,12 @@ class Removals {
   std::map<std::pair<PeerId, PeerId>, std::uint32_t> answered_;  ///< by asker and slot: the latest incarnation
   std::map<PeerId, PeerId> frozen_for_;                          ///< as one who has answered: whom for
   Tick asked_ = 0;
+  Tick moved_ = 0;  ///< when something new of the lost came last, or somebody more was lost
+  struct Missing {
+    PeerId of = kNoPeer;
+    std::uint32_t index = 0;
+  };
+  std::optional<Missing> missing_;  ///< what is asked for now
 };
 
 }  // namespace padr::node

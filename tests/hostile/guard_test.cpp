@@ -36,8 +36,7 @@ class Guarded {
     while (node_.node().now() < t) node_.step({});
   }
   void drop(DropReason why, std::size_t times = 1) {
-    for (std::size_t i = 0; i < times; ++i)
-      guard_.on_drop(1, why, node_, removals_, tick_start(node_.node().now()));
+    for (std::size_t i = 0; i < times; ++i) guard_.on_drop(1, why, node_, removals_, tick_start(node_.node().now()));
   }
   bool bars(std::uint8_t n) const { return guard_.bars(key(n), node_.node()); }
   bool hears() const { return guard_.hears(1, node_.node()); }

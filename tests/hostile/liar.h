@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/wire/codec.h"
+#include "common/wire/membership_codec.h"
 #include "common/wire/signature.h"
 #include "tests/membership/party.h"
 
@@ -26,10 +27,12 @@ class Liar {
   void begin(Lie lie) { lie_ = std::move(lie); }
   /// What it sends besides, each time it sends a state datagram; unsealed.
   void send_too(std::function<std::vector<wire::Bytes>(const wire::Header&)> extra) { extra_ = std::move(extra); }
-  void stop() { lie_ = {}, extra_ = {}; }
+  /// May change what it says about who is there.
+  void speak_of_others(std::function<void(wire::MembershipMessage&)> lie) { gossip_ = std::move(lie); }
+  void stop() { lie_ = {}, extra_ = {}, gossip_ = {}; }
   /// Whether lies are signed as what they are: the liar's.
   bool signs = true;
-  std::uint64_t told = 0;  ///< state datagrams changed
+  std::uint64_t told = 0;  ///< datagrams changed
 
   void learn_key(const node::GateConfig& gate) {
     key_ = wire::signing_key(wire::derive_key(gate.seed, "secret"));
@@ -54,6 +57,12 @@ class Liar {
         ++told;
       }
     }
+    if (opened && opened->header.kind == wire::Kind::kMembership && gossip_)
+      if (auto message = wire::decode_membership(opened->payload)) {
+        gossip_(*message);
+        parcel.bytes = wire::seal(opened->header, wire::encode_membership(*message));
+        ++told;
+      }
     out.push_back(std::move(parcel));
     return out;
   }
@@ -61,6 +70,7 @@ class Liar {
  private:
   Lie lie_;
   std::function<std::vector<wire::Bytes>(const wire::Header&)> extra_;
+  std::function<void(wire::MembershipMessage&)> gossip_;
   wire::SigningKey key_;
   bool sealed_ = false;
 };
@@ -129,12 +139,13 @@ class Trial {
     EXPECT_EQ(party_.judge().violation(), "") << party_.story();
   }
   /// Nobody honest has come to harm: all play on in the lives they had, and confirmed worlds are the same.
-  void expect_no_harm() {
-    for (const PeerId p : honest()) {
+  void expect_no_harm() { expect_no_harm_to(honest()); }
+  void expect_no_harm_to(const std::vector<PeerId>& who) {
+    for (const PeerId p : who) {
       EXPECT_TRUE(party_.net().peer(person(p)).playing()) << p << "\n" << party_.story();
       EXPECT_EQ(party_.net().peer(person(p)).life(), 0) << p << "\n" << party_.story();
     }
-    expect_confirmed(honest());
+    expect_confirmed(who);
   }
   /// The honest have declared the liar gone.
   bool liar_is_out() const {
