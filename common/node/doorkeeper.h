@@ -22,6 +22,8 @@ class Doorkeeper {
   void on_enter(const Endpoint& from, const wire::Enter& enter, RecordedNode& node, bool may_admit);
   /// Forgets those who have not come in.
   void advance(Micros local);
+  /// Who is being let in: one a slot at most.
+  std::size_t guests() const { return guests_.size(); }
 
  private:
   struct Guest {

@@ -76,6 +76,8 @@ class Gate {
 
   const GateStats& stats() const { return stats_; }
   std::size_t channels() const { return channels_.size(); }
+  /// Places that were sent something, and of which nobody's key is known yet.
+  std::size_t callers() const { return callers_.size(); }
 
   static constexpr std::size_t kMostChannels = 256;
   static constexpr std::size_t kMostWaiting = 8;

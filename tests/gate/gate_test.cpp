@@ -254,6 +254,16 @@ TEST(Gate, MemoryIsBoundedWhoeverComes) {
   EXPECT_EQ(g.b.channels(), Gate::kMostChannels);
 }
 
+TEST(Gate, PlacesThatNeverAnswerAreForgotten) {
+  TwoGates g;
+  for (int n = 3; n < 100; ++n) {
+    g.a.send({place(n), kNoPeer, words("is anybody there")}, g.now);
+    EXPECT_LE(g.a.callers(), Gate::kMostWaiting);
+    g.a.take_outgoing();
+  }
+  EXPECT_EQ(g.a.callers(), Gate::kMostWaiting);
+}
+
 TEST(Gate, KeysAreToldOncePerDirection) {
   std::vector<std::pair<PublicKey, PublicKey>> told;
   node::GateConfig c = gate_config(1);

@@ -39,6 +39,20 @@ TEST(UpdateLog, CompleteOnlyWhenWhatWasPromisedIsHere) {
   EXPECT_EQ(log.have_beyond(1), 0U);
 }
 
+TEST(UpdateLog, BeyondAHoleNoMoreIsKeptThanThat) {
+  UpdateLog log = of_members(1);
+  for (std::uint32_t i = 1; i <= UpdateLog::kMostBeyond; ++i)
+    ASSERT_TRUE(log.insert(bundle(0, i, static_cast<Tick>(i)))) << i;
+  EXPECT_FALSE(log.insert(bundle(0, UpdateLog::kMostBeyond + 1, 5000)));
+  EXPECT_EQ(log.beyond(0), UpdateLog::kMostBeyond);
+  // A million promises that are not kept are no reason to forget one that is.
+  for (std::uint32_t i = 1; i < 1'000'000; ++i) log.mark(0, static_cast<Tick>(5000 + i), 10'000 + i);
+  log.mark(0, 2'000'000, UpdateLog::kMostBeyond + 1);
+  EXPECT_EQ(log.complete(0), -1);
+  EXPECT_TRUE(log.insert(bundle(0, 0, 0)));
+  EXPECT_EQ(log.complete(0), 2'000'000);
+}
+
 TEST(UpdateLog, AnOldMarkTakesNothingBack) {
   UpdateLog log = of_members(1);
   log.mark(0, 30, 0);
