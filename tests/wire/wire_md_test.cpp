@@ -343,6 +343,7 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("entrant_patience_us", node::Entrant::kPatience);
   add("silence", node::Removals::kSilence);
   add("ask_again", node::Removals::kAskAgain);
+  add("withheld", node::Removals::kWithheld);
   add("probe_pace", node::Sides::kPace);
   add("probe_grace", node::Sides::kGrace);
   add("probe_lately", node::Sides::kLately);
