@@ -17,7 +17,7 @@ sys.path.insert(0, os.path.join(HERE, "..", "conformance"))
 import pcap  # noqa: E402
 import tshark  # noqa: E402
 from encoder import tagged  # noqa: E402
-from expected import fields, is_claimed, is_sealed  # noqa: E402
+from expected import fields, has_crc, is_claimed, is_sealed  # noqa: E402
 from limits import cases  # noqa: E402
 from others import packets  # noqa: E402
 from sealed import AUTH, ENCRYPT, sealed  # noqa: E402
@@ -80,6 +80,38 @@ def check_cut_off(path, datagrams):
             tshark.compare(f"cut off: {datagram.hex(' ')}", wanted, shown)
 
 
+def check_keylog(path, datagrams, rng):
+    """With the key, both sorts are read alike, over the carry of the numbers; and damage is told."""
+    keylog = path + ".keys"
+    with open(keylog, "w", encoding="utf-8") as file:
+        for key in (bytes(32), SEAL_KEY):
+            file.write(f"padr-key {SEAL_ID.hex()} {bytes(32).hex()} {key.hex()}\n")
+    first = 2**32 - len(datagrams) // 2
+    sent, opened = [], []
+    for n, datagram in enumerate(datagrams):
+        data, plain = sealed(SEAL_KEY, (AUTH, ENCRYPT)[n % 2], SEAL_ID, first + n, datagram), datagram
+        if n % 7 == 6:
+            at = rng.randrange(14, len(data))
+            data, plain = data[:at] + bytes([data[at] ^ 1 << rng.randrange(8)]) + data[at + 1:], False
+        sent.append(data)
+        opened.append(plain)
+    pcap.write(path, [pcap.udp(data) for data in sent])
+    values = 0
+    for data, plain, shown in zip(sent, opened, tshark.frames(path, "-o", f"padr.keylog:{keylog}"), strict=True):
+        values += tshark.compare(data.hex(" "), fields(data, plain), shown)
+    print(f"with the key: {len(sent)} datagrams, {values} values as the second decoder has them")
+    for text, said in (("padr-key 12\n", "line 1 of"), (None, "No such file")):
+        bad = path + ".bad"
+        if text:
+            with open(bad, "w", encoding="utf-8") as file:
+                file.write(text)
+        words = tshark.command("-r", path, "-o", f"padr.keylog:{bad}")
+        done = subprocess.run(words, capture_output=True, text=True, check=False, env=tshark.environment())
+        assert said in done.stderr, done.stderr
+        if text:
+            os.remove(bad)
+
+
 def check_in_icmp(path, datagram):
     """What comes back in an error message is shown, but is no second datagram."""
     packet = pcap.udp(datagram)
@@ -120,6 +152,8 @@ def main(program, wire_md):
             assert outcomes["read"] > 20 and outcomes["malformed"] > 5 - 5 * (what == "sealed"), outcomes
         check(path, written + drawn[:200], "-2", "-R", "frame")
         check_cut_off(path, written + drawn)
+        undamaged = [each for each in written + drawn if len(each) >= 10 and has_crc(each)]
+        check_keylog(path, [each for each in undamaged if is_claimed(sealed(SEAL_KEY, AUTH, SEAL_ID, 1, each))], rng)
         good = next(datagram for datagram in drawn if dict(fields(datagram)).get("padr.seq"))
         check_in_icmp(path, good)
         check_decode_as(path, good)

@@ -41,11 +41,12 @@ def is_handshake(datagram):
     return len(datagram) == 76 and datagram[:3] == b"Pd\x43" and 1 <= datagram[3] <= 4 and not has_crc(datagram)
 
 
-def fields(datagram):
-    return list(of_datagram(datagram))
+def fields(datagram, opened=None):
+    """`opened`: what a key log tells of a sealed one: the unsealed datagram, or False if its tag is wrong."""
+    return list(of_datagram(datagram, opened))
 
 
-def of_datagram(datagram):
+def of_datagram(datagram, opened):
     yield "padr.version", datagram[2] >> 4
     if is_handshake(datagram):
         yield "padr.handshake", HANDSHAKES[datagram[3] - 1]
@@ -53,7 +54,7 @@ def of_datagram(datagram):
             yield f"padr.{name}", datagram[at:stop]
         return
     if is_sealed(datagram):
-        yield from of_sealed(datagram)
+        yield from of_sealed(datagram, opened)
         return
     yield "padr.kind", datagram[2] & 15
     yield "padr.peer", datagram[3]
@@ -65,7 +66,7 @@ def of_datagram(datagram):
     yield from of_content(datagram)
 
 
-def of_sealed(datagram):
+def of_sealed(datagram, opened):
     yield "padr.kind", datagram[2] & 3
     yield "padr.peer", datagram[3]
     yield "padr.session", struct.unpack_from("<H", datagram, 4)[0]
@@ -73,7 +74,11 @@ def of_sealed(datagram):
     yield "padr.seal.id", struct.unpack_from("<I", datagram, 6)[0]
     yield "padr.seal.number", struct.unpack_from("<I", datagram, 10)[0]
     yield "padr.seal.tag", datagram[-16:]
-    if datagram[2] < 0x48:
+    if opened is not None:
+        yield "padr.seal.good", bool(opened)
+        if opened:
+            yield from of_content(opened)
+    elif datagram[2] < 0x48:
         plain = datagram[:2] + bytes([datagram[2] & 0xF3]) + datagram[3:6] + datagram[14:-16]
         yield from of_content(plain + struct.pack("<I", zlib.crc32(plain)))
 
@@ -118,6 +123,8 @@ def of_update(update, raw, peer):
     yield "padr.update.tick", update["tick"]
     if update["leave"]:
         yield "padr.update.leave", True
+    if raw.get("signature"):
+        yield "padr.update.signature", raw["signature"]
     if update["avatar"]:
         yield from of_avatar(update["avatar"], raw["avatar"])
     ages = iter(raw["claim_age"])

@@ -18,6 +18,7 @@ import pcap  # noqa: E402
 import tshark  # noqa: E402
 from decoder import decode  # noqa: E402
 from datagrams_test import vectors  # noqa: E402
+from sealed import ENCRYPT, sealed  # noqa: E402
 
 
 
@@ -89,10 +90,22 @@ def check_without_lua(home, repository, path, script):
     assert shown == wanted and len(wanted) > 20, (shown, wanted)
 
 
+def check_keylog(installed, datagrams, script):
+    """The page's command shows what is encrypted as if it were not."""
+    key, sender, folder = bytes(range(32)), bytes(range(50, 82)), installed.home
+    with open(os.path.join(folder, "keys.log"), "w", encoding="utf-8") as file:
+        file.write(f"padr-key {sender.hex()} {bytes(32).hex()} {key.hex()}\n")
+    pcap.write(os.path.join(folder, "sealed.pcap"),
+               [pcap.udp(sealed(key, ENCRYPT, sender, n, each)) for n, each in enumerate(datagrams, 1)])  # fmt: skip
+    script = re.sub(r"\b(keys\.log|sealed\.pcap)", rf"{folder}/\1", script)
+    assert "encrypted state" in installed.shell(re.sub(r"-o \S+ ", "", script))
+    assert "encrypted" not in installed.shell(script)
+
+
 def main(repository):
     with open(os.path.join(repository, "tools", "wireshark", "README.md"), encoding="utf-8") as file:
         text = file.read()
-    install, _, without_lua = blocks(text)
+    install, _, with_keylog, without_lua = blocks(text)
     assert len(install.splitlines()) == 2
     with tempfile.TemporaryDirectory() as folder:
         homes = [os.path.join(folder, name) for name in ("with", "without")]
@@ -108,6 +121,7 @@ def main(repository):
         check_protobuf(installed, scripted)
         check_filters(installed, everything, text)
         check_colours(installed, everything)
+        check_keylog(installed, [each for each in pcap.read(scripted) if each and each[:3] == b"Pd\x40"], with_keylog)
         check_without_lua(homes[1], repository, scripted, without_lua)
     print("installed by two lines; filters, colours, protobuf and the way without Lua are as the page says")
 

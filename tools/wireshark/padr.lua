@@ -1,7 +1,7 @@
 -- Wireshark and tshark learn to read PADR's datagrams: on UDP, on any port. README.md beside this file tells how to install it;
 -- proto/WIRE.md says what the bytes mean, padr/fields.lua lists the filter fields.
 --
--- This file has what Wireshark calls. padr/datagram.lua decodes, padr/history.lua knows what was before, padr/show.lua fills the
+-- This file has what Wireshark calls. padr/datagram.lua decodes, padr/seal.lua decrypts, padr/history.lua knows what was before, padr/show.lua fills the
 -- tree, padr/sentence.lua the info column.
 do -- installed, and named on the command line besides: once is enough
   local ok, there = pcall(Dissector.get, "padr")
@@ -12,6 +12,7 @@ package.path = (debug.getinfo(1, "S").source:match("^@(.*[/\\])") or "./") .. "?
 local datagram = require("padr.datagram")
 local fields = require("padr.fields")
 local history = require("padr.history")
+local seal = require("padr.seal")
 local Show = require("padr.show")
 local sentence = require("padr.sentence")
 
@@ -20,6 +21,7 @@ local f, labels = fields.all()
 padr.fields = f
 local experts = {
   tag = ProtoExpert.new("padr.expert.tag", "The CRC does not fit", expert.group.CHECKSUM, expert.severity.ERROR),
+  seal = ProtoExpert.new("padr.expert.seal", "The seal is not right", expert.group.SECURITY, expert.severity.ERROR),
   malformed = ProtoExpert.new("padr.expert.malformed", "Everybody drops this", expert.group.MALFORMED, expert.severity.ERROR),
   cut = ProtoExpert.new("padr.expert.cut", "Cut off by the capture", expert.group.UNDECODED, expert.severity.NOTE),
   resend = ProtoExpert.new("padr.expert.resend", "Update sent again", expert.group.SEQUENCE, expert.severity.NOTE),
@@ -39,11 +41,22 @@ padr.prefs.protobuf = Pref.enum("Show the payload as protobuf too", INSTALLED,
   "By Wireshark's own dissector, which knows the fields' names if it has wire.proto (README.md of the plugin)",
   { { 1, "Never", NEVER }, { 2, "If wire.proto is installed", INSTALLED }, { 3, "Always", ALWAYS } }, false)
 
+padr.prefs.keylog = Pref.string("Key log", "", "A file that padr-peer --keylog has written, or several put together: checks and decrypts what is sealed")
+
+local opened = {} -- by frame: whether the seal is right, and the datagram made readable
+local function read_keylog()
+  opened = {}
+  local wrong = seal.load(padr.prefs.keylog)
+  if wrong then report_failure("PADR's key log: " .. wrong) end
+end
+padr.prefs_changed = read_keylog
+
 local protobuf = Dissector.get("protobuf")
 local MESSAGES = { [0] = "padr.wire.State", "padr.wire.Session", "padr.wire.Membership" }
 
 function padr.init()
   history.reset()
+  read_keylog() -- a peer may have written more of it
 end
 
 local function show_handshake(show, tree, envelope)
@@ -56,13 +69,30 @@ local function show_handshake(show, tree, envelope)
   show:raw(tree, "padr.seal.tag", tvb(60, datagram.SEALED_TAG))
 end
 
+-- Once for each frame: it takes a millisecond, and what numbers have been here is to be asked in order.
+local function open_seal(number, data, envelope)
+  if not envelope.seal or not envelope.whole then return nil, data end
+  local known = opened[number]
+  if not known then
+    local good, readable = seal.open(data, envelope)
+    known = { good = good, readable = readable }
+    if good ~= nil then opened[number] = known end
+  end
+  return known.good, known.readable or data
+end
+
 local function show_seal(show, tree, envelope, size)
   local tvb = show.tvb
   show:add(tree, "padr.seal", envelope.seal, tvb(2, 1))
   if not envelope.seal_id then return end
   show:add(tree, "padr.seal.id", envelope.seal_id, tvb(6, 4))
   show:add(tree, "padr.seal.number", envelope.seal_number, tvb(10, 4))
-  if envelope.whole then show:raw(tree, "padr.seal.tag", tvb(size - datagram.SEALED_TAG, datagram.SEALED_TAG)) end
+  if not envelope.whole then return end
+  local range = tvb(size - datagram.SEALED_TAG, datagram.SEALED_TAG)
+  show:raw(tree, "padr.seal.tag", range)
+  if envelope.seal_good == nil then return end
+  local item = show:add(tree, "padr.seal.good", envelope.seal_good, range)
+  if not envelope.seal_good then item:add_proto_expert_info(experts.seal) end
 end
 
 local function show_envelope(show, tree, envelope, size)
@@ -161,9 +191,12 @@ end
 local function dissect(tvb, pinfo, root, data, envelope)
   local size = tvb:reported_len()
   local reason, said, detail = datagram.envelope_drop(envelope, size)
-  local hidden = envelope.handshake or envelope.seal == "encrypt"
+  local readable
+  envelope.seal_good, readable = open_seal(pinfo.number, data, envelope)
+  local decrypted = envelope.seal == "encrypt" and envelope.seal_good
+  local hidden = envelope.handshake or envelope.seal_good == false or envelope.seal == "encrypt" and not decrypted
   if not reason and envelope.whole and not hidden then
-    said, reason, detail = datagram.decode(data, envelope)
+    said, reason, detail = datagram.decode(readable, envelope)
   end
   local to = history.place(pinfo.dst, pinfo.dst_port)
   if said and not pinfo.visited and not pinfo.in_error_pkt then
@@ -176,6 +209,10 @@ local function dissect(tvb, pinfo, root, data, envelope)
   local show = Show.new(f, labels, experts, tvb, found)
   show_envelope(show, tree, envelope, size)
   if found.to then show:add(tree, "padr.to", found.to) end
+  if decrypted then
+    tvb = ByteArray.new(readable, true):tvb("Decrypted")
+    show = Show.new(f, labels, experts, tvb, found)
+  end
   if reason then
     show_drop(show, tree, reason, detail)
   elseif hidden then
@@ -192,7 +229,7 @@ local function dissect(tvb, pinfo, root, data, envelope)
   local info = sentence.of(envelope, said, found, reason)
   pinfo.cols.info:set(info)
   tree:append_text(", " .. info)
-  return tvb:captured_len()
+  return #data
 end
 
 -- For Decode As, where nobody has looked at the bytes yet.
