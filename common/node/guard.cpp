@@ -22,8 +22,19 @@ struct Sayer {
   PublicKey key{};
 };
 
+/// Those that are in the datagram that is being judged, by order.
+using Admissions = std::vector<const sync::Admission*>;
+
+enum class Signed : std::uint8_t {
+  kYes,
+  kNo,
+  kUnclear,  ///< not by whom we know, but the word of who sits there now may be on its way
+};
+
 /// Who sat in the slot when its update of that number was said; nothing if that is not known.
-std::optional<Sayer> sayer(PeerId p, std::uint32_t index, const Node& node) {
+std::optional<Sayer> sayer(PeerId p, std::uint32_t index, const Node& node, const Admissions& meanwhile = {}) {
+  for (auto a = meanwhile.rbegin(); a != meanwhile.rend(); ++a)
+    if ((*a)->slot == p && index >= (*a)->first) return Sayer{(*a)->incarnation, (*a)->at.key};
   const Neighbour& n = node.other(p);
   if (index >= n.first && p != node.self())
     return n.at.has_key() ? std::optional(Sayer{n.incarnation, n.at.key}) : std::nullopt;
@@ -76,16 +87,34 @@ bool is_lawful(const Bundle& b, const Node& node, const Removals& removals) {
                      [&](const Bundle& lost) { return may_pass_on(lost, b, node, removals); });
 }
 
+/// Of an update and of what it passes on; `by`: what passes it on. Admissions are added to `meanwhile`.
+Signed is_signed(const Bundle& b, const Bundle* by, const Node& node, const Removals& removals, Admissions& meanwhile) {
+  if (!node.agreed().log().knows(b.peer, b.index)) {
+    const auto who = sayer(b.peer, b.index, node, meanwhile);
+    if (who && !wire::is_signed(who->key, {node.config().session, who->incarnation}, b)) {
+      // Who passes on what has been said in a slot may know of somebody there of whom we have not heard yet.
+      const bool may_be_new = by != nullptr && !removals.answered(by->peer, b.peer, who->incarnation);
+      return may_be_new ? Signed::kUnclear : Signed::kNo;
+    }
+  }
+  if (b.admission) meanwhile.push_back(&*b.admission);
+  for (const Bundle& lost : b.passed_on)
+    if (const Signed is = is_signed(lost, &b, node, removals, meanwhile); is != Signed::kYes) return is;
+  return Signed::kYes;
+}
+
 }  // namespace
 
 DropReason Guard::judge(const sync::StatePacket& packet, PeerId from, const Node& node,
                         const Removals& removals) const {
   static_cast<void>(from);
+  Admissions meanwhile;
   for (const Bundle& b : packet.updates) {
     if (!is_lawful(b, node, removals)) return DropReason::kRight;
     if (!desk_.config.sealed) continue;
     if (b.admission && !b.admission->at.has_key()) return DropReason::kValue;
-    if (!said(b, node)) return DropReason::kSignature;
+    const Signed is = is_signed(b, nullptr, node, removals, meanwhile);
+    if (is != Signed::kYes) return is == Signed::kNo ? DropReason::kSignature : DropReason::kRight;
   }
   return DropReason::kNone;
 }
