@@ -105,9 +105,7 @@ Signed is_signed(const Bundle& b, const Bundle* by, const Node& node, const Remo
 
 }  // namespace
 
-DropReason Guard::judge(const sync::StatePacket& packet, PeerId from, const Node& node,
-                        const Removals& removals) const {
-  static_cast<void>(from);
+DropReason Guard::judge(const sync::StatePacket& packet, const Node& node, const Removals& removals) const {
   Admissions meanwhile;
   for (const Bundle& b : packet.updates) {
     if (!is_lawful(b, node, removals)) return DropReason::kRight;

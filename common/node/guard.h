@@ -22,8 +22,7 @@ class Guard {
   explicit Guard(SessionDesk& desk) : desk_(desk), watches_(kMaxPeers) {}
 
   /// See Node::Judge.
-  sync::DropReason judge(const sync::StatePacket& packet, PeerId from, const Node& node,
-                         const Removals& removals) const;
+  sync::DropReason judge(const sync::StatePacket& packet, const Node& node, const Removals& removals) const;
   /// Whether an update, and what it passes on, was said by whom it is said to be of, as far as we can tell: of who sat
   /// somewhere before we came we may know no key.
   bool said(const sync::Bundle& update, const Node& node) const;

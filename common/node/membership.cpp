@@ -18,9 +18,7 @@ Membership::Membership(SessionDesk& desk, RecordedNode& node)
     : desk_(desk), node_(node), doorkeeper_(desk), removals_(desk), guard_(desk), sides_(desk) {
   desk_.roster.resize(static_cast<std::size_t>(desk.slots));
   for (PeerId p = 0; p < desk_.roster.size(); ++p) node.locate(p, desk_.roster[p]);
-  node.set_judge([this](const sync::StatePacket& packet, PeerId from) {
-    return guard_.judge(packet, from, node_.node(), removals_);
-  });
+  node.set_judge([this](const sync::StatePacket& packet) { return guard_.judge(packet, node_.node(), removals_); });
 }
 
 void Membership::on_join(const Endpoint& from, const wire::Join& join, Micros local) {

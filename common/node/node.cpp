@@ -111,7 +111,7 @@ DropReason Node::take(std::span<const std::byte> datagram, Micros now, PeerId& s
       if (const DropReason wrong = sync::admit_claims(b, agreed_.confirmed()); wrong != DropReason::kNone) return wrong;
   if (!from.window.would_pass(packet->seq)) return DropReason::kDuplicate;
   if (judge_)
-    if (const DropReason objection = judge_(*packet, h.sender); objection != DropReason::kNone) return objection;
+    if (const DropReason objection = judge_(*packet); objection != DropReason::kNone) return objection;
   from.window.pass(packet->seq);
   const DropReason filed = file_updates(*packet, h.sender);
   if (filed != DropReason::kNone) return filed;

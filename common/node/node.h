@@ -77,7 +77,7 @@ class Node {
  public:
   using ConfirmedSink = sync::AgreedWorld::ConfirmedSink;
   /// What is believable may still be said by who has no right to, or may have been made up: kNone if it may pass.
-  using Judge = std::function<sync::DropReason(const sync::StatePacket& packet, PeerId from)>;
+  using Judge = std::function<sync::DropReason(const sync::StatePacket& packet)>;
 
   /// One who is there at tick 0.
   Node(const Scene& scene, const NodeConfig& config, ConfirmedSink on_confirmed = {});

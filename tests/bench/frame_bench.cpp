@@ -61,36 +61,14 @@ void report(benchmark::State& state, Measured m) {
   state.counters["allocs"] = static_cast<double>(m.allocations) / n;
 }
 
-/// Avatars wander; what they do not touch rests.
-void frame_wander(benchmark::State& state) {
+/// `scene`: of so many bodies and places to start from; `input`: what avatars do.
+void frame(benchmark::State& state, Scene (*scene)(int, int), const char* input) {
   const auto bodies = static_cast<int>(state.range(0));
   const auto peers = static_cast<int>(state.range(1));
-  const Scene scene = room(bodies, peers);
+  const Scene made = scene(bodies, peers);
   for (auto unused : state) {
     (void)unused;
-    report(state, measure(scene, peers, "wander"));
-  }
-}
-
-/// Nobody moves, everything sleeps.
-void frame_asleep(benchmark::State& state) {
-  const auto bodies = static_cast<int>(state.range(0));
-  const auto peers = static_cast<int>(state.range(1));
-  const Scene scene = room(bodies, peers);
-  for (auto unused : state) {
-    (void)unused;
-    report(state, measure(scene, peers, "rest"));
-  }
-}
-
-/// Avatars wander, and everything moves all the time.
-void frame_awake(benchmark::State& state) {
-  const auto bodies = static_cast<int>(state.range(0));
-  const auto peers = static_cast<int>(state.range(1));
-  const Scene scene = restless_room(bodies, peers);
-  for (auto unused : state) {
-    (void)unused;
-    report(state, measure(scene, peers, "wander"));
+    report(state, measure(made, peers, input));
   }
 }
 
@@ -104,9 +82,11 @@ void once(benchmark::internal::Benchmark* b) {
   b->Iterations(1)->Unit(benchmark::kMillisecond)->ArgNames({"bodies", "peers"});
 }
 
-BENCHMARK(frame_wander)->Apply(once)->Apply(by_bodies)->Apply(by_peers);
-BENCHMARK(frame_asleep)->Apply(once)->Apply(by_bodies)->Apply(by_peers);
-BENCHMARK(frame_awake)->Apply(once)->Args({60, 4})->Args({200, 4})->Args({1000, 4});
+// Avatars wander, and what they do not touch rests; nobody moves, and everything sleeps; avatars wander, and everything
+// moves all the time.
+BENCHMARK_CAPTURE(frame, wander, room, "wander")->Apply(once)->Apply(by_bodies)->Apply(by_peers);
+BENCHMARK_CAPTURE(frame, asleep, room, "rest")->Apply(once)->Apply(by_bodies)->Apply(by_peers);
+BENCHMARK_CAPTURE(frame, awake, restless_room, "wander")->Apply(once)->Args({60, 4})->Args({200, 4})->Args({1000, 4});
 
 }  // namespace
 }  // namespace padr::bench
