@@ -134,5 +134,29 @@ TEST(Lying, TeleportsAreItsOwnAvatars) {
   t.expect_no_harm();
 }
 
+// Nothing prevents it, as each signs what it says; but it shows, and only whoever has been told otherwise than the
+// coordinator begins anew.
+TEST(Lying, WhoIsToldOtherThingsThanTheRestNoticesAndIsMended) {
+  Trial t(4, 2, wire::SealMode::kAuth, 123);
+  t.liar().begin([](sync::StatePacket& p, PeerId to) {
+    for (sync::Bundle& b : p.updates)
+      if (b.avatar && to == 1) b.avatar->position.x += 0.5F;
+  });
+  t.party().net().attract(Vec2{10, 7});
+  t.party().run(8);
+  EXPECT_TRUE(t.noted("CONFIRMED WORLDS DIFFER")) << t.party().story();
+  t.liar().stop();
+  t.party().run(30);
+  Tick all = t.node(0).agreed().confirmed().tick;
+  for (const PeerId p : t.honest()) all = std::min(all, t.node(p).agreed().confirmed().tick);
+  EXPECT_GT(all, 40 * kTicksPerSecond);
+  for (const PeerId p : t.honest()) {
+    const sync::FoldState* theirs = t.node(p).agreed().confirmed_at(all);
+    ASSERT_NE(theirs, nullptr);
+    EXPECT_EQ(sync::hash_of(*theirs), sync::hash_of(*t.node(0).agreed().confirmed_at(all))) << t.party().story();
+    EXPECT_EQ(t.party().net().peer(t.person(p)).life() > 0, p == 1) << t.party().story();
+  }
+}
+
 }  // namespace
 }  // namespace padr::test
