@@ -69,7 +69,7 @@ class Replay(Case):
             wait(lambda: abs(self.tick() - was - by) < max(1, sample) and self.tick() != was, f"{by} ticks")
         # The views show that very tick.
         tick = self.tick()
-        wait(lambda: abs(b.script("return padr.session.samples.now") - tick) <= max(1, sample), "the views to be there")
+        wait(lambda: abs(b.script("return padr.session.samples.now ?? -1e9") - tick) <= max(1, sample), "the views to be there")
         slider.send_keys(Keys.HOME)
         wait(lambda: self.tick() == b.script("return padr.session.timeline.first"), "the beginning")
         b.script("const s = document.querySelector('#replay select'); s.value = '4'; s.dispatchEvent(new Event('change'))")
