@@ -68,7 +68,8 @@ bool may_coordinate(PeerId x, Tick t, const Node& node, const Removals& removals
 
 bool may_pass_on(const Bundle& lost, const Bundle& by, const Node& node, const Removals& removals) {
   const Neighbour& n = node.other(lost.peer);
-  if (lost.peer == node.self()) return lost.index < n.first;  // what we have said we know
+  // What we have said we know.
+  if (lost.peer == node.self()) return lost.index < n.first || node.agreed().log().knows(lost.peer, lost.index);
   if (removals.answered(by.peer, lost.peer)) return true;
   const bool of_nobody_now = lost.index < n.first || !n.there() || n.frozen;
   return of_nobody_now && may_coordinate(by.peer, by.tick, node, removals);

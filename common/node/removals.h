@@ -51,7 +51,10 @@ class Removals {
 
   static constexpr Tick kSilence = 3 * kTicksPerSecond;
   static constexpr Tick kAskAgain = 6;
-  static constexpr Tick kWithheld = 4 * kTicksPerSecond;
+  /// Longer than an honest peer takes that was held up for almost kSilence, then waits as long before it, too, misses
+  /// the lost, and answers over a bad link; shorter than it takes the others to come in anew since nothing is
+  /// confirmed.
+  static constexpr Tick kWithheld = 2 * kSilence + 90;
 
  private:
   struct Lost {

@@ -56,6 +56,14 @@ TEST(Orders, RemovalByTheCoordinatorThatAskedNobody) {
   t.expect_no_harm();
 }
 
+TEST(Orders, NobodyIsDeclaredGoneToItselfByWhoIsNotCoordinator) {
+  Trial t(4, 2, wire::SealMode::kAuth, 208);
+  give(t, [](sync::Bundle& b) { b.removals = {{3, 0, 5}}; });
+  t.party().run(18);
+  EXPECT_GT(t.dropped(3, DropReason::kRight), 0U) << t.party().story();
+  t.expect_no_harm();
+}
+
 TEST(Orders, AdmissionByWhoIsNotCoordinator) {
   Trial t(4, 2, wire::SealMode::kAuth, 204);
   give(t, [](sync::Bundle& b) {
@@ -113,7 +121,7 @@ TEST(Orders, TheCoordinatorInventsWhatALostPeerSaid) {
 TEST(Orders, NobodyPutsWordsIntoOnesOwnMouth) {
   Trial t(3, 0, wire::SealMode::kNone, 207);
   const std::uint32_t own = t.node(1).agreed().log().have(1);
-  give(t, [own](sync::Bundle& b) { b.passed_on = {avatar_update(1, own + 3, b.tick - 1)}; });
+  give(t, [own](sync::Bundle& b) { b.passed_on = {avatar_update(1, own + 1000, b.tick - 1)}; });
   t.party().run(3);
   EXPECT_GT(t.dropped(1, DropReason::kRight), 0U) << t.party().story();
   t.party().run(14);

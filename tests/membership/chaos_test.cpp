@@ -63,7 +63,10 @@ INSTANTIATE_TEST_SUITE_P(
                     171,    // the same, and to newcomers
                     280,    // an update that only newcomers had, in a state and not in their logs;
                             // who was never told of the other side's addresses
-                    368));  // somebody removed while a newcomer waited, whose updates all had but the newcomer
+                    368,    // somebody removed while a newcomer waited, whose updates all had but the newcomer
+                    410,    // who was held up, and only then missed the lost, was taken for one who keeps things back
+                    529,    // the same, after a short partition
+                    562));  // whose own updates were passed on did not believe that it had said them
 
 TEST(ChaosScripts, TheSameSeedPlaysTheSame) {
   const lab::ChaosScript script = lab::make_script(77, seconds(20), 6);

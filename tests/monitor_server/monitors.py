@@ -280,6 +280,10 @@ class Page:
         """The newest message of the kind that fits."""
         return wait_until(lambda: [t for t in self.all(kind) if fits(t)], f"a message '{kind}' that fits", patience)[-1]
 
+    def until(self, kind, fits):
+        """Waits until the newest message of the kind fits, whatever came before."""
+        wait_until(lambda: any(map(fits, self.all(kind)[-1:])), f"a newest message '{kind}' that fits")
+
     def events(self):
         return [e for message in self.all("events") for e in message["events"]]
 
