@@ -32,7 +32,7 @@ enum class Signed : std::uint8_t {
 };
 
 /// Who sat in the slot when its update of that number was said; nothing if that is not known.
-std::optional<Sayer> sayer(PeerId p, std::uint32_t index, const Node& node, const Admissions& meanwhile = {}) {
+std::optional<Sayer> sayer(PeerId p, std::uint32_t index, const Node& node, const Admissions& meanwhile) {
   for (auto a = meanwhile.rbegin(); a != meanwhile.rend(); ++a)
     if ((*a)->slot == p && index >= (*a)->first) return Sayer{(*a)->incarnation, (*a)->at.key};
   const Neighbour& n = node.other(p);
@@ -88,15 +88,21 @@ bool is_lawful(const Bundle& b, const Node& node, const Removals& removals) {
                      [&](const Bundle& lost) { return may_pass_on(lost, b, node, removals); });
 }
 
+/// Who must have said an update that is not here yet, and has not signed it; nothing if that is well, as far as is
+/// known.
+std::optional<Sayer> missing_signer(const Bundle& b, const Node& node, const Admissions& meanwhile) {
+  if (node.agreed().log().knows(b.peer, b.index)) return std::nullopt;
+  const auto who = sayer(b.peer, b.index, node, meanwhile);
+  if (who && wire::is_signed(who->key, {node.config().session, who->incarnation}, b)) return std::nullopt;
+  return who;
+}
+
 /// Of an update and of what it passes on; `by`: what passes it on. Admissions are added to `meanwhile`.
 Signed is_signed(const Bundle& b, const Bundle* by, const Node& node, const Removals& removals, Admissions& meanwhile) {
-  if (!node.agreed().log().knows(b.peer, b.index)) {
-    const auto who = sayer(b.peer, b.index, node, meanwhile);
-    if (who && !wire::is_signed(who->key, {node.config().session, who->incarnation}, b)) {
-      // Who passes on what has been said in a slot may know of somebody there of whom we have not heard yet.
-      const bool may_be_new = by != nullptr && !removals.answered(by->peer, b.peer, who->incarnation);
-      return may_be_new ? Signed::kUnclear : Signed::kNo;
-    }
+  if (const auto who = missing_signer(b, node, meanwhile)) {
+    // Who passes on what has been said in a slot may know of somebody there of whom we have not heard yet.
+    const bool may_be_new = by != nullptr && !removals.answered(by->peer, b.peer, who->incarnation);
+    return may_be_new ? Signed::kUnclear : Signed::kNo;
   }
   if (b.admission) meanwhile.push_back(&*b.admission);
   for (const Bundle& lost : b.passed_on)
@@ -120,10 +126,7 @@ DropReason Guard::judge(const sync::StatePacket& packet, const Node& node, const
 
 bool Guard::said(const Bundle& b, const Node& node) const {
   if (!desk_.config.sealed) return true;
-  if (!node.agreed().log().knows(b.peer, b.index)) {
-    const auto who = sayer(b.peer, b.index, node);
-    if (who && !wire::is_signed(who->key, {node.config().session, who->incarnation}, b)) return false;
-  }
+  if (missing_signer(b, node, {})) return false;
   return std::all_of(b.passed_on.begin(), b.passed_on.end(), [&](const Bundle& lost) { return said(lost, node); });
 }
 
