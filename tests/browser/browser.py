@@ -36,7 +36,10 @@ except ImportError:
 if len(sys.argv) < 4:
     sys.exit(f"usage: {sys.argv[0]} PADR_MONITOR PADR_PEER FOLDER_FOR_SCREENSHOTS")
 MONITOR, PEER, PICTURES = sys.argv.pop(1), sys.argv.pop(1), sys.argv.pop(1)
-PATIENCE = 40.0  # s until something that should happen counts as missing; a loaded machine is slow
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "e2e"))
+from waiting import PATIENCE  # noqa: E402
+from waiting import wait_until as wait  # noqa: E402
 
 
 class Program:
@@ -183,18 +186,6 @@ def skip(why):
     for program in Program.started:
         program.end(signal.SIGKILL)
     os._exit(SKIPPED)
-
-
-def wait(condition, what, patience=PATIENCE):
-    """The first value of `condition()` that is true; fails after `patience` seconds."""
-    deadline = time.monotonic() + patience
-    while True:
-        value = condition()
-        if value:
-            return value
-        if time.monotonic() > deadline:
-            raise AssertionError(f"waited {patience} s for {what}; last: {value!r}")
-        time.sleep(0.05)
 
 
 class Case(unittest.TestCase):

@@ -19,25 +19,13 @@ import threading
 import time
 
 PROGRAM = sys.argv.pop(1) if len(sys.argv) > 1 else "padr-monitor"
-PATIENCE = 40.0  # s until something that should happen counts as missing; a loaded machine is slow
 
 # peers.py takes its program from the command line, too.
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "e2e"))
 import peers  # noqa: E402
+from waiting import PATIENCE, wait_until  # noqa: E402
 
 main = peers.main
-
-
-def wait_until(condition, what, patience=PATIENCE):
-    """What `condition` returns once that is something."""
-    deadline = time.monotonic() + patience
-    while True:
-        result = condition()
-        if result:
-            return result
-        if time.monotonic() > deadline:
-            raise AssertionError(f"after {patience} s not there: {what}")
-        time.sleep(0.02)
 
 
 class Monitor:

@@ -1,0 +1,17 @@
+"""Waiting for what other programs do, within bounds."""
+
+import time
+
+PATIENCE = 40.0  # s until something that should happen counts as missing; a loaded machine is slow
+
+
+def wait_until(condition, what, patience=PATIENCE):
+    """The first value of `condition()` that is true; fails after `patience` seconds."""
+    deadline = time.monotonic() + patience
+    while True:
+        value = condition()
+        if value:
+            return value
+        if time.monotonic() > deadline:
+            raise AssertionError(f"waited {patience} s for {what}; last: {value!r}")
+        time.sleep(0.02)
