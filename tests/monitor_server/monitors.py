@@ -16,7 +16,6 @@ import struct
 import subprocess
 import sys
 import threading
-import time
 
 PROGRAM = sys.argv.pop(1) if len(sys.argv) > 1 else "padr-monitor"
 
