@@ -47,14 +47,20 @@ void Egress::session(const Endpoint& to, std::span<const std::byte> datagram, Mi
     if (early_.size() >= kMostEarlyLinks) return send_(to, datagram);
     it = early_.try_emplace(to, spec_for(to, std::nullopt), early_seed(specs_.seed, to)).first;
   }
-  it->second.accept(now, datagram);
+  enter(it->second, to, datagram, now);
 }
 
 void Egress::state(PeerId to, const Endpoint& at, std::span<const std::byte> datagram, Micros now) {
   Link& l = links_[to];
   if (l.shim && l.to != at) retire(std::exchange(l, {}));
   if (!l.shim) l = {at, std::make_unique<link::Shim>(spec_for(at, to), link::link_seed(specs_.seed, self_, to))};
-  l.shim->accept(now, datagram);
+  enter(*l.shim, at, datagram, now);
+}
+
+void Egress::enter(link::Shim& shim, const Endpoint& to, std::span<const std::byte> datagram, Micros now) {
+  if (shim.pass(now, datagram)) return send_(to, datagram);
+  shim.accept(now, datagram);
+  holding_ = true;
 }
 
 void Egress::impair(std::optional<PeerId> peer, const link::NetemSpec& spec, Micros now) {
@@ -74,8 +80,11 @@ void Egress::impair(std::optional<PeerId> peer, const link::NetemSpec& spec, Mic
 }
 
 void Egress::pump(Micros now) {
+  if (!holding_) return;
+  holding_ = false;
   const auto empty = [&](link::Shim& shim, const Endpoint& to) {
     while (const auto datagram = shim.release(now)) send_(to, *datagram);
+    holding_ = holding_ || shim.in_flight() > 0;
   };
   for (auto& [to, shim] : early_) empty(shim, to);
   for (auto& [peer, l] : links_) empty(*l.shim, l.to);
@@ -85,6 +94,7 @@ void Egress::pump(Micros now) {
 
 std::optional<Micros> Egress::next_due() const {
   std::optional<Micros> due;
+  if (!holding_) return due;
   const auto take = [&due](const link::Shim& s) {
     const auto next = s.next_due();
     if (next && (!due || *next < *due)) due = next;

@@ -61,6 +61,7 @@ class Egress {
     std::unique_ptr<link::Shim> shim;
   };
   const link::NetemSpec& spec_for(const Endpoint& to, std::optional<PeerId> peer) const;
+  void enter(link::Shim& shim, const Endpoint& to, std::span<const std::byte> datagram, Micros now);
   void forget_idle();
   void retire(Link link);
 
@@ -70,6 +71,7 @@ class Egress {
   std::map<PeerId, Link> links_;
   std::vector<Link> retired_;  ///< with what is still in them
   std::map<Endpoint, link::Shim> early_;
+  bool holding_ = false;  ///< whether any link may hold anything
 };
 
 }  // namespace padr::peer

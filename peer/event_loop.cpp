@@ -150,21 +150,27 @@ int EventLoop::run() {
 
 void EventLoop::send(const Endpoint& to, std::span<const std::byte> datagram) {
   if (cuts_.is_cut(to)) return;
+  socket_->post(to, datagram);
+}
+
+void EventLoop::flush() {
   // Before it goes: nobody must seem to have received it earlier.
   const std::int64_t time = packets_ ? PacketLog::now() : 0;
-  if (socket_->send(to, datagram)) {
-    if (packets_) packets_->sent(to, datagram, time);
-  } else if (net_limit_.pass(clock_.now())) {
-    log_.net->warn("cannot send to {}: {} ({} such messages held back)", to_string(to), socket_->last_error(),
-                   net_limit_.take_suppressed());
-  }
+  socket_->flush([this, time](const Endpoint& to, std::span<const std::byte> datagram, bool sent) {
+    if (sent) {
+      if (packets_) packets_->sent(to, datagram, time);
+    } else if (net_limit_.pass(clock_.now())) {
+      log_.net->warn("cannot send to {}: {} ({} such messages held back)", to_string(to), socket_->last_error(),
+                     net_limit_.take_suppressed());
+    }
+  });
 }
 
 void EventLoop::receive(const Endpoint& from, std::span<const std::byte> datagram) {
   if (cuts_.is_cut(from)) return;
   if (packets_) packets_->received(from, datagram, PacketLog::now());
   if (drain_until_) return;
-  log_.net->trace("{} bytes from {}", datagram.size(), to_string(from));
+  if (log_.net->should_log(spdlog::level::trace)) log_.net->trace("{} bytes from {}", datagram.size(), to_string(from));
   player_->receive(from, datagram, clock_.now());
 }
 
@@ -172,6 +178,7 @@ void EventLoop::wake() {
   const Micros now = clock_.now();
   if (!drain_until_) advance(now);
   egress_->pump(now);
+  flush();
   if (drain_until_ && (!egress_->next_due() || now >= *drain_until_)) {
     io_.stop();
     return;
@@ -222,9 +229,14 @@ void EventLoop::set_timer(Micros now) {
   if (health_ && !drain_until_) due = std::min(due, health_->next_due());
   if (teller_ && !drain_until_) due = std::min(due, teller_->next_due());
   if (const auto over = cuts_.next_due(); over && !drain_until_) due = std::min(due, *over);
-  timer_.expires_at(clock_.at(std::max(due, now)));
+  due = std::max(due, now);
+  if (due == timer_due_) return;  // datagrams that came in between seldom change it
+  timer_due_ = due;
+  timer_.expires_at(clock_.at(due));
   timer_.async_wait([this](const error_code& error) {
-    if (!error) wake();
+    if (error) return;
+    timer_due_.reset();
+    wake();
   });
 }
 

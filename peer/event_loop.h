@@ -45,6 +45,7 @@ class EventLoop {
   void open_files();
   void wake();
   void send(const Endpoint& to, std::span<const std::byte> datagram);
+  void flush();
   void receive(const Endpoint& from, std::span<const std::byte> datagram);
   void advance(Micros now);
   void send_out(Micros now);
@@ -62,6 +63,7 @@ class EventLoop {
   boost::asio::io_context io_;
   boost::asio::signal_set signals_;
   boost::asio::steady_timer timer_;
+  std::optional<Micros> timer_due_;  ///< what it is set to; nothing: it is not
   std::unique_ptr<Recordings> recordings_;
   std::unique_ptr<Keylog> keylog_;             ///< null if nobody asked for it
   std::unique_ptr<Health> health_;             ///< null if nobody asked for it

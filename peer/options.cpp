@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "common/model/user_error.h"
-#include "common/wire/session_codec.h"
 #include "peer/log.h"
 #include "peer/session_key.h"
 #include "tools/support/command_line.h"
@@ -18,6 +17,9 @@ namespace padr::peer {
 namespace {
 
 using support::parse_host_port;
+
+/// Of a scenario with room for more: every slot costs each peer something, taken or not.
+constexpr int kUsualSlots = 32;
 
 constexpr const char* kDescription =
     "One participant of a session of shared physics over UDP: its own deterministic world, one avatar, authority over\n"
@@ -79,7 +81,7 @@ void declare_session(CLI::App& app, Raw& raw, Options& o) {
       ->group(group);
   app.add_option("--slots", raw.slots,
                  "Founder: avatar slots, the most peers there can be at once; default: as many as the scenario\n"
-                 "has places to start from, so that others may come while the session runs")
+                 "has places to start from, or 32 of more, so that others may come while the session runs")
       ->type_name("N")
       ->group(group);
   app.add_option("--join-timeout", o.join_timeout,
@@ -252,11 +254,7 @@ void take_sizes(const Raw& raw, Options& o) {
                     o.scenario.scene.name + "'");
   };
   o.wait_peers = check("--wait-peers", raw.wait_peers.value_or(2), 1);
-  if (o.key && o.wait_peers > wire::kMostKeyedBeginners)
-    throw UserError("--wait-peers: " + std::to_string(o.wait_peers) +
-                    " is not allowed in a session with a key; give 1 to " + std::to_string(wire::kMostKeyedBeginners) +
-                    ", more may come later");
-  o.slots = check("--slots", raw.slots.value_or(most), o.wait_peers);
+  o.slots = check("--slots", raw.slots.value_or(std::max(o.wait_peers, std::min(most, kUsualSlots))), o.wait_peers);
 }
 
 NetemOverride parse_override(const std::string& text, std::vector<std::string>* warnings) {

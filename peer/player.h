@@ -10,6 +10,7 @@
 #include "common/node/participant.h"
 #include "common/scenarios/input.h"
 #include "peer/history.h"
+#include "peer/lateness.h"
 #include "peer/log.h"
 #include "peer/options.h"
 #include "peer/recordings.h"
@@ -20,7 +21,7 @@ namespace padr::peer {
 /// How the ticks of a run came.
 struct TickStats {
   std::uint64_t late = 0;    ///< begun more than a tick after their time
-  Micros worst = 0;          ///< us after their time, of any
+  Lateness lateness;         ///< of all of them
   Micros longest_stall = 0;  ///< us that the live world stood still at most, beyond the tick it always does
   std::uint64_t stalls = 0;  ///< times that it did so for more than kStall
   static constexpr Micros kStall = 2 * kMicrosPerSecond / kTicksPerSecond;

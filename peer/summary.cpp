@@ -1,5 +1,6 @@
 #include "peer/summary.h"
 
+#include <algorithm>
 #include <array>
 
 #include "peer/status.h"
@@ -148,7 +149,11 @@ void put_ticks(Json& j, const Player& p) {
   j.field("ticks", p.node().now()).field("first_tick", p.first_tick());
   j.field("seconds", static_cast<double>(p.node().now() - p.first_tick()) / kTicksPerSecond);
   j.field("join_ms", static_cast<double>(p.joined_at()) / 1e3);
-  j.field("late_ticks", t.late).field("worst_late_ms", static_cast<double>(t.worst) / 1e3);
+  j.field("late_ticks", t.late).field("worst_late_ms", static_cast<double>(t.lateness.worst()) / 1e3);
+  j.field("late_share",
+          static_cast<double>(t.late) / static_cast<double>(std::max<std::uint64_t>(1, t.lateness.count())));
+  j.field("median_late_ms", static_cast<double>(t.lateness.quantile(0.5)) / 1e3);
+  j.field("p99_late_ms", static_cast<double>(t.lateness.quantile(0.99)) / 1e3);
   j.field("longest_stall_ms", static_cast<double>(t.longest_stall) / 1e3).field("stalls", t.stalls);
 }
 

@@ -233,7 +233,7 @@ void Teller::tell_status(const Situation& s) {
   status.replayed_steps = totals.replayed_steps;
   status.steps = totals.ticks;
   status.late_ticks = player.ticks().late;
-  status.worst_late_us = player.ticks().worst;
+  status.worst_late_us = player.ticks().lateness.worst();
   status.paused = player.paused();
   status.untold = stats_.untold;
   for (monitor::LinkStatus& l : status.links) {

@@ -10,7 +10,11 @@ Builds padr-bench (preset release) and runs it; FILTER is a regular expression o
 prints a table, whose columns the first lines of tests/bench/*_bench.cpp explain, and writes everything as JSON.
 Times are processor time of one thread, so that a loaded machine spoils them little; ratios are what counts.
 
-  --json FILE   where the JSON goes   (default out/bench/bench.json)
+The group "peers" is real processes instead, by themselves: FILTER must be that word. It runs sessions of 4 to 64 peers at
+rest and tells what a peer costs and how many of them a core carries; the first lines of tests/bench/peers.py explain the
+columns. Late ticks are wall time, and so anything else that runs on the machine counts.
+
+  --json FILE   where the JSON goes   (default out/bench/bench.json, of peers out/bench/peers.json)
   --list        only say which benchmarks there are
   --help        this text
 
@@ -38,12 +42,25 @@ while (($# > 0)); do
 done
 
 cd "$(dirname "$0")/.."
+peers=no
+if [[ $filter == peers ]]; then peers=yes; fi
+if [[ $peers == yes ]]; then json=${json:-$PWD/out/bench/peers.json}; fi
 json=${json:-$PWD/out/bench/bench.json}
 mkdir -p "$(dirname "$json")"
 tools/deps.sh build test
 cmake --preset release -DPADR_TESTS=ON >/dev/null
-cmake --build build/release --parallel "${PADR_JOBS:-$(nproc)}" --target padr-bench
-if [[ $list == yes ]]; then exec build/release/bin/padr-bench --benchmark_list_tests; fi
+cmake --build build/release --parallel "${PADR_JOBS:-$(nproc)}" --target padr-bench padr-peer-counted
+if [[ $list == yes ]]; then
+  build/release/bin/padr-bench --benchmark_list_tests
+  echo peers
+  exit 0
+fi
+if [[ $peers == yes ]]; then
+  python3 -B tests/bench/peers.py build/release/bin/padr-peer-counted build/release/bin/padr-bench --json "$json"
+  echo
+  echo "all of it: $json"
+  exit 0
+fi
 
 if [[ -z $(build/release/bin/padr-bench --benchmark_list_tests --benchmark_filter="${filter:-.}") ]]; then
   fail_usage "no benchmark is named like '$filter'; --list tells them"

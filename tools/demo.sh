@@ -10,7 +10,7 @@ usage: tools/demo.sh [options]
 Installs missing packages, builds the programs, runs N peers against one another with a page that shows them, prints the
 report.
 
-  --peers N         number of peers, 2 to 32                 (default 4)
+  --peers N         number of peers, 2 to 64                 (default 4)
   --duration S      seconds to play, 1 to 3600; default: 30, or, in a terminal and with a page, 1800 or until Ctrl-C,
                     after which there is a report as well
   --page PORT|off   port of 127.0.0.1 at which a browser finds the page, 0 for any; off: there is none
@@ -78,7 +78,7 @@ if [[ -z $duration ]]; then
   duration=30
   if [[ -t 1 && $page != off ]]; then duration=1800; fi
 fi
-check_number --peers "$peers" 2 32
+check_number --peers "$peers" 2 64
 check_number --duration "$duration" 1 3600
 check_number --seed "$seed" 0 999999999
 peers=$((10#$peers)) duration=$((10#$duration)) seed=$((10#$seed))

@@ -28,6 +28,11 @@ Micros to_micros(Nanos t) {
   return t / kNanosPerMicro + (t % kNanosPerMicro > 0 ? 1 : 0);
 }
 
+bool is_perfect(NetemSpec spec) {
+  spec.seed.reset();
+  return spec == NetemSpec{};
+}
+
 }  // namespace
 
 Shim::Draws::Draws(std::uint64_t seed, const NetemSpec& spec)
@@ -48,7 +53,11 @@ void Shim::Draws::set_spec(const NetemSpec& spec) {
 }
 
 Shim::Shim(const NetemSpec& spec, std::uint64_t seed)
-    : spec_(spec), draws_(spec.seed.value_or(seed), spec), now_(kBeforeTime), slot_next_(kBeforeTime) {}
+    : spec_(spec),
+      perfect_(is_perfect(spec)),
+      draws_(spec.seed.value_or(seed), spec),
+      now_(kBeforeTime),
+      slot_next_(kBeforeTime) {}
 
 void Shim::accept(Micros now, std::span<const std::byte> datagram) {
   run_until(to_nanos(now));
@@ -56,6 +65,16 @@ void Shim::accept(Micros now, std::span<const std::byte> datagram) {
   stats_.accepted_bytes += datagram.size();
   enter(Bytes(datagram.begin(), datagram.end()), true);
   dequeue();
+}
+
+bool Shim::pass(Micros now, std::span<const std::byte> datagram) {
+  if (!perfect_ || in_flight() > 0) return false;
+  run_until(to_nanos(now));
+  ++stats_.accepted;
+  ++stats_.released;
+  stats_.accepted_bytes += datagram.size();
+  stats_.released_bytes += datagram.size();
+  return true;
 }
 
 std::optional<std::vector<std::byte>> Shim::release(Micros now) {
@@ -77,6 +96,7 @@ std::optional<Micros> Shim::next_due() const {
 void Shim::set_spec(Micros now, const NetemSpec& spec) {
   run_until(to_nanos(now));
   spec_ = spec;
+  perfect_ = is_perfect(spec);
   if (spec.seed) {
     draws_ = Draws(*spec.seed, spec);
   } else {

@@ -53,6 +53,10 @@ class Shim {
   /// A datagram enters the link at `now`.
   void accept(Micros now, std::span<const std::byte> datagram);
 
+  /// True if a datagram that enters at `now` leaves at once, unchanged and before anything else, as links without rules
+  /// let it: then it counts as accepted and released, and the caller has it already. Otherwise nothing has happened.
+  bool pass(Micros now, std::span<const std::byte> datagram);
+
   /// The next datagram that has left the link by `now`, in the order of leaving; call until it returns nothing.
   std::optional<std::vector<std::byte>> release(Micros now);
 
@@ -96,6 +100,7 @@ class Shim {
   Nanos wake_time() const;
 
   NetemSpec spec_;
+  bool perfect_;  ///< no rules
   Draws draws_;
   ShimStats stats_;
   Nanos now_;

@@ -7,8 +7,14 @@ namespace padr {
 /// Session-wide number of a peer, dealt out by the founder: 0 is the founder.
 using PeerId = std::uint8_t;
 inline constexpr PeerId kNoPeer = 0xFF;
-/// Avatar slots and peers of one session at most; one byte on the wire, one bit in a hold mask.
-inline constexpr int kMaxPeers = 32;
+/// Avatar slots and peers of one session at most; one byte on the wire, one bit in a PeerSet.
+inline constexpr int kMaxPeers = 64;
+
+/// Peers, or the avatars of their slots: bit p stands for slot p.
+using PeerSet = std::uint64_t;
+constexpr PeerSet only(PeerId p) {
+  return PeerSet{1} << p;
+}
 
 /// Bodies are 0 .. bodies-1 in scenario order; the avatar of peer p is bodies + p.
 using EntityId = std::uint16_t;

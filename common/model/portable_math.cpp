@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace padr {
@@ -14,6 +15,14 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // product with a number of quarter turns below 2^20 is exact.
 constexpr double kQuarterHigh = 0x1.921FB544p+0;
 constexpr double kQuarterLow = 0x1.0B4611A626331p-34;
+
+/// std::floor, which is a call on processors without SSE 4.1, and this is called several times a step and body.
+double floor_of(double x) {
+  constexpr double kWholeAnyway = 4503599627370496.0;  // 2^52
+  if (std::fabs(x) >= kWholeAnyway) return x;
+  const auto towards_zero = static_cast<double>(static_cast<std::int64_t>(x));
+  return towards_zero > x ? towards_zero - 1 : towards_zero;
+}
 
 /// c[0] + c[1] z + c[2] z^2 + ...
 template <std::size_t N>
@@ -60,13 +69,14 @@ double arc_tangent_of_ratio(double z) {
 }  // namespace
 
 SinCos sin_cos(double x) {
+  if (x == 0) return {x, 1};  // most of what does not turn never has
   if (!std::isfinite(x)) return {kNaN, kNaN};
-  const double quarters = std::floor(x * (2 / kPi) + 0.5);
+  const double quarters = floor_of(x * (2 / kPi) + 0.5);
   const double r = (x - quarters * kQuarterHigh) - quarters * kQuarterLow;
   const double z = r * r;
   const double s = r * polynomial(z, kSine);
   const double c = polynomial(z, kCosine);
-  const double turn = quarters - 4 * std::floor(quarters / 4);  // 0 .. 3
+  const double turn = quarters - 4 * floor_of(quarters / 4);  // 0 .. 3
   if (turn == 0) return {s, c};
   if (turn == 1) return {c, -s};
   if (turn == 2) return {-s, -c};

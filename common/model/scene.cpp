@@ -44,6 +44,11 @@ std::uint64_t scene_hash(const Scene& scene) {
     h.add(static_cast<std::uint64_t>(list->size()));
     for (const BodyDef& b : *list) add(h, b);
   }
+  if (scene.region) {
+    h.add(static_cast<std::uint64_t>(scene.region->id));
+    for (const std::uint8_t b : scene.region->builds) h.add(static_cast<std::uint64_t>(b));
+    for (const char e : scene.region->empty) h.add(static_cast<std::uint64_t>(e));
+  }
   // Not of physics; but who believes other things than the rest would drop what they take in.
   if (scene.max_speed != Scene{}.max_speed || scene.max_spin != Scene{}.max_spin) {
     h.add(scene.max_speed);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,14 @@ struct AvatarDef {
       spawns;  ///< start positions, one per avatar slot; their number is the most peers a session can have
 };
 
+/// A scene that is one region of a crowd's plane (docs/crowds.md). Its avatars appear where their owners first say that
+/// they are, and its bodies are slots, in which bodies come and go.
+struct RegionDef {
+  std::uint32_t id = 0;              ///< which region; part of the names of bodies that begin in it
+  std::vector<std::uint8_t> builds;  ///< by body: slots of one number hold bodies of one build
+  std::vector<char> empty;           ///< by body: 1 if there is nothing in the slot at the beginning
+};
+
 /// A scenario with every number filled in: what World is built from. The same scene on every peer, to the bit.
 struct Scene {
   std::string name;
@@ -58,6 +67,7 @@ struct Scene {
   AvatarDef avatar;
   std::vector<BodyDef> bodies;   ///< entity ids 0, 1, ...
   std::vector<BodyDef> statics;  ///< walls, posts, slopes: no entity ids
+  std::optional<RegionDef> region;
 };
 
 /// Hash over every field that influences physics; peers of a session must agree on it.

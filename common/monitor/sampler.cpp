@@ -89,7 +89,7 @@ bool Sampler::due(Tick t) const {
 }
 
 void Sampler::frame(const node::Node& node, Vec2 target, Frame& out) const {
-  const world::World& live = node.live().world();
+  const world::View& live = node.live().world();
   const sync::FoldState& predicted = node.agreed().predicted_state();
   const Technique& technique = node.config().technique;
   const sync::Prediction& p = node.prediction();

@@ -26,7 +26,7 @@ void Steering::take(const Drive& drive, Micros now) {
   until_ = now + kDriveLease;
 }
 
-Vec2 Steering::target(Vec2 own, const world::World& world, EntityId avatar, Micros now) {
+Vec2 Steering::target(Vec2 own, const world::View& world, EntityId avatar, Micros now) {
   if (drive_ && now >= until_) {
     drive_.reset();
     far_.reset();
@@ -38,7 +38,7 @@ Vec2 Steering::target(Vec2 own, const world::World& world, EntityId avatar, Micr
   return left_ ? left_->at : own;
 }
 
-Vec2 Steering::ordered(const world::World& world, EntityId avatar) {
+Vec2 Steering::ordered(const world::View& world, EntityId avatar) {
   const Scene& scene = world.scene();
   if (drive_->kind == Drive::Kind::kPoint)
     return {std::clamp(drive_->to.x, scene.lower.x, scene.upper.x),
@@ -47,7 +47,7 @@ Vec2 Steering::ordered(const world::World& world, EntityId avatar) {
   return length(direction) < kNone ? standing(world, avatar) : towards(world, avatar, direction);
 }
 
-Vec2 Steering::towards(const world::World& world, EntityId avatar, Vec2 direction) {
+Vec2 Steering::towards(const world::View& world, EntityId avatar, Vec2 direction) {
   const Vec2 at = world.position(avatar);
   if (length(direction) < kFull) {
     const AvatarDef& a = world.scene().avatar;
@@ -57,7 +57,7 @@ Vec2 Steering::towards(const world::World& world, EntityId avatar, Vec2 directio
   return *far_;
 }
 
-Vec2 Steering::standing(const world::World& world, EntityId avatar) {
+Vec2 Steering::standing(const world::View& world, EntityId avatar) {
   if (!stand_ || length(world.velocity(avatar)) > kStandSpeed) stand_ = world.position(avatar);
   return *stand_;
 }

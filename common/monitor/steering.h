@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "common/monitor/orders.h"
-#include "common/world/world.h"
+#include "common/world/view.h"
 
 namespace padr::monitor {
 
@@ -16,15 +16,15 @@ class Steering {
   /// The target of the next step, m. `own`: what the own input wants; `world`: the live one. Points that are ordered
   /// are kept within the scene's corners. On release the own input goes on, from wherever the avatar is; as long as
   /// the input itself stands still, so does the avatar.
-  Vec2 target(Vec2 own, const world::World& world, EntityId avatar, Micros now);
+  Vec2 target(Vec2 own, const world::View& world, EntityId avatar, Micros now);
 
   /// As of the last target.
   bool driven() const { return drive_.has_value(); }
 
  private:
-  Vec2 ordered(const world::World& world, EntityId avatar);
-  Vec2 towards(const world::World& world, EntityId avatar, Vec2 direction);
-  Vec2 standing(const world::World& world, EntityId avatar);
+  Vec2 ordered(const world::View& world, EntityId avatar);
+  Vec2 towards(const world::View& world, EntityId avatar, Vec2 direction);
+  Vec2 standing(const world::View& world, EntityId avatar);
 
   std::optional<Drive> drive_;
   Micros until_ = 0;

@@ -68,11 +68,18 @@ bool may_coordinate(PeerId x, Tick t, const Node& node, const Removals& removals
 
 bool may_pass_on(const Bundle& lost, const Bundle& by, const Node& node, const Removals& removals) {
   const Neighbour& n = node.other(lost.peer);
-  // What we have said we know.
-  if (lost.peer == node.self()) return lost.index < n.first || node.agreed().log().knows(lost.peer, lost.index);
+  // What we know already is nothing new, and what we have said we know.
+  if (node.agreed().log().knows(lost.peer, lost.index)) return true;
+  if (lost.peer == node.self()) return lost.index < n.first;
   if (removals.answered(by.peer, lost.peer)) return true;
   const bool of_nobody_now = lost.index < n.first || !n.there() || n.frozen;
   return of_nobody_now && may_coordinate(by.peer, by.tick, node, removals);
+}
+
+/// Whoever let us in may have been lost before the others had heard of us: then nobody could ask us what we have of it.
+bool could_not_ask(const Bundle& by, PeerId lost, const Node& node, const Removals& removals) {
+  return node.config().incarnation > 0 && by.tick <= node.in_since() + Removals::kWithheld &&
+         Removals::suspected(node, lost) && may_coordinate(by.peer, by.tick, node, removals);
 }
 
 /// Whether its peer may give this order. What an order passes on was another's to give, and is not judged again.
@@ -82,7 +89,7 @@ bool is_lawful(const Bundle& b, const Node& node, const Removals& removals) {
   // Before we came, others were asked.
   if (!node.member() || b.tick <= node.in_since()) return true;
   for (const sync::Removal& r : b.removals)
-    if (!removals.answered(b.peer, r.slot, r.incarnation)) return false;
+    if (!removals.answered(b.peer, r.slot, r.incarnation) && !could_not_ask(b, r.slot, node, removals)) return false;
   if (b.admission && !may_coordinate(b.peer, b.tick, node, removals)) return false;
   return std::all_of(b.passed_on.begin(), b.passed_on.end(),
                      [&](const Bundle& lost) { return may_pass_on(lost, b, node, removals); });

@@ -131,16 +131,17 @@ std::optional<Endpoint> Membership::way_back() {
   if (const auto winner = sides_.winner(n)) return winner;
   const PeerId c = coordinator();
   const bool follows = c != desk_.self && c != kNoPeer;
-  const bool differs = n.differs_from() < desk_.self && n.other(n.differs_from()).there();
+  // Who agrees with the coordinator is right, whoever else says otherwise.
+  const bool differs = follows && n.other(c).differs;
   std::string why;
   if (n.expelled()) why = "the others have declared this peer gone";
   if (follows && stuck()) why = "nothing has been confirmed for " + std::to_string(kStuck / kTicksPerSecond) + " s";
   if (differs)
-    why = "CONFIRMED WORLDS DIFFER from peer " + std::to_string(n.differs_from()) + "'s at tick " +
+    why = "CONFIRMED WORLDS DIFFER from peer " + std::to_string(c) + "'s at tick " +
           std::to_string(n.stats().first_mismatch);
-  if (why.empty() || (!differs && !follows)) return std::nullopt;
+  if (why.empty() || !follows) return std::nullopt;
   if (!std::exchange(told_, true)) desk_.note(why + ": joining anew", true);
-  return desk_.roster[differs ? n.differs_from() : c];
+  return desk_.roster[c];
 }
 
 }  // namespace padr::node

@@ -43,6 +43,8 @@ struct Neighbour {
   std::uint32_t promised = 0;      ///< highest mark count heard
   Tick confirmed = 0;              ///< it has confirmed so far at least
   Tick checked = 0;                ///< when it was last told a hash
+  Tick told_check = -1;            ///< of which tick
+  bool differs = false;            ///< it has told a hash that is not ours
   bool frozen = false;             ///< being declared gone: nothing more is taken from it
   std::vector<sync::Bundle> held;  ///< frozen: updates of it that are here beyond the first that is not
 

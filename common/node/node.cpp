@@ -2,27 +2,25 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 #include "common/wire/codec.h"
 
 namespace padr::node {
 namespace {
 
-using sync::DropReason;
-
 // Looking ahead is the dearest thing a frame does besides physics; the low threshold lingers longer than this anyway.
 constexpr Tick kLookEvery = 3;
 // A link that loses less is calm: see OutLink.
 constexpr float kCalmLoss = 0.02F;
-// Confirmed ticks whose hash goes round.
-constexpr Tick kCheckEvery = 30;
-constexpr std::size_t kChecksKept = 64;
 // A peer that has left and been silent for this long has ended.
 constexpr Tick kDeparted = 60;
 // Updates are kept this long though everybody has them: a newcomer has what its source had when it asked.
 constexpr Tick kKept = 15 * kTicksPerSecond;
-// Hashes go out with marks; where there is so much to tell that there are none, this often.
+// Hashes go out with marks, each once; where there is so much to tell that there are none, this often.
 constexpr Tick kTellCheck = 60;
+// Nothing new for this long, and marks are less urgent.
+constexpr Tick kQuiet = kTicksPerSecond;
 // Four marks: time to hear that somebody else leaves too, and to tell that we have everything, though some get lost.
 constexpr Tick kLastAcks = 62;
 
@@ -34,9 +32,8 @@ void add(Hasher& h, Vec2 position, float angle, Vec2 velocity, float spin, bool 
 }  // namespace
 
 Node::ConfirmedSink Node::check_and(ConfirmedSink sink) {
-  return [this, sink = std::move(sink)](const sync::FoldState& s, std::uint64_t hash) {
-    if (s.tick % kCheckEvery == 0) checks_[s.tick] = static_cast<std::uint32_t>(hash) | 1U;
-    if (checks_.size() > kChecksKept) checks_.erase(checks_.begin());
+  return [this, sink = std::move(sink)](const sync::FoldState& s, sync::LazyHash hash) {
+    if (s.tick % kCheckEvery == 0) checks_.add_own(s.tick, static_cast<std::uint32_t>(std::uint64_t{hash}) | 1U);
     if (sink) sink(s, hash);
   };
 }
@@ -73,120 +70,35 @@ Node::Node(const Scene& scene, const NodeConfig& config, const sync::Transfer& s
   if (config.sign) reporter_.limit_bodies(sync::kMaxBodiesPerSigned);
 }
 
-DropReason Node::receive(std::span<const std::byte> datagram, Micros now) {
-  ++stats_.datagrams_received;
-  PeerId sender = kNoPeer;
-  const DropReason why = take(datagram, now, sender);
-  if (why == DropReason::kNone) return why;
-  ++stats_.dropped[static_cast<std::size_t>(why)];
-  if (sender != kNoPeer) ++others_[sender].dropped[static_cast<std::size_t>(why)];
-  return why;
-}
-
-void Node::count_drop(PeerId p, DropReason why) {
-  ++stats_.datagrams_received;
-  ++stats_.dropped[static_cast<std::size_t>(why)];
-  ++others_[p].dropped[static_cast<std::size_t>(why)];
-}
-
-DropReason Node::take(std::span<const std::byte> datagram, Micros now, PeerId& sender) {
-  wire::SealError seal{};
-  const auto opened = wire::open(datagram, seal);
-  if (!opened) return DropReason::kSeal;
-  const wire::Header& h = opened->header;
-  if (h.kind != wire::Kind::kState || h.session != config_.session || h.sender >= config_.slots ||
-      h.sender == config_.self)
-    return DropReason::kForeign;
-  sender = h.sender;
-  Neighbour& from = others_[h.sender];
-  const auto packet = wire::decode_state(opened->payload, h.sender);
-  if (!packet) return DropReason::kMalformed;
-  if (!from.reachable() || from.frozen || packet->incarnation != from.incarnation ||
-      packet->to_incarnation != config_.incarnation)
-    return DropReason::kForeign;
-  const DropReason why = sync::admit(*packet, scene_, config_.slots, this->now());
-  if (why != DropReason::kNone) return why;
-  for (const sync::Bundle& b : packet->updates)
-    if (!agreed_.log().knows(h.sender, b.index))
-      if (const DropReason wrong = sync::admit_claims(b, agreed_.confirmed()); wrong != DropReason::kNone) return wrong;
-  if (!from.window.would_pass(packet->seq)) return DropReason::kDuplicate;
-  if (judge_)
-    if (const DropReason objection = judge_(*packet); objection != DropReason::kNone) return objection;
-  from.window.pass(packet->seq);
-  const DropReason filed = file_updates(*packet, h.sender);
-  if (filed != DropReason::kNone) return filed;
-  from.heard = this->now();
-  if (packet->seen_seq > from.answered_seq) {
-    from.answered_seq = packet->seen_seq;
-    from.answered = this->now();
-    from.proven = true;
-  }
-  from.link.on_packet(*packet, this->now());
-  from.clock.sample(packet->mark_tick, now);
-  if (packet->transit != 0) from.clock.told(packet->transit);
-  take_check(*packet, h.sender);
-  return DropReason::kNone;
-}
-
-DropReason Node::file_updates(const sync::StatePacket& packet, PeerId from) {
-  const sync::UpdateLog& log = agreed_.log();
-  // What was promised to be complete is complete: an unknown update below it contradicts its own sender.
-  for (const sync::Bundle& b : packet.updates)
-    if (b.index >= log.have(from) && b.tick <= log.complete(from)) return DropReason::kOrder;
-  if (log.contradicts(from, packet.mark_tick, packet.mark_count)) return DropReason::kOrder;
-  for (const sync::Bundle& b : packet.updates) file(b);
-  // An update just filed may have been its end.
-  if (agreed_.log().closed(from)) return DropReason::kNone;
-  agreed_.mark(from, packet.mark_tick, packet.mark_count);
-  others_[from].promised = std::max(others_[from].promised, packet.mark_count);
-  return DropReason::kNone;
-}
-
-void Node::take_check(const sync::StatePacket& packet, PeerId from) {
-  if (packet.check_tick < 0 || packet.check_tick % kCheckEvery != 0) return;
-  others_[from].confirmed = std::max(others_[from].confirmed, packet.check_tick);
-  if (packet.check_tick <= agreed_.confirmed().tick) {
-    compare(packet.check_tick, packet.check_hash, from);
-  } else if (pending_checks_.size() < kChecksKept) {
-    std::vector<Check>& at = pending_checks_[packet.check_tick];
-    if (std::none_of(at.begin(), at.end(), [from](const Check& c) { return c.from == from; }))
-      at.push_back({from, others_[from].incarnation, packet.check_hash});
-  }
-}
-
-void Node::settle_checks() {
-  while (!pending_checks_.empty() && pending_checks_.begin()->first <= agreed_.confirmed().tick) {
-    // Who has been declared gone meanwhile went its own way.
-    for (const Check& c : pending_checks_.begin()->second)
-      if (others_[c.from].reachable() && others_[c.from].incarnation == c.incarnation)
-        compare(pending_checks_.begin()->first, c.hash, c.from);
-    pending_checks_.erase(pending_checks_.begin());
-  }
-}
-
-void Node::compare(Tick t, std::uint32_t theirs, PeerId from) {
-  const auto mine = checks_.find(t);
-  if (mine == checks_.end()) return;
-  ++stats_.hash_checks;
-  if (mine->second == theirs) return;
-  ++stats_.hash_mismatches;
-  if (stats_.first_mismatch < 0) stats_.first_mismatch = t;
-  differs_from_ = std::min(differs_from_, from);
-}
-
 // The loop of the paper's Figure 5: sample input, apply received updates, step, contacts -> update; else predict, adapt
 // the threshold, test the model error, update if it is exceeded.
 void Node::step(Vec2 target) {
   if (agreed_.catch_up()) adopt();
+  if (jolt_ != Vec2{} && joined_) live_.jolt(std::exchange(jolt_, {}));
   const Vec2 velocity_before = live_.world().velocity(live_.avatar());
-  live_.step(target);
   agreed_.step();
+  live_.step(target, agreed_.predicted_state());
+  go_on(target, velocity_before);
+}
+
+void Node::step_led(const BodyState& from, const BodyState& to, Vec2 target) {
+  if (agreed_.catch_up()) adopt();
+  BodyState way = from;
+  way.velocity = (to.position - from.position) * static_cast<float>(kTicksPerSecond);
+  way.awake = from.awake || to.awake;
+  live_.place(way);
+  agreed_.step();
+  live_.step_led(agreed_.predicted_state());
+  reaction_ = live_.world().velocity(live_.avatar()) - way.velocity;
+  live_.place(to);
+  go_on(target, from.velocity);
+}
+
+void Node::go_on(Vec2 target, Vec2 velocity_before) {
   if (member_ && now() > in_since_ && !gone_ && !publish_order()) report(target, velocity_before);
   agreed_.catch_up();
   adopt();
-  velocities_.resize(before_.size());
-  for (EntityId e = 0; e < velocities_.size(); ++e) velocities_[e] = live_.world().velocity(e);
-  shown_.advance(after_, velocities_, own_);
+  shown_.advance(live_.world().kinematics(), own_);
   agreed_.confirm();
   settle_checks();
   send();
@@ -199,11 +111,19 @@ bool Node::delivered() const {
 
 void Node::adopt() {
   refresh_own();
-  read_positions(before_);
-  live_.adopt(agreed_.predicted_state(), own_is_predicted() ? std::vector<bool>{} : own_);
+  live_.adopt(agreed_.predicted_state(), kept_from_live(), own_is_predicted());
   joined_ = member_;
-  read_positions(after_);
-  shown_.correct(before_, after_);
+  for (const sync::LiveWorld::Jump& j : live_.jumps()) shown_.correct(j.entity, j.from);
+}
+
+// Of a slot into which another body has come, what was in it is no truth any more.
+const std::vector<bool>& Node::kept_from_live() {
+  const std::vector<sync::Resident>& predicted = agreed_.predicted_state().residents.slots;
+  if (predicted.empty()) return own_;
+  kept_ = own_;
+  for (EntityId b = 0; b < predicted.size(); ++b)
+    if (live_.residents().slots[b] != predicted[b]) kept_[b] = false;
+  return kept_;
 }
 
 // Where the own entities are as predicted, the memory of their contacts may be too: then live and predicted are one,
@@ -226,11 +146,6 @@ void Node::refresh_own() {
   own_[live_.avatar()] = joined_ && !gone_;
 }
 
-void Node::read_positions(std::vector<Vec2>& out) const {
-  out.resize(static_cast<std::size_t>(live_.world().entities()));
-  for (EntityId e = 0; e < out.size(); ++e) out[e] = live_.world().position(e);
-}
-
 void Node::report(Vec2 target, Vec2 velocity_before) {
   if (leaving_ && orders_.empty()) {
     sync::Bundle last;
@@ -242,14 +157,14 @@ void Node::report(Vec2 target, Vec2 velocity_before) {
     publish(std::move(last));
     return;
   }
-  if (now() % kLookEvery == 0) prediction_ = predictor_.predict(live_.world(), target, agreed_.predicted_state());
-  threshold_.adapt(prediction_, reporter_.holding(), now());
   sync::Reporter::Situation s;
   s.live = &live_;
   s.predicted = &agreed_.predicted_state();
   s.target = target;
   s.acceleration = (live_.world().velocity(live_.avatar()) - velocity_before) * static_cast<float>(kTicksPerSecond);
-  s.threshold = threshold_.metres();
+  reporter_.watch_avatar(s);
+  look_ahead(target);
+  s.threshold = threshold();
   std::uint32_t everyone = own_end();
   for (PeerId p = 0; p < config_.slots; ++p) {
     if (p == config_.self || !others_[p].there()) continue;
@@ -269,6 +184,18 @@ void Node::report(Vec2 target, Vec2 velocity_before) {
   if (bundle.avatar || !bundle.bodies.empty()) publish(std::move(bundle));
 }
 
+// The paper predicts at every turn of its loop. Otherwise looks are taken when it depends on them whether something is
+// told: an avatar whose model is right within the low threshold may be as near to bodies as it likes.
+void Node::look_ahead(Vec2 target) {
+  const bool always = config_.technique.update_every_contact;
+  if (always ? now() % kLookEvery == 0 : now() - looked_ >= kLookEvery) {
+    const bool look = always || reporter_.depends_on_threshold(coarseness_);
+    prediction_ = look ? predictor_.predict(live_.world(), target, agreed_.predicted_state()) : sync::Prediction{};
+    if (look) looked_ = now();
+  }
+  threshold_.adapt(prediction_, reporter_.holding(), now());
+}
+
 void Node::retune(const Technique& technique) {
   assert(technique.authority == config_.technique.authority);
   const bool other_world = technique.replay != config_.technique.replay;
@@ -276,7 +203,7 @@ void Node::retune(const Technique& technique) {
   reporter_.retune(technique);
   predictor_.retune(technique);
   threshold_.retune(technique);
-  shown_.retune(technique.convergence, after_.empty() ? shown_.positions() : after_);
+  shown_.retune(technique.convergence, live_.world().kinematics());
   agreed_.set_replay(technique.replay);
   if (other_world) adopt();
 }
@@ -334,23 +261,28 @@ std::optional<sync::Signature> Node::signed_now() const {
 }
 
 void Node::send() {
-  outgoing_.clear();
+  sent_ = 0;
   std::uint32_t everyone = own_end();
   for (PeerId p = 0; p < config_.slots; ++p) {
     Neighbour& to = others_[p];
     if (p == config_.self || !member_ || !to.reachable() || departed(p)) continue;
     const sync::UpdateLog& log = agreed_.log();
-    const bool calm = to.window.judged() && to.window.loss() < kCalmLoss && !gone_ && to.there();
-    const sync::OutLink::Context context{now(), log.have(p), log.have_beyond(p), to.promised > log.have(p), calm};
+    const bool staying = !gone_ && to.there();
+    const bool calm = to.window.judged() && to.window.loss() < kCalmLoss && staying;
+    const bool quiet = now() - news_ > kQuiet && staying;
+    const sync::OutLink::Context context{now(), log.have(p), log.have_beyond(p), to.promised > log.have(p),
+                                         calm,  quiet};
     auto packet =
         to.link.compose(context, own_log_, own_first_, wire::encoded_size, wire::kMaxPayload - wire::kStateOverhead);
     everyone = std::min(everyone, to.link.acked());
     if (!packet) continue;
     fill(*packet, p);
-    Outgoing o{p, wire::seal({wire::Kind::kState, config_.self, config_.session}, wire::encode(*packet))};
+    if (sent_ == outgoing_.size()) outgoing_.emplace_back().bytes.reserve(wire::kMaxDatagram);
+    Outgoing& o = outgoing_[sent_++];
+    o.to = p;
+    wire::seal({wire::Kind::kState, config_.self, config_.session}, encoder_.encode(*packet), o.bytes);
     ++stats_.datagrams_sent;
     stats_.wire_bytes_sent += o.bytes.size() + kIpUdpBytes;
-    outgoing_.push_back(std::move(o));
   }
   stats_.repeats = repeats_of_gone_;
   for (const Neighbour& n : others_) stats_.repeats += n.link.repeats();
@@ -374,13 +306,17 @@ void Node::fill(sync::StatePacket& packet, PeerId p) {
   packet.incarnation = config_.incarnation;
   packet.to_incarnation = to.incarnation;
   // Marks carry what is not urgent.
-  if (!packet.updates.empty() && now() - to.checked < kTellCheck) return;
+  const bool mark = packet.updates.empty();
+  const HashChecks::Own newest = checks_.newest();
+  const bool late = now() - to.checked >= kTellCheck;
+  if (mark || late) packet.loss = static_cast<std::uint32_t>(to.window.loss() * 100);
+  if (!late && (!mark || newest.tick <= to.told_check)) return;
   to.checked = now();
+  to.told_check = newest.tick;
   if (to.clock.measured()) packet.transit = static_cast<std::int32_t>(to.clock.least() / 100);
-  packet.loss = static_cast<std::uint32_t>(to.window.loss() * 100);
-  if (checks_.empty()) return;
-  packet.check_tick = checks_.rbegin()->first;
-  packet.check_hash = checks_.rbegin()->second;
+  if (newest.tick < 0) return;
+  packet.check_tick = newest.tick;
+  packet.check_hash = newest.hash;
 }
 
 // Peers that have left linger, and want our last updates as we want theirs; one that is silent has gone for good.

@@ -12,6 +12,7 @@
 
 #include "common/model/scene.h"
 #include "common/model/technique.h"
+#include "common/node/hash_checks.h"
 #include "common/node/neighbour.h"
 #include "common/sync/admit.h"
 #include "common/sync/agreed_world.h"
@@ -20,6 +21,7 @@
 #include "common/sync/reporter.h"
 #include "common/sync/threshold.h"
 #include "common/sync/transfer.h"
+#include "common/wire/codec.h"
 #include "common/wire/seal.h"
 
 namespace padr::node {
@@ -31,11 +33,14 @@ struct NodeConfig {
   std::uint32_t incarnation = 0;  ///< of this peer in its slot; above 0 for one that came later
   std::uint16_t session = 0;      ///< in every datagram's header
   Technique technique;
-  sync::Fault fault;  ///< for tests only
+  sync::Fault fault;             ///< for tests only
+  std::size_t kept_ticks = 512;  ///< see AgreedConfig
   /// In a session with a key: signs an update of this peer's. Empty: they go out unsigned.
   std::function<sync::Signature(const sync::Bundle&)> sign{};
 
-  sync::AgreedConfig agreed() const { return {slots, peers, self, technique.authority, technique.replay, fault}; }
+  sync::AgreedConfig agreed() const {
+    return {slots, peers, self, technique.authority, technique.replay, fault, kept_ticks};
+  }
 };
 
 /// Somebody has come or gone, as far as is known here.
@@ -100,8 +105,17 @@ class Node {
   std::optional<sync::Signature> signed_now() const;
   /// Advances to the next tick with the avatar driven towards `target` (m); `outgoing` then holds what to send.
   void step(Vec2 target);
+  /// The same in a region of a crowd where this peer is a guest: the avatar moves as another of its worlds has it, from
+  /// one place to another in this tick, and is drawn towards `target` there.
+  void step_led(const BodyState& from, const BodyState& to, Vec2 target);
+  /// By how much what the avatar met on its way has changed its velocity, m/s.
+  Vec2 reaction() const { return reaction_; }
+  /// Adds to the avatar's velocity, m/s, before the next step: something in another of its worlds has.
+  void jolt(Vec2 velocity) { jolt_ = jolt_ + velocity; }
+  /// The avatar's threshold is so many times the usual one, >= 1, until a contact is predicted: nobody is near.
+  void set_coarseness(float times) { coarseness_ = times; }
   /// One datagram per receiver at most, of the last step.
-  const std::vector<Outgoing>& outgoing() const { return outgoing_; }
+  std::span<const Outgoing> outgoing() const { return {outgoing_.data(), sent_}; }
   /// The next step tells everybody that this peer goes. Keep stepping until `delivered`.
   void leave() { leaving_ = true; }
   /// After leaving: everybody who is still there has all of this peer's updates, this peer has all that it knows of
@@ -159,7 +173,7 @@ class Node {
   const NodeStats& stats() const { return stats_; }
   const sync::Reporter& reporter() const { return reporter_; }
   const sync::OutLink& link(PeerId p) const { return others_[p].link; }
-  float threshold() const { return threshold_.metres(); }
+  float threshold() const { return threshold_.metres() * (prediction_.interaction ? 1 : coarseness_); }
   /// What the threshold was last adapted to, besides contacts that are there already.
   const sync::Prediction& prediction() const { return prediction_; }
   /// What a peer keeps because somebody may still need it; bounded however long a session lasts.
@@ -168,7 +182,7 @@ class Node {
     std::size_t own_updates = 0;     ///< bundles not acknowledged by everybody
     std::size_t pending_checks = 0;  ///< others' hashes of ticks not confirmed here yet
   };
-  Kept kept() const { return {agreed_.log().size(), own_log_.size(), pending_checks_.size()}; }
+  Kept kept() const { return {agreed_.log().size(), own_log_.size(), checks_.waiting()}; }
   std::uint64_t lookahead_steps() const { return predictor_.steps(); }
   /// Ticks since anything valid was heard of p; since the start if nothing was.
   Tick silence(PeerId p) const { return now() - others_[p].heard; }
@@ -189,6 +203,9 @@ class Node {
   std::uint64_t live_hash() const;
 
  private:
+  // Confirmed ticks whose hash goes round.
+  static constexpr Tick kCheckEvery = 30;
+
   struct Later {};
   Node(const Scene& scene, const NodeConfig& config, const sync::Transfer& start, ConfirmedSink on_confirmed, Later);
 
@@ -206,6 +223,7 @@ class Node {
   bool all_through() const;
   void adopt();
   void report(Vec2 target, Vec2 velocity_before);
+  void look_ahead(Vec2 target);
   std::vector<EntityId> push_bodies();
   void forget_pushes(const sync::Bundle& told);
   void publish(sync::Bundle bundle);
@@ -213,20 +231,22 @@ class Node {
   void fill(sync::StatePacket& packet, PeerId p);
   void refresh_own();
   bool own_is_predicted() const;
-  void read_positions(std::vector<Vec2>& out) const;
+  const std::vector<bool>& kept_from_live();
+  void go_on(Vec2 target, Vec2 velocity_before);
   void compare(Tick t, std::uint32_t theirs, PeerId from);
   std::uint32_t own_end() const { return own_first_ + static_cast<std::uint32_t>(own_log_.size()); }
 
   Scene scene_;
   NodeConfig config_;
   Judge judge_;
-  std::map<Tick, std::uint32_t> checks_;  ///< own confirmed hashes at check ticks; filled by agreed_ from its birth on
+  HashChecks checks_;  ///< at check ticks; filled by agreed_ from its birth on
   sync::AgreedWorld agreed_;
   sync::LiveWorld live_;
   sync::Reporter reporter_;
   sync::InteractionPredictor predictor_;
   sync::Threshold threshold_;
   sync::Prediction prediction_;
+  Tick looked_ = -1000;  ///< when the last look ahead was taken
   sync::Shown shown_;
   std::deque<sync::Bundle> own_log_;  ///< not yet acknowledged by everybody, or recent
   std::uint32_t own_first_ = 0;       ///< index of own_log_.front()
@@ -234,26 +254,25 @@ class Node {
   std::deque<sync::Bundle> orders_;
   std::map<EntityId, Vec2> pushes_;  ///< to be made with the next report, m/s
   std::vector<MemberChange> changes_;
-  struct Check {
-    PeerId from;
-    std::uint32_t incarnation;
-    std::uint32_t hash;
-  };
-  std::map<Tick, std::vector<Check>> pending_checks_;  ///< others', of ticks not confirmed here yet
   std::vector<bool> own_;
-  std::vector<Vec2> before_;
-  std::vector<Vec2> after_;
-  std::vector<Vec2> velocities_;
-  std::vector<Outgoing> outgoing_;
+  std::vector<bool> kept_;          ///< scratch
+  std::vector<Outgoing> outgoing_;  ///< with room from earlier ticks
+  std::size_t sent_ = 0;            ///< of outgoing_, this tick
+  wire::StateEncoder encoder_;
+  wire::StateDecoder decoder_;
   NodeStats stats_;
   std::uint64_t repeats_of_gone_ = 0;
   bool member_ = false;
   Tick in_since_ = 0;
+  Vec2 reaction_;
+  Vec2 jolt_;
+  float coarseness_ = 1;
   bool joined_ = false;  ///< the own avatar has been taken over from where it was admitted
   bool expelled_ = false;
   PeerId differs_from_ = kNoPeer;
   bool leaving_ = false;
   bool gone_ = false;
+  Tick news_ = 0;  ///< when the last update that was not here yet came, or was made
   Tick through_ticks_ = 0;
 };
 

@@ -6,7 +6,9 @@
 
 namespace padr::node {
 void Node::file(const sync::Bundle& bundle) {
-  if (agreed_.insert(bundle)) note_changes(bundle);
+  if (!agreed_.insert(bundle)) return;
+  news_ = now();
+  note_changes(bundle);
 }
 
 // Acted upon as soon as it is heard, not when it is confirmed: nothing can be confirmed before those are asked who must

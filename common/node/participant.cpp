@@ -129,7 +129,9 @@ void Participant::be_born(Micros local) {
     ask_again(local);
   } else if (!coming_.node && (s.phase() == SessionPhase::kStarted || s.may_enter())) {
     if (!has_room_for(s)) return;
-    if (s.phase() == SessionPhase::kStarted)
+    if (s.phase() == SessionPhase::kStarted && config_.session.begins_at && !config_.session.join)
+      found_region();
+    else if (s.phase() == SessionPhase::kStarted)
       begin_at_tick_0();
     else
       begin_later(local);
@@ -174,6 +176,15 @@ void Participant::begin_at_tick_0() {
   c.peers = static_cast<int>(coming_.session->roster().size());
   coming_.node =
       std::make_unique<RecordedNode>(scene_, c, config_.recording ? config_.recording(lives_) : std::nullopt, sink());
+  take_over();
+}
+
+void Participant::found_region() {
+  const NodeConfig c = node_config(*coming_.session);
+  const auto now = static_cast<Tick>(*config_.session.begins_at * kTicksPerSecond / kMicrosPerSecond);
+  const sync::Transfer start = sync::founding(scene_, c.slots, c.technique.authority, now);
+  coming_.node = std::make_unique<RecordedNode>(scene_, c, start, now,
+                                                config_.recording ? config_.recording(lives_) : std::nullopt, sink());
   take_over();
 }
 
@@ -252,11 +263,25 @@ Micros Participant::next_step() const {
 }
 
 void Participant::step(Vec2 target, Micros local) {
-  local_ = local;
-  const Micros now = life_.session->session_now(local);
-  const Micros lateness = now - tick_start(node().now() + 1);
-  if (lateness > kHeldUp) life_.node->excuse_silence();
+  const Micros lateness = before_step(local);
   life_.node->step(target, lateness);
+  after_step(local);
+}
+
+void Participant::step_led(const BodyState& from, const BodyState& to, Vec2 target, Micros local) {
+  before_step(local);
+  life_.node->step_led(from, to, target);
+  after_step(local);
+}
+
+Micros Participant::before_step(Micros local) {
+  local_ = local;
+  const Micros lateness = life_.session->session_now(local) - tick_start(node().now() + 1);
+  if (lateness > kHeldUp) life_.node->excuse_silence();
+  return lateness;
+}
+
+void Participant::after_step(Micros local) {
   life_.membership->advance(local);
   for (const Outgoing& o : life_.node->outgoing()) post({life_.session->roster()[o.to], o.to, o.bytes});
   look_for_way_back(local);
@@ -328,6 +353,10 @@ std::string first_difference(const sync::FoldState& ours, const sync::FoldState&
     if (ours.authority[b] != theirs.authority[b]) return where + " in body " + std::to_string(b) + "'s authority";
     if (ours.holds[b] != theirs.holds[b]) return where + " in who holds body " + std::to_string(b);
   }
+  for (std::size_t b = 0; b < ours.residents.slots.size(); ++b)
+    if (ours.residents.slots[b] != theirs.residents.slots[b])
+      return where + " in who is in body slot " + std::to_string(b);
+  if (ours.residents != theirs.residents) return where + " in which bodies have gone";
   if (ours.members != theirs.members) return where + " in who is there";
   if (ours.avatars != theirs.avatars) return where + " in an avatar's model";
   if (ours.world.contacts != theirs.world.contacts) return where + " in the contacts' memory";

@@ -50,7 +50,12 @@ class Participant {
   void step(Vec2 target, Micros local);
   /// Plays by other knobs from the next step on, in lives to come too; `authority` must stay.
   void retune(const Technique& technique);
+  /// As in Node: one tick in a region where this peer is a guest.
+  void step_led(const BodyState& from, const BodyState& to, Vec2 target, Micros local);
   // As in RecordedNode, of the present life; only when playing.
+  void order(const sync::Bundle& order) { life_.node->order(order); }
+  void jolt(Vec2 velocity) { life_.node->jolt(velocity); }
+  void set_coarseness(float times) { life_.node->set_coarseness(times); }
   void push(EntityId b, Vec2 velocity) { life_.node->push(b, velocity); }
   void remark(const trace::Remark& r) { life_.node->remark(r); }
   /// Says goodbye: with the next step when playing, at once before.
@@ -87,6 +92,10 @@ class Participant {
   void ask_again(Micros local);
   bool has_room_for(Session& session) const;
   void begin_at_tick_0();
+  void found_region();
+  /// By how much the step begins after the time of its tick, us.
+  Micros before_step(Micros local);
+  void after_step(Micros local);
   void begin_later(Micros local);
   void watch(Life& life, Micros local);
   void take_over();

@@ -55,7 +55,7 @@ RecordedNode::RecordedNode(const Scene& scene, const NodeConfig& config, const s
 }
 
 Node::ConfirmedSink RecordedNode::traced(bool authority, Node::ConfirmedSink sink) {
-  return [this, authority, sink = std::move(sink)](const sync::FoldState& s, std::uint64_t hash) {
+  return [this, authority, sink = std::move(sink)](const sync::FoldState& s, sync::LazyHash hash) {
     if (writer_) writer_->confirmed(s.tick, hash, trace::truth_of(s, authority));
     if (sink) sink(s, hash);
   };
@@ -130,7 +130,7 @@ void RecordedNode::leave() {
 }
 
 void RecordedNode::record_step(Vec2 target, Micros lateness) {
-  const world::World& live = node_.live().world();
+  const world::View& live = node_.live().world();
   const auto entities = static_cast<std::size_t>(live.entities());
   view_.states.resize(entities);
   for (EntityId e = 0; e < entities; ++e) view_.states[e] = live.state(e);

@@ -33,7 +33,11 @@ class RecordedNode {
   sync::DropReason receive(std::span<const std::byte> datagram, Micros now);
   /// `lateness`: by how much the step began after the time of its tick, for the record only.
   void step(Vec2 target, Micros lateness = 0);
-  const std::vector<Outgoing>& outgoing() const { return node_.outgoing(); }
+  // Of a region of a crowd, whose nodes are not recorded.
+  void step_led(const BodyState& from, const BodyState& to, Vec2 target) { node_.step_led(from, to, target); }
+  void jolt(Vec2 velocity) { node_.jolt(velocity); }
+  void set_coarseness(float times) { node_.set_coarseness(times); }
+  std::span<const Outgoing> outgoing() const { return node_.outgoing(); }
   void leave();
   void order(const sync::Bundle& order);
   void freeze(PeerId p, bool frozen);

@@ -96,9 +96,10 @@ bool Removals::counts(PeerId p, const Node& node) const {
 
 std::vector<PeerId> Removals::withholding(const Node& node) const {
   std::vector<PeerId> who;
-  if (lost_.empty() || ordered() || node.now() - moved_ < kWithheld) return who;
+  if (lost_.empty() || ordered()) return who;
   for (PeerId p = 0; p < node.config().slots; ++p) {
-    if (!counts(p, node)) continue;
+    // Who has been held up itself could not have heard the answers.
+    if (!counts(p, node) || node.now() - std::max(moved_, node.other(p).excused) < kWithheld) continue;
     const bool silent =
         std::any_of(lost_.begin(), lost_.end(), [p](const auto& entry) { return !entry.second.have.contains(p); });
     const auto of = missing_ ? lost_.find(missing_->of) : lost_.end();

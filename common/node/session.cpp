@@ -12,6 +12,7 @@ Session::Session(const SessionConfig& config, Micros local) {
   assert(config.join || (config.wanted >= 1 && config.wanted <= config.slots && config.slots <= kMaxPeers));
   desk_.config = config;
   desk_.born = local;
+  desk_.number = config.number;
   if (config.join) {
     joiner_ = std::make_unique<Joiner>(desk_, local);
   } else {

@@ -26,6 +26,10 @@ struct SessionConfig {
   std::string scenario;  ///< for messages to people: name and seed
   /// Draws the session's number, or the joiner's nonce. Two runs must not have the same.
   std::uint64_t seed = 0;
+  /// Known beforehand, as in a crowd; 0: drawn by the founder.
+  std::uint16_t number = 0;
+  /// A region of a crowd is founded: alone, at once, and it is this session time (us) now.
+  std::optional<Micros> begins_at{};
   bool sealed = false;  ///< it has a key; for messages to people
   /// us from the beginning to the start of the session at most; 0: no limit.
   Micros patience = 30 * kMicrosPerSecond;

@@ -8,15 +8,23 @@
 namespace padr::node {
 Founder::Founder(SessionDesk& desk, Micros local) : desk_(desk) {
   std::uint64_t seed = desk.config.seed;
-  do {
-    desk_.number = static_cast<std::uint16_t>(splitmix64(seed));
-  } while (desk_.number == 0);
+  while (desk_.number == 0) desk_.number = static_cast<std::uint16_t>(splitmix64(seed));
   desk_.self = 0;
   desk_.wanted = desk.config.wanted;
   desk_.slots = desk.config.slots;
   desk_.present = 1;
   desk_.phase = SessionPhase::kGathering;
+  if (desk.config.begins_at) begin_now(*desk.config.begins_at, local);
   advance(local);
+}
+
+// Nobody is waited for: who comes later comes into a session that runs.
+void Founder::begin_now(Micros session, Micros local) {
+  desk_.roster.assign(1, Endpoint{});
+  desk_.incarnation = sync::kFounding;
+  desk_.clock.set(session - local);
+  tick0_ = local - session;
+  desk_.phase = SessionPhase::kStarted;
 }
 
 Founder::Guest* Founder::guest_at(const Endpoint& where) {
@@ -162,7 +170,15 @@ void Founder::repeat_start(Micros local) {
   for (Guest& g : guests_) {
     if (g.started || (g.start_sent != 0 && local - g.start_sent < pace)) continue;
     g.start_sent = local;
-    desk_.send(g.at, wire::Start{tick0_, beginners_});
+    send_start(g.at);
+  }
+}
+
+void Founder::send_start(const Endpoint& to) {
+  for (std::size_t first = 0; first < beginners_.size(); first += wire::kMembersPerStart) {
+    const auto from = beginners_.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto count = std::min(wire::kMembersPerStart, beginners_.size() - first);
+    desk_.send(to, wire::Start{tick0_, {from, from + static_cast<std::ptrdiff_t>(count)}, static_cast<PeerId>(first)});
   }
 }
 

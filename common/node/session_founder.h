@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/node/session_desk.h"
+#include "common/sync/transfer.h"
 
 namespace padr::node {
 
@@ -34,6 +35,7 @@ class Founder {
   };
   Guest* guest_at(const Endpoint& where);
   Guest* admit(const Endpoint& from, const wire::Join& join, Micros local);
+  void begin_now(Micros session, Micros local);
   /// Why not; empty if the newcomer fits.
   std::string objection(const wire::Join& join) const;
   void refuse(const Endpoint& to, const wire::Join& join, const std::string& reason, Micros local);
@@ -41,6 +43,7 @@ class Founder {
   bool all_ready() const;
   void start(Micros local);
   void repeat_start(Micros local);
+  void send_start(const Endpoint& to);
   void count_present();
 
   SessionDesk& desk_;

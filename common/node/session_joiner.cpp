@@ -114,16 +114,24 @@ void Joiner::on_pong(const Endpoint& from, const wire::Pong& pong, Micros local)
 }
 
 void Joiner::on_start(const Endpoint& from, const wire::Start& start, Micros local) {
-  if (from != target_ || offset_.samples() == 0 || static_cast<int>(start.members.size()) != desk_.wanted) return;
+  const auto end = static_cast<int>(start.first + start.members.size());
+  if (from != target_ || offset_.samples() == 0 || end > desk_.wanted) return;
   heard_ = local;
   if (desk_.phase == SessionPhase::kGathering) {
-    for (const Endpoint& e : start.members) desk_.roster.push_back(as_seen_from(e, from));
+    if (!take_members(start)) return;
+    for (const Endpoint& e : told_) desk_.roster.push_back(as_seen_from(e, from));
     desk_.roster[0] = from;
     tick0_ = start.tick0;
     desk_.clock.set(offset_.offset() - tick0_);
     desk_.phase = SessionPhase::kStarted;
   }
   if (desk_.phase == SessionPhase::kStarted) desk_.send(target_, wire::Ready{offset_.round_trip(), true});
+}
+
+bool Joiner::take_members(const wire::Start& start) {
+  told_.resize(static_cast<std::size_t>(desk_.wanted));
+  std::copy(start.members.begin(), start.members.end(), told_.begin() + start.first);
+  return std::all_of(told_.begin() + 1, told_.end(), [](const Endpoint& e) { return e.is_set(); });
 }
 
 void Joiner::on_bye(const Endpoint& from, const wire::Bye& bye) {

@@ -34,6 +34,8 @@ class Joiner {
   bool is_target(const Endpoint& from);
   void start_over_if_unheard(Micros local);
   void ping(Micros local);
+  /// Whether everybody's address is known now.
+  bool take_members(const wire::Start& start);
   bool agreed() const { return offset_.samples() >= SessionPace::kSamples; }
   void give_up_if_late(Micros local);
 
@@ -47,6 +49,7 @@ class Joiner {
   Micros heard_ = 0;  ///< of the founder, last
   Micros tick0_ = 0;  ///< by the founder's clock
   OffsetEstimator offset_;
+  wire::Roster told_;  ///< by the Starts so far; who is not set is still missing
 };
 
 }  // namespace padr::node

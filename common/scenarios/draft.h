@@ -28,6 +28,10 @@ void check_placement(const Draft& draft, const Document& document);
 /// independent, so that a change to one leaves the others' choices alone. Throws UserError if they do not fit.
 void scatter(Draft& draft, const Document& document, std::uint64_t seed);
 
+/// Adds the avatar's `more_spawns` to those that it lists, as far as there is room for avatars. The same seed gives the
+/// same places. Throws UserError if there would be more than kMaxPeers in all.
+void add_spawns(Draft& draft, const Document& document, std::uint64_t seed);
+
 /// The material of a body: what it says itself, else what the scenario says, else the defaults of scenario.proto.
 padr::scenario::Material material_of(const Document& document, const padr::scenario::Material& own);
 void set_material(BodyDef& body, const padr::scenario::Material& material);

@@ -13,6 +13,7 @@ Scene load(std::string_view text, std::string_view label, std::uint64_t seed) {
   Draft draft = draft_of(document);
   check_placement(draft, document);
   scatter(draft, document, seed);
+  add_spawns(draft, document, seed);
   return std::move(draft.scene);
 }
 

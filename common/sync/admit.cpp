@@ -45,10 +45,21 @@ bool is_removal(const Removal& r, const Checker& check) {
   return r.slot < check.slots && r.incarnation < kMost && r.count < kMost;
 }
 
+bool is_passage(const Passage& p, const Checker& check) {
+  if (!check.scene.region || p.crossings == 0 || p.crossings >= kMost) return false;
+  if (p.kind == Passage::Kind::kBound) return p.to != 0 && p.to != check.scene.region->id;
+  if (p.kind == Passage::Kind::kOut) return true;
+  const std::vector<std::uint8_t>& builds = check.scene.region->builds;
+  return check.body(p.state) && std::find(builds.begin(), builds.end(), p.build) != builds.end();
+}
+
 DropReason check_bundle(const Bundle& b, const Checker& check) {
   if (b.admission && (!is_admission(*b.admission, check) || b.admission->slot == b.peer)) return DropReason::kValue;
   for (const Removal& r : b.removals)
     if (!is_removal(r, check) || r.slot == b.peer) return DropReason::kValue;
+  if (b.going && !check.scene.region) return DropReason::kValue;
+  for (const Passage& p : b.passages)
+    if (!is_passage(p, check)) return DropReason::kValue;
   for (const Bundle& p : b.passed_on) {
     if (p.peer >= check.slots || p.peer == b.peer || p.index >= kMost || p.tick < 0 || p.tick > b.tick)
       return DropReason::kValue;

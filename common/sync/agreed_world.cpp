@@ -7,9 +7,6 @@
 namespace padr::sync {
 namespace {
 
-// Ticks of predicted that are kept for rewinding: 8.5 s, well past any delay of a link that is worth playing over.
-// Older updates are served by folding anew from confirmed, which costs more and loses nothing.
-constexpr std::size_t kKeptTicks = 512;
 constexpr Tick kClean = std::numeric_limits<Tick>::max();
 
 }  // namespace
@@ -19,7 +16,6 @@ AgreedWorld::AgreedWorld(const Scene& scene, const AgreedConfig& config, Confirm
       on_confirmed_(std::move(on_confirmed)),
       log_(config.slots),
       predicted_(scene, config.slots, config.peers, config.authority),
-      ring_(config.replay ? kKeptTicks : 0),
       dirty_(kClean) {
   if (!config.replay) follower_ = std::make_unique<Fold>(scene, config.slots, config.peers, config.authority);
   for (PeerId p = 0; p < config.peers; ++p) log_.begin(p, 0, -1);
@@ -32,7 +28,6 @@ AgreedWorld::AgreedWorld(const Scene& scene, const AgreedConfig& config, const T
       on_confirmed_(std::move(on_confirmed)),
       log_(config.slots),
       predicted_(scene, config.slots, 0, config.authority),
-      ring_(config.replay ? kKeptTicks : 0),
       dirty_(kClean),
       in_(false) {
   predicted_.restore(start.state);
@@ -48,14 +43,19 @@ AgreedWorld::AgreedWorld(const Scene& scene, const AgreedConfig& config, const T
 void AgreedWorld::begin() {
   predicted_.save(current_);
   confirmed_ = current_;
-  for (FoldState& s : ring_) s.tick = -1;
   if (config_.replay) {
-    kept(now()) = current_;
+    begin_history();
+    history_.at(now()) = current_;
   } else {
     know_nothing_newest();
   }
   log_.prune(now(), now());
   announce(confirmed_);
+}
+
+void AgreedWorld::begin_history() {
+  history_.resize(config_.kept_ticks);
+  local_ = std::make_unique<LocalReplay>(predicted_.world().scene(), config_.slots, config_.authority);
 }
 
 void AgreedWorld::know_nothing_newest() {
@@ -72,20 +72,20 @@ void AgreedWorld::set_replay(bool on) {
     begin_replay();
   else
     end_replay();
-  predicted_.save(current_);
+  look();
 }
 
 void AgreedWorld::begin_replay() {
   follower_.reset();
-  ring_.resize(kKeptTicks);
-  for (FoldState& s : ring_) s.tick = -1;
-  kept(confirmed_.tick) = confirmed_;
+  begin_history();
+  history_.at(confirmed_.tick) = confirmed_;
   rewind_to(confirmed_.tick);
 }
 
 // Predicted goes on as it is. Updates that are in it count as having arrived, those of ticks to come arrive now.
 void AgreedWorld::end_replay() {
-  ring_.clear();
+  history_.resize(0);
+  local_.reset();
   const Scene& scene = predicted_.world().scene();
   follower_ = std::make_unique<Fold>(scene, config_.slots, 0, config_.authority);
   follower_->restore(confirmed_);
@@ -102,12 +102,21 @@ void AgreedWorld::end_replay() {
 
 bool AgreedWorld::insert(const Bundle& bundle) {
   if (!log_.insert(bundle)) return false;
-  if (config_.replay) {
-    if (bundle.tick <= now()) dirty_ = std::min(dirty_, bundle.tick);
-  } else {
+  if (!config_.replay) {
     arrived_.push_back(bundle);
+  } else if (comes_next(bundle)) {
+    refused_ += static_cast<std::uint64_t>(predicted_.apply(bundle));
+    told_now_ = true;
+  } else if (bundle.tick <= now()) {
+    dirty_ = std::min(dirty_, bundle.tick);
+    local_->concerns(bundle);
   }
   return true;
+}
+
+// Of this tick, and after all that has been applied of it: nothing has to be done again.
+bool AgreedWorld::comes_next(const Bundle& bundle) const {
+  return bundle.tick == now() && dirty_ == kClean && log_.at(now()).back().peer == bundle.peer;
 }
 
 void AgreedWorld::close(PeerId peer, std::uint32_t count) {
@@ -121,7 +130,10 @@ std::vector<Bundle> AgreedWorld::hold(PeerId peer) {
 }
 
 void AgreedWorld::undo(PeerId peer, std::uint32_t from, Tick earliest) {
-  if (config_.replay && earliest <= now()) dirty_ = std::min(dirty_, earliest);
+  if (config_.replay && earliest <= now()) {
+    dirty_ = std::min(dirty_, earliest);
+    local_->concerns_all();
+  }
   std::erase_if(arrived_, [&](const Bundle& b) { return b.peer == peer && b.index >= from; });
 }
 
@@ -131,9 +143,7 @@ void AgreedWorld::enter(Tick since) {
 }
 
 const FoldState* AgreedWorld::confirmed_at(Tick t) const {
-  if (t < 0 || t > confirmed_.tick || ring_.empty()) return nullptr;
-  const FoldState& s = ring_[static_cast<std::size_t>(t) % ring_.size()];
-  return s.tick == t ? &s : nullptr;
+  return t <= confirmed_.tick && history_.has(t) ? &history_.at(t) : nullptr;
 }
 
 void AgreedWorld::apply_known(Tick t) {
@@ -144,14 +154,14 @@ void AgreedWorld::apply_known(Tick t) {
 void AgreedWorld::advance_predicted() {
   predicted_.step();
   if (!config_.replay) return;
-  predicted_.save(kept(now()));
+  predicted_.save(history_.at(now()));
   apply_known(now());
 }
 
 void AgreedWorld::rewind_to(Tick t) {
   const Tick target = now();
-  predicted_.restore(is_kept(t) ? kept(t) : confirmed_);
-  if (!is_kept(now())) predicted_.save(kept(now()));
+  predicted_.restore(history_.has(t) ? history_.at(t) : confirmed_);
+  if (!history_.has(now())) predicted_.save(history_.at(now()));
   apply_known(now());
   while (now() < target) {
     advance_predicted();
@@ -159,17 +169,31 @@ void AgreedWorld::rewind_to(Tick t) {
   }
 }
 
+// The fault lies in the ticks of the fold itself, so everything has to be folded for it.
+bool AgreedWorld::replay_locally() {
+  if (config_.fault.tick >= dirty_ || !local_->run(history_, log_, dirty_, now())) return false;
+  if (log_.at(now()).empty()) {
+    predicted_.restore_only(history_.at(now()), local_->changed(), local_->unchanged());
+  } else {
+    predicted_.restore(history_.at(now()));
+    apply_known(now());
+  }
+  return true;
+}
+
 bool AgreedWorld::catch_up() {
   if (config_.replay) {
-    if (dirty_ == kClean) return false;
-    rewind_to(dirty_);
+    if (dirty_ == kClean && !told_now_) return false;
+    if (dirty_ != kClean && !replay_locally()) rewind_to(dirty_);
+    local_->clear();
     dirty_ = kClean;
+    told_now_ = false;
   } else {
     if (arrived_.empty()) return false;
     for (const Bundle& b : arrived_) arrive(b);
     arrived_.clear();
   }
-  predicted_.save(current_);
+  look();
   return true;
 }
 
@@ -197,11 +221,13 @@ void AgreedWorld::only_newest(Bundle& b) {
 void AgreedWorld::step() {
   catch_up();
   advance_predicted();
-  if (config_.replay && log_.at(now()).empty()) {
-    current_ = kept(now());
-  } else {
-    predicted_.save(current_);
-  }
+  look();
+}
+
+// Where this tick has no updates the history has it already.
+void AgreedWorld::look() {
+  in_history_ = config_.replay && log_.at(now()).empty();
+  if (!in_history_) predicted_.save(current_);
 }
 
 Tick AgreedWorld::complete_tick() const {
@@ -216,7 +242,7 @@ void AgreedWorld::confirm() {
   // The state at the begin of tick t rests on the updates of all ticks below t.
   const Tick upto = std::min(complete_tick(), now() - 1) + 1;
   if (upto <= confirmed_.tick) return;
-  if (config_.replay && is_kept(confirmed_.tick + 1)) {
+  if (config_.replay && history_.has(confirmed_.tick + 1)) {
     confirm_from_kept(upto);
   } else {
     confirm_by_folding(upto);
@@ -225,13 +251,14 @@ void AgreedWorld::confirm() {
 }
 
 void AgreedWorld::confirm_from_kept(Tick upto) {
-  for (Tick t = confirmed_.tick + 1; t <= upto; ++t) announce(kept(t));
-  confirmed_ = kept(upto);
+  for (Tick t = confirmed_.tick + 1; t <= upto; ++t) announce(history_.at(t));
+  confirmed_ = history_.at(upto);
 }
 
 // Without replay: the follower. With it: confirmed lags by more than is kept, so its ticks are folded once more.
 void AgreedWorld::confirm_by_folding(Tick upto) {
   Fold& fold = config_.replay ? predicted_ : *follower_;
+  const Tick present = now();
   if (config_.replay) fold.restore(confirmed_);
   while (fold.tick() < upto) {
     for (const Bundle& b : log_.at(fold.tick())) fold.apply(b);
@@ -241,15 +268,14 @@ void AgreedWorld::confirm_by_folding(Tick upto) {
   }
   if (!config_.replay) return;
   apply_known(fold.tick());
-  while (fold.tick() < current_.tick) {
+  while (fold.tick() < present) {
     advance_predicted();
     ++replayed_steps_;
   }
 }
 
 void AgreedWorld::announce(const FoldState& s) {
-  confirmed_hash_ = hash_of(s);
-  if (on_confirmed_) on_confirmed_(s, confirmed_hash_);
+  if (on_confirmed_) on_confirmed_(s, LazyHash(s));
 }
 
 }  // namespace padr::sync

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "common/sync/fold.h"
+#include "common/sync/history.h"
+#include "common/sync/local_replay.h"
 #include "common/sync/transfer.h"
 #include "common/sync/update_log.h"
 
@@ -26,6 +28,9 @@ struct AgreedConfig {
   bool authority = true;
   bool replay = true;
   Fault fault;
+  /// States of so many past ticks are kept for rewinding: 8.5 s, well past any delay of a link that is worth playing
+  /// over. Older updates are served by folding anew from confirmed, which costs more and loses nothing.
+  std::size_t kept_ticks = 512;
 };
 
 /// The two views of the agreed world that a peer keeps.
@@ -41,7 +46,7 @@ struct AgreedConfig {
 class AgreedWorld {
  public:
   /// Called once for every tick that becomes confirmed, in order, beginning with tick 0.
-  using ConfirmedSink = std::function<void(const FoldState&, std::uint64_t hash)>;
+  using ConfirmedSink = std::function<void(const FoldState&, LazyHash hash)>;
 
   /// From tick 0 on.
   AgreedWorld(const Scene& scene, const AgreedConfig& config, ConfirmedSink on_confirmed);
@@ -75,24 +80,29 @@ class AgreedWorld {
   Tick now() const { return predicted_.tick(); }
   const Fold& predicted() const { return predicted_; }
   /// Predicted as of now, with the updates of this tick.
-  const FoldState& predicted_state() const { return current_; }
+  const FoldState& predicted_state() const { return in_history_ ? history_.at(now()) : current_; }
   const FoldState& confirmed() const { return confirmed_; }
   /// The confirmed state of a tick, while it is kept; null otherwise, and always without replay.
   const FoldState* confirmed_at(Tick t) const;
-  std::uint64_t confirmed_hash() const { return confirmed_hash_; }
+  std::uint64_t confirmed_hash() const { return hash_of(confirmed_); }
 
-  std::uint64_t replayed_steps() const { return replayed_steps_; }
+  /// Steps made again for updates that came late.
+  std::uint64_t replayed_steps() const { return replayed_steps_ + locally_replayed_steps(); }
+  /// Of these, steps of only what such an update had to do with.
+  std::uint64_t locally_replayed_steps() const { return local_ ? local_->steps() : 0; }
   std::uint64_t refused_bodies() const { return refused_; }
 
  private:
   void begin();
+  void begin_history();
+  void look();
+  bool comes_next(const Bundle& bundle) const;
   /// Updates of the slot numbered `from` and up are not in the log any more, the first of them of tick `earliest`.
   void undo(PeerId peer, std::uint32_t from, Tick earliest);
-  FoldState& kept(Tick t) { return ring_[static_cast<std::size_t>(t) % ring_.size()]; }
-  bool is_kept(Tick t) { return kept(t).tick == t; }
   void apply_known(Tick t);
   void advance_predicted();
   void rewind_to(Tick t);
+  bool replay_locally();
   void arrive(const Bundle& bundle);
   void begin_replay();
   void end_replay();
@@ -108,15 +118,17 @@ class AgreedWorld {
   ConfirmedSink on_confirmed_;
   UpdateLog log_;
   Fold predicted_;
-  FoldState current_;
-  std::vector<FoldState> ring_;      ///< with replay: predicted at the begin of recent ticks, before their updates
-  Tick dirty_;                       ///< earliest tick whose updates have changed since predicted was computed
-  std::vector<Bundle> arrived_;      ///< without replay: not yet applied
-  std::vector<Tick> newest_avatar_;  ///< without replay: by peer
+  FoldState current_;  ///< predicted as of now, if it is not in the history
+  bool in_history_ = false;
+  History history_;                     ///< with replay: of predicted
+  std::unique_ptr<LocalReplay> local_;  ///< with replay
+  Tick dirty_;                          ///< earliest tick whose updates have changed since predicted was computed
+  bool told_now_ = false;               ///< predicted has updates of this tick that the state as of now has not
+  std::vector<Bundle> arrived_;         ///< without replay: not yet applied
+  std::vector<Tick> newest_avatar_;     ///< without replay: by peer
   std::vector<std::vector<Tick>> newest_body_;  ///< without replay: by peer, then body
   std::unique_ptr<Fold> follower_;              ///< without replay: confirmed's own world
   FoldState confirmed_;
-  std::uint64_t confirmed_hash_ = 0;
   std::uint64_t replayed_steps_ = 0;
   std::uint64_t refused_ = 0;
   Tick keep_ = 0;

@@ -36,16 +36,23 @@ float ease(float part) {
 }  // namespace
 
 Shown::Shown(Convergence how, std::size_t entities)
-    : how_(how), shown_(entities), stride_(entities), jump_(entities), offset_(entities), blends_(entities) {}
+    : how_(how),
+      shown_(entities),
+      stride_(entities),
+      jump_(entities),
+      offset_(entities),
+      blends_(entities),
+      busy_(entities, 0) {}
 
-void Shown::retune(Convergence how, const std::vector<Vec2>& live) {
+void Shown::retune(Convergence how, const std::vector<world::Kinematics>& live) {
   if (how == how_) return;
   how_ = how;
   for (std::size_t e = 0; e < shown_.size(); ++e) {
     const bool led = !first_ && (offset_[e] != Vec2{} || blends_[e].age >= 0);
     stop(e);
     if (!led) continue;
-    const Vec2 offset = shown_[e] - live[e];
+    busy_[e] = 1;
+    const Vec2 offset = shown_[e] - live[e].position;
     if (how == Convergence::kBlend) offset_[e] = offset;
     if (how == Convergence::kPvb)
       blends_[e] = {shown_[e], stride_[e] * static_cast<float>(kTicksPerSecond), 0, ticks_for(length(offset), 0)};
@@ -93,14 +100,6 @@ void Shown::stop(std::size_t e) {
   blends_[e].age = -1;
 }
 
-bool Shown::is_settled(std::size_t e) const {
-  return jump_[e] == Vec2{} && offset_[e] == Vec2{} && blends_[e].age < 0 && !first_;
-}
-
-void Shown::correct(const std::vector<Vec2>& before, const std::vector<Vec2>& after) {
-  for (std::size_t e = 0; e < jump_.size(); ++e) jump_[e] = jump_[e] + before[e] - after[e];
-}
-
 void Shown::count_snap(Vec2 stride, Vec2 last_stride, Vec2 velocity) {
   const float beyond = distance_to_segment(stride, last_stride, velocity * kTickSeconds);
   if (beyond <= kSnap) return;
@@ -109,20 +108,23 @@ void Shown::count_snap(Vec2 stride, Vec2 last_stride, Vec2 velocity) {
   largest_snap_ = std::max(largest_snap_, static_cast<double>(beyond));
 }
 
-void Shown::advance(const std::vector<Vec2>& live, const std::vector<Vec2>& velocity, const std::vector<bool>& own) {
+void Shown::advance(const std::vector<world::Kinematics>& live, const std::vector<bool>& own) {
   for (std::size_t e = 0; e < shown_.size(); ++e) {
     const Vec2 before = shown_[e];
-    if (before == live[e] && is_settled(e)) {  // most entities, most of the time
+    const Vec2 now = live[e].position;
+    if (before == now && busy_[e] == 0 && !first_) {  // most entities, most of the time
       stride_[e] = {};
       continue;
     }
-    shown_[e] = first_ ? live[e] : lead(e, live[e], velocity[e], own[e]);
-    const Vec2 stride = first_ ? velocity[e] * kTickSeconds : shown_[e] - before;
-    count_snap(stride, stride_[e], velocity[e]);
+    const Vec2 velocity = live[e].velocity;
+    shown_[e] = first_ ? now : lead(e, now, velocity, own[e]);
+    const Vec2 stride = first_ ? velocity * kTickSeconds : shown_[e] - before;
+    count_snap(stride, stride_[e], velocity);
     // After a jump it goes on as it should, not as it jumped.
     const bool leads = blends_[e].age >= 0 || offset_[e] != Vec2{};
-    stride_[e] = leads ? stride : velocity[e] * kTickSeconds;
+    stride_[e] = leads ? stride : velocity * kTickSeconds;
     jump_[e] = {};
+    busy_[e] = leads ? 1 : 0;
   }
   first_ = false;
 }

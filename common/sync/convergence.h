@@ -5,6 +5,7 @@
 #include "common/model/ids.h"
 #include "common/model/technique.h"
 #include "common/model/vec.h"
+#include "common/world/snapshot.h"
 
 namespace padr::sync {
 
@@ -23,13 +24,16 @@ class Shown {
   Shown(Convergence how, std::size_t entities);
   /// Goes on another way; what is being led goes on being led from where it is shown, but for kSnap. `live`: as in the
   /// last advance.
-  void retune(Convergence how, const std::vector<Vec2>& live);
+  void retune(Convergence how, const std::vector<world::Kinematics>& live);
 
-  /// An update (not physics) has moved entities in the live world from `before` to `after`; may be called several times
-  /// a tick.
-  void correct(const std::vector<Vec2>& before, const std::vector<Vec2>& after);
-  /// One tick. `live`: positions in the live world; `velocity`: m/s likewise; `own`: by entity id.
-  void advance(const std::vector<Vec2>& live, const std::vector<Vec2>& velocity, const std::vector<bool>& own);
+  /// An update (not physics) has moved an entity in the live world, from `jump` metres away from where it is now; may
+  /// be called several times a tick.
+  void correct(EntityId e, Vec2 jump) {
+    jump_[e] = jump_[e] + jump;
+    busy_[e] = 1;
+  }
+  /// One tick. `live`: the live world; `own`: by entity id.
+  void advance(const std::vector<world::Kinematics>& live, const std::vector<bool>& own);
 
   const std::vector<Vec2>& positions() const { return shown_; }
 
@@ -52,7 +56,6 @@ class Shown {
   Vec2 projective(std::size_t e, Vec2 live, Vec2 velocity, bool corrected);
   void stop(std::size_t e);
   void count_snap(Vec2 stride, Vec2 last_stride, Vec2 velocity);
-  bool is_settled(std::size_t e) const;
 
   Convergence how_;
   std::vector<Vec2> shown_;
@@ -60,6 +63,7 @@ class Shown {
   std::vector<Vec2> jump_;     ///< corrections of this tick: where it would have been, from where it is
   std::vector<Vec2> offset_;   ///< blend: what is left of the correction
   std::vector<Blend> blends_;  ///< pvb
+  std::vector<char> busy_;     ///< has been corrected since the last tick, or is being led
   bool first_ = true;
   int snaps_ = 0;
   double snap_metres_ = 0;

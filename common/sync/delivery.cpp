@@ -10,6 +10,10 @@ namespace {
 constexpr Tick kMarkInterval = 15;  // 250 ms
 // Where next to nothing gets lost, acknowledgements are not urgent, and there is nothing else a mark is needed for.
 constexpr Tick kCalmMarkInterval = 45;  // 750 ms
+// Where more gets lost, but nothing has happened lately. Five in a row must get lost before this peer seems silent, so
+// only where that hardly ever happens.
+constexpr Tick kQuietMarkInterval = 36;  // 600 ms
+constexpr std::uint32_t kUnquiet = 5;    // per cent lost
 // A promised update that has not come is asked for after this long: jitter reorders, and asking costs a datagram.
 constexpr Tick kGapPatience = 3;
 // Datagrams whose time of sending is remembered for round trips: 4 s at one a tick.
@@ -22,6 +26,10 @@ constexpr std::uint32_t kLossy = 2;
 // trip late costs more than its datagram.
 constexpr std::uint32_t kVeryLossy = 15;
 constexpr Tick kEchoAlone = 3;
+
+// Who has said nothing yet may be waiting for a first word that got lost, without which it must not speak: a newcomer
+// for its admission.
+constexpr Tick kUnheard = 24;
 
 }  // namespace
 
@@ -39,16 +47,23 @@ OutLink::Flight& OutLink::flight(std::uint32_t index) {
 
 // Lost: something sent clearly later has arrived, or it is overdue.
 bool OutLink::lost(const Flight& f, Tick now) const {
+  if (heard_seq_ == 0) return now - f.sent > kUnheard * std::min(f.times, 2);
   const auto slack = static_cast<Tick>(std::ceil(rttvar_));
   const auto timeout = static_cast<Tick>(std::ceil(srtt_ + 4 * rttvar_)) + interval_ + 1;
   return newest_seen_sent_ > f.sent + slack || now - f.sent > timeout * std::min(f.times, 4);
+}
+
+// What is not acknowledged is to be soon, and for that the other end must hear that it is not.
+Tick OutLink::interval(const Context& c, std::uint32_t end) const {
+  if (c.calm && loss_ < kLossy) return kCalmMarkInterval;
+  return c.quiet && acked_ >= end && loss_ < kUnquiet ? kQuietMarkInterval : kMarkInterval;
 }
 
 std::optional<StatePacket> OutLink::compose(const Context& c, const std::deque<Bundle>& own, std::uint32_t first,
                                             const std::function<std::size_t(const Bundle&)>& size_of,
                                             std::size_t room) {
   const auto end = first + static_cast<std::uint32_t>(own.size());
-  interval_ = c.calm && loss_ < kLossy ? kCalmMarkInterval : kMarkInterval;
+  interval_ = interval(c, end);
   bool urgent = false;
   std::vector<std::uint32_t> repeats;
   std::vector<std::uint32_t> chosen;

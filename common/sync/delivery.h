@@ -25,8 +25,9 @@ class OutLink {
     Tick now = 0;
     std::uint32_t have = 0;  ///< of the receiver's updates
     std::uint32_t have_beyond = 0;
-    bool gap = false;   ///< the receiver has promised updates that are not here
-    bool calm = false;  ///< its datagrams are known to arrive, and neither end waits for the other's last words
+    bool gap = false;    ///< the receiver has promised updates that are not here
+    bool calm = false;   ///< its datagrams are known to arrive, and neither end waits for the other's last words
+    bool quiet = false;  ///< nobody has had anything to tell lately, and neither end waits for last words
   };
 
   /// The packet to send this tick, if any, updates and marks filled in. `own`: this peer's log, `own.front()` numbered
@@ -51,6 +52,7 @@ class OutLink {
   };
   bool arrived(std::uint32_t index) const;
   bool lost(const Flight& f, Tick now) const;
+  Tick interval(const Context& c, std::uint32_t end) const;
   Flight& flight(std::uint32_t index);
   void sample(float rtt);
 

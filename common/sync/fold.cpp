@@ -8,7 +8,9 @@ Fold::Fold(const Scene& scene, int slots, int peers, bool authority)
       members_(static_cast<std::size_t>(slots)),
       avatars_(static_cast<std::size_t>(slots)),
       authority_(scene.bodies.size()),
-      holds_(scene.bodies.size(), 0) {
+      holds_(scene.bodies.size(), 0),
+      residents_(residents_of(scene)) {
+  for (EntityId b = 0; b < residents_.slots.size(); ++b) world_.set_present(b, residents_.slots[b].present);
   for (PeerId p = 0; p < peers; ++p) {
     members_[p].present = true;
     avatars_[p].present = true;
@@ -27,6 +29,8 @@ int Fold::apply(const Bundle& bundle) {
   for (const Removal& r : bundle.removals)
     if (members_[r.slot].present && members_[r.slot].incarnation == r.incarnation) remove(r.slot);
   if (bundle.admission) admit(*bundle.admission);
+  if (bundle.going && world_.scene().region) members_[bundle.peer].going = *bundle.going;
+  for (const Passage& p : bundle.passages) pass(bundle.peer, p, bundle.tick);
   if (bundle.avatar) apply_avatar(bundle.peer, *bundle.avatar, bundle.tick);
   int refused = 0;
   for (const BodyUpdate& u : bundle.bodies)
@@ -37,6 +41,7 @@ int Fold::apply(const Bundle& bundle) {
 void Fold::apply_avatar(PeerId p, const AvatarUpdate& u, Tick tick) {
   AvatarModel& m = avatars_[p];
   m = {true, u.model, u.velocity, u.control, tick, !u.awake};
+  if (!plays(world_.avatar(p))) return;
   world_.set_present(world_.avatar(p), true);
   world_.set_state(world_.avatar(p), {u.position, 0, u.velocity, 0, u.awake});
 }
@@ -51,23 +56,57 @@ bool Fold::apply_body(PeerId p, const BodyUpdate& u) {
   Authority claim{p, u.release, u.epoch, u.claimed};
   if (!wins(claim, authority_[u.body], u.body)) return false;
   authority_[u.body] = claim;
-  world_.set_state(u.body, u.state);
+  if (plays(u.body)) world_.set_state(u.body, u.state);
   return true;
 }
 
 void Fold::admit(const Admission& a) {
   if (members_[a.slot].present || a.incarnation <= members_[a.slot].incarnation) return;
-  members_[a.slot] = {true, a.incarnation};
+  members_[a.slot] = {true, a.incarnation, false};
   avatars_[a.slot] = {};
-  avatars_[a.slot].present = true;
+  // In a region its owner first has to say where it is.
+  avatars_[a.slot].present = !world_.scene().region;
   const EntityId e = world_.avatar(a.slot);
   world_.set_state(e, {world_.scene().avatar.spawns[a.slot], 0, {}, 0, true});
-  world_.set_present(e, true);
+  world_.set_present(e, avatars_[a.slot].present);
+}
+
+// Who enters a slot begins with a record that nothing said of whoever was there before can beat.
+void Fold::pass(PeerId p, const Passage& passage, Tick tick) {
+  if (!world_.scene().region) return;
+  if (passage.kind == Passage::Kind::kBound) {
+    const auto found = residents_.slot_of(passage);
+    if (found && residents_.slots[*found].bound == 0) residents_.slots[*found].bound = passage.to;
+    return;
+  }
+  if (passage.kind == Passage::Kind::kOut) {
+    const auto left = residents_.slot_of(passage);
+    if (left) leave_free(*left);
+    residents_.note_gone(passage, tick_);
+    return;
+  }
+  const auto b = residents_.slot_for(passage, *world_.scene().region);
+  if (!b) return;
+  leave_free(*b);
+  residents_.slots[*b] = {true, passage.name, passage.crossings, 0};
+  authority_[*b] = {p, !passage.owned || !with_authority_, authority_[*b].epoch + 1, tick};
+  world_.set_present(*b, true);
+  world_.set_state(*b, passage.state);
+}
+
+void Fold::leave_free(EntityId body) {
+  for (PeerId p = 0; p < world_.slots(); ++p) set_hold(p, body, false);
+  residents_.slots[body] = {};
+  if (authority_[body].owner != kNoPeer) authority_[body].released = true;
+  world_.set_present(body, false);
+  const BodyDef& d = world_.scene().bodies[body];
+  world_.set_state(body, {d.position, d.angle, {}, 0, false});
 }
 
 // What it owned goes on by physics alone, for everybody alike, until somebody touches it.
 void Fold::remove(PeerId p) {
   members_[p].present = false;
+  members_[p].going = false;
   avatars_[p] = {};
   world_.set_present(world_.avatar(p), false);
   for (EntityId b = 0; b < world_.bodies(); ++b) {
@@ -77,7 +116,7 @@ void Fold::remove(PeerId p) {
 }
 
 void Fold::set_hold(PeerId p, EntityId body, bool held) {
-  const std::uint32_t bit = 1U << p;
+  const PeerSet bit = only(p);
   holds_[body] = held ? (holds_[body] | bit) : (holds_[body] & ~bit);
   world_.set_hold(p, body, held);
 }
@@ -89,7 +128,8 @@ void Fold::disturb(EntityId e, Vec2 by) {
 }
 
 void Fold::step() {
-  for (PeerId p = 0; p < world_.slots(); ++p) drive_model(world_, p, avatars_[p], tick_);
+  for (PeerId p = 0; p < world_.slots(); ++p)
+    if (plays(world_.avatar(p))) drive_model(world_, p, avatars_[p], tick_);
   world_.step();
   ++tick_;
 }
@@ -101,20 +141,57 @@ void Fold::save(FoldState& out) const {
   out.avatars = avatars_;
   out.authority = authority_;
   out.holds = holds_;
+  out.residents = residents_;
 }
 
-void Fold::restore(const FoldState& s) {
+void Fold::take_tables(const FoldState& s) {
   tick_ = s.tick;
   members_ = s.members;
   avatars_ = s.avatars;
   authority_ = s.authority;
-  for (PeerId p = 0; p < world_.slots(); ++p) world_.set_present(world_.avatar(p), avatars_[p].present);
+  residents_ = s.residents;
+  if (left_out_.empty())
+    for (EntityId b = 0; b < residents_.slots.size(); ++b) world_.set_present(b, residents_.slots[b].present);
+  if (holds_ == s.holds) return;
   for (EntityId b = 0; b < world_.bodies(); ++b) {
     if (holds_[b] == s.holds[b]) continue;
     holds_[b] = s.holds[b];
-    for (PeerId p = 0; p < world_.slots(); ++p) world_.set_hold(p, b, (holds_[b] & (1U << p)) != 0);
+    for (PeerId p = 0; p < world_.slots(); ++p) world_.set_hold(p, b, (holds_[b] & only(p)) != 0);
   }
+}
+
+void Fold::restore(const FoldState& s) {
+  take_tables(s);
+  for (PeerId p = 0; p < world_.slots(); ++p) world_.set_present(world_.avatar(p), avatars_[p].present);
   world_.restore(s.world);
+}
+
+void Fold::restore_only(const FoldState& s, const std::vector<EntityId>& which, const std::vector<bool>& keep) {
+  take_tables(s);
+  for (const EntityId e : which)
+    if (world_.is_avatar(e)) world_.set_present(e, is_there(e));  // an avatar may have come with its first update
+  world_.restore_only(s.world, which, keep);
+}
+
+bool Fold::is_there(EntityId e) const {
+  if (world_.is_avatar(e)) return avatars_[static_cast<std::size_t>(e - world_.bodies())].present;
+  return residents_.slots.empty() || residents_.slots[e].present;
+}
+
+void Fold::leave_out(const std::vector<EntityId>& in, const std::vector<bool>& out) {
+  if (left_out_.empty())
+    for (EntityId e = 0; e < out.size(); ++e) world_.set_present(e, false);
+  left_out_ = out;
+  for (const EntityId e : played_)
+    if (out[e]) world_.set_present(e, false);
+  played_ = in;
+  for (const EntityId e : played_) world_.set_present(e, is_there(e));
+}
+
+void Fold::restore_part(const FoldState& s, const std::vector<EntityId>& in, const std::vector<bool>& out) {
+  take_tables(s);
+  leave_out(in, out);
+  world_.restore_only(s.world, in, out);
 }
 
 std::uint64_t hash_of(const FoldState& s) {
@@ -122,7 +199,8 @@ std::uint64_t hash_of(const FoldState& s) {
   h.add(static_cast<std::uint64_t>(s.tick));
   world::add_to_hash(h, s.world);
   for (const Member& m : s.members)
-    h.add(static_cast<std::uint64_t>(m.present) | static_cast<std::uint64_t>(m.incarnation) << 1U);
+    h.add(static_cast<std::uint64_t>(m.present) | static_cast<std::uint64_t>(m.incarnation) << 1U |
+          static_cast<std::uint64_t>(m.going) << 33U);
   for (const AvatarModel& m : s.avatars) {
     h.add(static_cast<std::uint64_t>(m.present) | static_cast<std::uint64_t>(m.at_rest) << 1U |
           static_cast<std::uint64_t>(m.kind) << 2U | static_cast<std::uint64_t>(m.since) << 8U);
@@ -133,8 +211,10 @@ std::uint64_t hash_of(const FoldState& s) {
     const Authority& a = s.authority[b];
     h.add(static_cast<std::uint64_t>(a.owner) | static_cast<std::uint64_t>(a.released) << 8U |
           static_cast<std::uint64_t>(a.epoch) << 16U);
-    h.add(static_cast<std::uint64_t>(a.claimed) << 32U | s.holds[b]);
+    h.add(static_cast<std::uint64_t>(a.claimed));
+    h.add(s.holds[b]);
   }
+  add_to_hash(h, s.residents);
   return h.value();
 }
 

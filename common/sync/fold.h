@@ -6,6 +6,7 @@
 
 #include "common/sync/authority.h"
 #include "common/sync/avatar_model.h"
+#include "common/sync/residents.h"
 #include "common/sync/updates.h"
 #include "common/world/world.h"
 
@@ -15,6 +16,7 @@ namespace padr::sync {
 struct Member {
   bool present = false;
   std::uint32_t incarnation = 0;  ///< which of those who have sat there in turn
+  bool going = false;             ///< of a region of a crowd: wants to leave once that leaves it in good hands
   friend bool operator==(const Member&, const Member&) = default;
 };
 
@@ -25,10 +27,22 @@ struct FoldState {
   std::vector<Member> members;       ///< by peer
   std::vector<AvatarModel> avatars;  ///< by peer
   std::vector<Authority> authority;  ///< by body
-  std::vector<std::uint32_t> holds;  ///< by body: bit p set if the avatar of peer p holds it
+  std::vector<PeerSet> holds;        ///< by body: whose avatars hold it
+  Residents residents;               ///< of a region of a crowd
 };
 
 std::uint64_t hash_of(const FoldState& s);
+
+/// The hash of a state for whoever may not want it: worked out when it is read, as the number that it is.
+class LazyHash {
+ public:
+  /// `s` must be there, and the same, for as long as this is.
+  explicit LazyHash(const FoldState& s) : state_(&s) {}
+  operator std::uint64_t() const { return hash_of(*state_); }  // NOLINT(google-explicit-constructor): stands for it
+
+ private:
+  const FoldState* state_;
+};
 
 /// The deterministic fold of a log of updates: bodies play out by physics, avatars follow their models, a modelled
 /// avatar touches only what it is known to hold, and an update overwrites the state of its entities at its tick.
@@ -44,11 +58,12 @@ class Fold {
   const world::World& world() const { return world_; }
   const std::vector<AvatarModel>& avatars() const { return avatars_; }
   const std::vector<Authority>& authority() const { return authority_; }
-  const std::vector<std::uint32_t>& holds() const { return holds_; }
+  const std::vector<PeerSet>& holds() const { return holds_; }
   /// Whether peer p's avatar holds the body.
-  bool holds(PeerId p, EntityId body) const { return (holds_[body] & (1U << p)) != 0; }
+  bool holds(PeerId p, EntityId body) const { return (holds_[body] & only(p)) != 0; }
 
   const std::vector<Member>& members() const { return members_; }
+  const Residents& residents() const { return residents_; }
 
   /// Overwrites with what the bundle says, as of now, whatever tick it bears; nothing if its peer is no member. Returns
   /// how many of its bodies were refused because their authority has been superseded.
@@ -61,13 +76,30 @@ class Fold {
 
   void save(FoldState& out) const;
   void restore(const FoldState& s);
+  /// Only these entities have another state; `keep`: by entity id, set for all others.
+  void restore_only(const FoldState& s, const std::vector<EntityId>& which, const std::vector<bool>& keep);
+
+  // A fold of some of the entities: the others are not there, and nothing of what is told of their states is done. Who
+  // owns and holds what is folded in full.
+
+  /// Leaves out the entities whose bit is set, by entity id; `in`: the others.
+  void leave_out(const std::vector<EntityId>& in, const std::vector<bool>& out);
+  /// As `leave_out`, then takes over the state of the rest.
+  void restore_part(const FoldState& s, const std::vector<EntityId>& in, const std::vector<bool>& out);
+  bool with_authority() const { return with_authority_; }
+  /// Whether there is anything in this slot.
+  bool is_there(EntityId e) const;
 
  private:
   void apply_avatar(PeerId p, const AvatarUpdate& u, Tick tick);
   bool apply_body(PeerId p, const BodyUpdate& u);
   void admit(const Admission& a);
   void remove(PeerId p);
+  void pass(PeerId p, const Passage& passage, Tick tick);
+  void leave_free(EntityId body);
   void set_hold(PeerId p, EntityId body, bool held);
+  void take_tables(const FoldState& s);
+  bool plays(EntityId e) const { return left_out_.empty() || !left_out_[e]; }
 
   world::World world_;
   bool with_authority_;
@@ -75,7 +107,10 @@ class Fold {
   std::vector<Member> members_;
   std::vector<AvatarModel> avatars_;
   std::vector<Authority> authority_;
-  std::vector<std::uint32_t> holds_;
+  std::vector<PeerSet> holds_;
+  std::vector<bool> left_out_;  ///< by entity; empty: none
+  std::vector<EntityId> played_;
+  Residents residents_;
 };
 
 }  // namespace padr::sync

@@ -18,13 +18,14 @@ class ModelError {
   explicit ModelError(float seconds) : seconds_(seconds) {}
   void retune(float seconds) { seconds_ = seconds; }
 
-  /// This tick's error in position (m) and velocity (m/s), against a threshold (m).
-  bool exceeds(Vec2 position, Vec2 velocity, float threshold) {
+  /// This tick's error in position (m) and velocity (m/s).
+  void add(Vec2 position, Vec2 velocity) {
     const float now = length(position);
     area_ = now < kRight ? 0 : area_ + now * kTickSeconds;
-    const float soon = std::max(now, length(position + velocity * kTickSeconds));
-    return soon > threshold || (seconds_ > 0 && area_ > threshold * seconds_);
+    soon_ = std::max(now, length(position + velocity * kTickSeconds));
   }
+  /// Whether it is worth an update, against a threshold (m).
+  bool exceeds(float threshold) const { return soon_ > threshold || (seconds_ > 0 && area_ > threshold * seconds_); }
   /// The model has just been put right.
   void corrected() { area_ = 0; }
 
@@ -33,6 +34,7 @@ class ModelError {
   static constexpr float kRight = 0.005F;  // m
 
   float seconds_;
+  float soon_ = 0;  ///< m, now or a tick on
   float area_ = 0;  ///< m s
 };
 

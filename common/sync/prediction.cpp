@@ -34,7 +34,7 @@ InteractionPredictor::InteractionPredictor(const Scene& scene, int slots, PeerId
 
 InteractionPredictor::~InteractionPredictor() = default;
 
-Prediction InteractionPredictor::predict(const world::World& live, Vec2 target, const FoldState& modelled) {
+Prediction InteractionPredictor::predict(const world::View& live, Vec2 target, const FoldState& modelled) {
   const EntityId avatar = live.avatar(self_);
   const Course course{live.position(avatar), live.velocity(avatar), target};
   switch (technique_.predictor) {
@@ -50,7 +50,7 @@ Prediction InteractionPredictor::predict(const world::World& live, Vec2 target, 
     case Predictor::kPcc:
       if (!anything_in_the_way(live, course) && !anything_in_the_way(live, believed_course(modelled))) return {};
       copy_surroundings(live);
-      return cost(target, modelled);
+      return cost(live, target, modelled);
   }
   return {};
 }
@@ -58,7 +58,7 @@ Prediction InteractionPredictor::predict(const world::World& live, Vec2 target, 
 // Stepping a copy is dear, most looks find nothing, and geometry tells: the avatar stays close to the straight way to
 // its target. What it leaves it by is the sideways and backward part of its velocity, which dies away with all that the
 // velocity is wrong by: first at the force limit, then by the damping. Bodies come closer by their own speed.
-bool InteractionPredictor::anything_in_the_way(const world::World& live, const Course& course) const {
+bool InteractionPredictor::anything_in_the_way(const world::View& live, const Course& course) const {
   const AvatarDef& a = scene_.avatar;
   const float seconds = kTickSeconds * static_cast<float>(technique_.steps);
   const Vec2 way = course.target - course.from;
@@ -78,15 +78,14 @@ bool InteractionPredictor::anything_in_the_way(const world::World& live, const C
   return false;
 }
 
-void InteractionPredictor::copy_surroundings(const world::World& live) {
+void InteractionPredictor::copy_surroundings(const world::View& live) {
   const Vec2 centre = live.position(live.avatar(self_));
   far_.assign(static_cast<std::size_t>(live.entities()), true);
   far_[live.avatar(self_)] = false;
   for (EntityId b = 0; b < live.bodies(); ++b)
     far_[b] = distance(live.position(b), centre) - extent(scene_.bodies[b]) > technique_.radius;
   for (EntityId b = 0; b < live.bodies(); ++b) sandbox_.set_present(b, !far_[b]);
-  live.save(snapshot_);
-  sandbox_.restore(snapshot_, far_);
+  sandbox_.restore(live.snapshot(), far_);
 }
 
 InteractionPredictor::Run InteractionPredictor::run(Vec2 target) {
@@ -102,6 +101,7 @@ InteractionPredictor::Run InteractionPredictor::run(Vec2 target) {
     if (touches && result.contact_in < 0) result.contact_in = t;
     if (touches && technique_.predictor == Predictor::kLookahead) break;
   }
+  if (technique_.predictor != Predictor::kPcc) return result;
   for (EntityId b = 0; b < sandbox_.bodies(); ++b)
     if (!far_[b]) result.bodies.push_back(sandbox_.position(b));
   return result;
@@ -123,9 +123,9 @@ InteractionPredictor::Course InteractionPredictor::believed_course(const FoldSta
 
 // The cost the paper defines, by its definition: what the avatar's model error does to bodies. Once from where the
 // avatar is, once from where its model is; the bodies' difference at the end is the cost.
-Prediction InteractionPredictor::cost(Vec2 target, const FoldState& modelled) {
+Prediction InteractionPredictor::cost(const world::View& live, Vec2 target, const FoldState& modelled) {
   const Run truth = run(target);
-  sandbox_.restore(snapshot_, far_);
+  sandbox_.restore(live.snapshot(), far_);
   const EntityId avatar = sandbox_.avatar(self_);
   const world::Kinematics& m = modelled.world.entities[avatar];
   sandbox_.set_state(avatar, {m.position, 0, m.velocity, 0, true});
@@ -138,7 +138,7 @@ Prediction InteractionPredictor::cost(Vec2 target, const FoldState& modelled) {
   return p;
 }
 
-Prediction InteractionPredictor::density(const world::World& live, Vec2 target) const {
+Prediction InteractionPredictor::density(const world::View& live, Vec2 target) const {
   const Vec2 from = live.position(live.avatar(self_));
   const float way = scene_.avatar.max_speed * kTickSeconds * static_cast<float>(technique_.steps);
   const bool along_path = technique_.predictor == Predictor::kPathDensity;

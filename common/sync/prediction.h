@@ -4,6 +4,7 @@
 
 #include "common/model/technique.h"
 #include "common/sync/fold.h"
+#include "common/world/view.h"
 
 namespace padr::sync {
 
@@ -26,7 +27,7 @@ class InteractionPredictor {
 
   /// `live`: this peer's world as of now; `target`: where its avatar is driven; `modelled`: the predicted world's
   /// state, in which the avatar is where its model is.
-  Prediction predict(const world::World& live, Vec2 target, const FoldState& modelled);
+  Prediction predict(const world::View& live, Vec2 target, const FoldState& modelled);
 
   /// Steps of copies so far: what the look-ahead costs.
   std::uint64_t steps() const { return steps_; }
@@ -40,20 +41,19 @@ class InteractionPredictor {
     Vec2 target;
   };
   /// Whether a body could be met on the way: false is certain, true is not.
-  bool anything_in_the_way(const world::World& live, const Course& course) const;
+  bool anything_in_the_way(const world::View& live, const Course& course) const;
   /// Puts the live world's surroundings of the avatar into the sandbox.
-  void copy_surroundings(const world::World& live);
+  void copy_surroundings(const world::View& live);
   Course believed_course(const FoldState& modelled) const;
   Prediction lookahead(Vec2 target);
-  Prediction cost(Vec2 target, const FoldState& modelled);
-  Prediction density(const world::World& live, Vec2 target) const;
+  Prediction cost(const world::View& live, Vec2 target, const FoldState& modelled);
+  Prediction density(const world::View& live, Vec2 target) const;
   Run run(Vec2 target);
 
   Scene scene_;
   PeerId self_;
   Technique technique_;
   world::World sandbox_;
-  world::Snapshot snapshot_;
   std::vector<bool> far_;  ///< by entity id: not copied
   std::uint64_t steps_ = 0;
 };

@@ -108,7 +108,7 @@ void Reporter::note_lost_contests(const Situation& s) {
 bool Reporter::may_claim(const FoldState& predicted, EntityId b) const {
   const PeerId holder = predicted.authority[b].holder();
   if (holder == self_ || predicted.tick < no_claim_before_[b]) return false;
-  return holder == kNoPeer || (predicted.holds[b] & (1U << holder)) == 0;
+  return holder == kNoPeer || (predicted.holds[b] & only(holder)) == 0;
 }
 
 BodyUpdate& Reporter::entry(EntityId b, Cause cause) {
@@ -185,7 +185,7 @@ void Reporter::report_proxies(const Situation& s) {
     return;
   }
   // Only what the predicted world gets wrong: it plays collisions of bodies among themselves out as well as we do.
-  const world::World& live = s.live->world();
+  const world::View& live = s.live->world();
   reached_.assign(static_cast<std::size_t>(live.entities()), 0);
   reached_[s.live->avatar()] = 1;
   for (EntityId b = 0; b < owned_.size(); ++b) reached_[b] = owned_[b];
@@ -297,13 +297,21 @@ bool Reporter::avatar_rests(const Situation& s, const BodyState& truth) {
   return !truth.awake || s.predicted->tick - avatar_driven_ >= kStillTicks;
 }
 
+void Reporter::watch_avatar(const Situation& s) {
+  const EntityId avatar = s.live->avatar();
+  const world::Kinematics& believed = s.predicted->world.entities[avatar];
+  const Vec2 shift = s.live->world().position(avatar) - believed.position;
+  // The paper tests the error as it is.
+  const bool ahead = !technique_.update_every_contact;
+  model_error_.add(shift, ahead ? s.live->world().velocity(avatar) - believed.velocity : Vec2{});
+}
+
 void Reporter::report_avatar(const Situation& s) {
+  // Nobody sees it before it is told of.
+  if (!s.predicted->avatars[self_].present) return tell_avatar(s, Cause::kThreshold);
   const BodyState truth = s.live->world().state(s.live->avatar());
   const world::Kinematics& believed = s.predicted->world.entities[s.live->avatar()];
-  const Vec2 shift = truth.position - believed.position;
-  // The paper tests the error as it is.
-  const Vec2 drift = technique_.update_every_contact ? Vec2{} : truth.velocity - believed.velocity;
-  if (model_error_.exceeds(shift, drift, s.threshold) || (technique_.every_tick && truth.awake)) {
+  if (model_error_.exceeds(s.threshold) || (technique_.every_tick && truth.awake)) {
     tell_avatar(s, Cause::kThreshold);
   } else if (technique_.model == Model::kInput && settled_but_wrong(s, truth)) {
     tell_avatar(s, Cause::kAtRest);

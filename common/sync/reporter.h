@@ -32,6 +32,14 @@ class Reporter {
     Tick everyone_has = -1;                ///< all peers have this peer's updates up to this tick
     std::vector<EntityId> pushed{};  ///< bodies that have just been pushed: told as if the avatar had touched them
   };
+  /// Takes in how far off the avatar's model is at this tick; before the look-ahead and `report`.
+  void watch_avatar(const Situation& s);
+  /// Whether this tick's model error would be told by one of the thresholds that may be in force but not by all of
+  /// them: only then it matters what is predicted. `coarseness`: by what the high one is multiplied.
+  bool depends_on_threshold(float coarseness) const {
+    return model_error_.exceeds(technique_.threshold_low) &&
+           !model_error_.exceeds(technique_.threshold_high * coarseness);
+  }
   /// The updates of this tick: an empty bundle (no avatar, no bodies) if the others' beliefs are right. Peer and tick
   /// are filled in, the index is the caller's.
   Bundle report(const Situation& s);

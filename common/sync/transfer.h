@@ -25,4 +25,10 @@ struct Transfer {
   std::vector<Endpoint> gone;       ///< where those were who were declared gone; at most kMostGone
 };
 
+/// Where a region of a crowd begins at tick `now`: as its scene says, with nobody there but whoever founds it, who sits
+/// in slot 0 and lets itself in. Its node goes on from there like any newcomer's.
+Transfer founding(const Scene& scene, int slots, bool authority, Tick now);
+/// The founder's incarnation, and the number of its first update.
+inline constexpr std::uint32_t kFounding = 1;
+
 }  // namespace padr::sync

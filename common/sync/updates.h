@@ -69,6 +69,31 @@ struct Removal {
   friend bool operator==(const Removal&, const Removal&) = default;
 };
 
+/// Which body of a crowd: where it began, and its number there.
+struct BodyName {
+  std::uint32_t region = 0;
+  std::uint16_t number = 0;
+  friend auto operator<=>(const BodyName&, const BodyName&) = default;
+};
+
+/// A step of a body on its way from this region of a crowd to another, or from another to this one.
+struct Passage {
+  enum class Kind : std::uint8_t {
+    kBound,  ///< it is bound for region `to`, and for no other; the first such word counts
+    kIn,     ///< it comes in
+    kOut,    ///< it is in the other region now: it goes out
+  };
+  Kind kind = Kind::kBound;
+  BodyName name;
+  std::uint32_t crossings = 1;  ///< that it will have made, or has made, with this one
+  std::uint32_t to = 0;         ///< kBound
+  // Of one that comes in:
+  std::uint8_t build = 0;
+  bool owned = false;  ///< the sender goes on owning it
+  BodyState state;
+  friend bool operator==(const Passage&, const Passage&) = default;
+};
+
 /// Ed25519.
 using Signature = std::array<std::byte, 64>;
 
@@ -84,6 +109,9 @@ struct Bundle {
   std::optional<Admission> admission;
   std::vector<Removal> removals;  ///< who is declared gone together goes at the same tick
   std::vector<Bundle> passed_on;  ///< at most one: an update of a lost peer that somebody may lack, without such a one
+  std::optional<bool>
+      going;  ///< of a region of a crowd, in an update of its own: the sender wants to leave, or no longer
+  std::vector<Passage> passages;       ///< of a region of a crowd; in an update of their own, kMaxPassages at most
   std::optional<Signature> signature;  ///< in a session with a key: of its peer, over all of it; see wire/signature.h
   friend bool operator==(const Bundle&, const Bundle&) = default;
 };
@@ -93,6 +121,9 @@ struct Bundle {
 inline constexpr std::size_t kMaxBodiesPerBundle = 27;
 /// The same if it is signed, and those that pass it on are.
 inline constexpr std::size_t kMaxBodiesPerSigned = 20;
+
+/// Bodies that may cross a border in one update.
+inline constexpr std::size_t kMaxPassages = 8;
 
 /// How deep updates may lie in updates: every coordinator that is lost while it passes on adds one.
 inline constexpr int kMaxPassing = 3;

@@ -20,9 +20,7 @@ namespace padr::trace {
 
 /// A trace begins with these 7 bytes and the version's byte.
 inline constexpr std::string_view kMagic = "PADRTRC";
-inline constexpr std::uint8_t kFormatVersion = 3;
-/// Its traces are read, too: what has come since is only more kinds of records.
-inline constexpr std::uint8_t kOldestVersion = 2;
+inline constexpr std::uint8_t kFormatVersion = 4;
 
 /// Takes the next bytes of a trace; whole records at a time.
 using ByteSink = std::function<void(std::span<const std::byte>)>;

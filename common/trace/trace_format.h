@@ -13,8 +13,12 @@ namespace padr::trace {
 /// A record is never longer: the largest is a header with a scenario's text.
 inline constexpr std::size_t kMaxRecordBytes = 16U << 20U;
 
-inline constexpr std::uint32_t kAwakeBit = 1U << 6U;    ///< in Step.changed_fields
-inline constexpr std::uint32_t kPresentBit = 1U << 6U;  ///< in Confirmed.owner; peers + 1 stay below it
+inline constexpr std::uint32_t kAwakeBit = 1U << 6U;  ///< in Step.changed_fields
+
+/// Confirmed.owner: whose an entity is, and whether it is there.
+inline std::uint32_t put_owner(PeerId owner, bool present) {
+  return 2 * (owner == kNoPeer ? 0U : owner + 1U) + (present ? 1U : 0U);
+}
 
 /// An entity before anything was told of it.
 inline constexpr BodyState kUntold{{}, 0, {}, 0, false};

@@ -89,7 +89,8 @@ void put_header(const Header& h, file::Header& out) {
 }
 
 std::string take_header(const file::Header& in, Header& h) {
-  if (in.slots() < 1 || in.slots() > kMaxPeers) return "slots " + std::to_string(in.slots()) + ", allowed: 1 to 32";
+  if (in.slots() < 1 || in.slots() > kMaxPeers)
+    return "slots " + std::to_string(in.slots()) + ", allowed: 1 to " + std::to_string(kMaxPeers);
   if (in.peers() < 1 || in.peers() > in.slots()) return "peers " + std::to_string(in.peers()) + ", allowed: 1 to slots";
   if (in.incarnation() == 0 && in.peer() >= in.peers())
     return "peer " + std::to_string(in.peer()) + ", allowed: below the number of peers";

@@ -113,10 +113,10 @@ struct TraceReader::Parser {
     for (int i = 0; i < in.changed_size(); ++i) {
       const auto e = ids.next(in.changed(i));
       if (!e) return "no such entity";
-      const std::uint32_t owner = in.owner(i) & ~kPresentBit;
+      const std::uint32_t owner = in.owner(i) / 2;
       if (owner > static_cast<std::uint32_t>(r.header_.slots)) return "no such owner";
       r.truth_.owner[*e] = owner == 0 ? kNoPeer : static_cast<PeerId>(owner - 1);
-      r.truth_.present[*e] = (in.owner(i) & kPresentBit) != 0;
+      r.truth_.present[*e] = in.owner(i) % 2 != 0;
       r.truth_.agreed[*e] = {in.position(2 * i), in.position(2 * i + 1)};
       if (!is_finite(r.truth_.agreed[*e])) return "a confirmed position is not finite";
     }
@@ -241,9 +241,9 @@ TraceReader::TraceReader(std::span<const std::byte> bytes, std::string label)
   if (bytes.size() < preamble)
     throw UserError(label_ + ": ends within the first " + std::to_string(preamble) + " bytes");
   const auto version = std::to_integer<unsigned>(bytes[kMagic.size()]);
-  if (version < kOldestVersion || version > kFormatVersion)
-    throw UserError(label_ + ": trace format " + std::to_string(version) + "; this program reads formats " +
-                    std::to_string(kOldestVersion) + " to " + std::to_string(kFormatVersion));
+  if (version != kFormatVersion)
+    throw UserError(label_ + ": trace format " + std::to_string(version) + "; this program reads format " +
+                    std::to_string(kFormatVersion));
   at_ = preamble;
   const auto first = next_record();
   if (!first) throw UserError(label_ + ": ends before its header is complete");

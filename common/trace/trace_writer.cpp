@@ -192,7 +192,7 @@ void TraceWriter::confirmed(Tick tick, std::uint64_t hash, const Truth& truth) {
         truth.agreed[e] == truth_.agreed[e])
       continue;
     out.add_changed(gaps.next(e));
-    out.add_owner((truth.owner[e] == kNoPeer ? 0U : truth.owner[e] + 1U) + (truth.present[e] ? kPresentBit : 0U));
+    out.add_owner(put_owner(truth.owner[e], truth.present[e]));
     out.add_position(truth.agreed[e].x);
     out.add_position(truth.agreed[e].y);
   }

@@ -1,5 +1,7 @@
 #include "common/wire/codec.h"
 
+#include <algorithm>
+#include <array>
 #include <limits>
 
 #include "common/wire/endpoint_codec.h"
@@ -11,58 +13,100 @@ namespace padr::wire {
 using sync::Bundle;
 using sync::StatePacket;
 
-Bytes encode(const StatePacket& p) {
-  State out;
-  out.set_seq(p.seq);
-  out.set_mark_tick(static_cast<std::uint32_t>(p.mark_tick));
-  out.set_mark_count(p.mark_count);
-  out.set_have(p.have);
-  out.set_have_beyond(p.have_beyond);
-  out.set_seen_seq(p.seen_seq);
-  out.set_seen_age(p.seen_age);
+namespace {
+
+/// The numbers that every datagram has, in the order of their column.
+constexpr int kLinkNumbers = 9;
+
+void put_link(const StatePacket& p, State& out) {
+  const std::array<std::uint32_t, kLinkNumbers> numbers{p.seq,           static_cast<std::uint32_t>(p.mark_tick),
+                                                        p.mark_count,    p.have,
+                                                        p.seen_seq,      p.seen_age,
+                                                        p.have_beyond,   p.incarnation,
+                                                        p.to_incarnation};
+  auto end = numbers.end();
+  while (end != numbers.begin() && end[-1] == 0) --end;
+  for (auto n = numbers.begin(); n != end; ++n) out.add_link(*n);
+}
+
+bool take_link(const State& in, StatePacket& p) {
+  if (in.link_size() > kLinkNumbers) return false;
+  std::array<std::uint32_t, kLinkNumbers> numbers{};
+  std::copy(in.link().begin(), in.link().end(), numbers.begin());
+  constexpr auto kMaxTick = static_cast<std::uint32_t>(std::numeric_limits<Tick>::max());
+  if (numbers[0] == 0 || numbers[1] >= kMaxTick) return false;
+  p.seq = numbers[0];
+  p.mark_tick = static_cast<Tick>(numbers[1]);
+  p.mark_count = numbers[2];
+  p.have = numbers[3];
+  p.seen_seq = numbers[4];
+  p.seen_age = numbers[5];
+  p.have_beyond = numbers[6];
+  p.incarnation = numbers[7];
+  p.to_incarnation = numbers[8];
+  return true;
+}
+
+}  // namespace
+
+StateEncoder::StateEncoder() : message_(std::make_unique<State>()) {}
+StateEncoder::~StateEncoder() = default;
+StateEncoder::StateEncoder(StateEncoder&&) noexcept = default;
+
+std::span<const std::byte> StateEncoder::encode(const StatePacket& p) {
+  State& out = *message_;
+  out.Clear();
+  put_link(p, out);
   out.set_transit(p.transit);
   out.set_loss(p.loss);
-  out.set_incarnation(p.incarnation);
-  out.set_to_incarnation(p.to_incarnation);
   for (const Bundle& b : p.updates) put_update(b, p.mark_tick, p.mark_count, *out.add_updates());
   if (p.check_tick >= 0) {
     out.set_check_age(static_cast<std::uint32_t>(p.mark_tick - p.check_tick));
     out.set_check_hash(p.check_hash);
   }
-  Bytes bytes(out.ByteSizeLong());
-  out.SerializeToArray(bytes.data(), static_cast<int>(bytes.size()));
-  return bytes;
+  bytes_.resize(out.ByteSizeLong());
+  out.SerializeToArray(bytes_.data(), static_cast<int>(bytes_.size()));
+  return bytes_;
+}
+
+StateDecoder::StateDecoder() : message_(std::make_unique<State>()) {}
+StateDecoder::~StateDecoder() = default;
+StateDecoder::StateDecoder(StateDecoder&&) noexcept = default;
+
+const StatePacket* StateDecoder::decode(std::span<const std::byte> payload, PeerId sender) {
+  if (!message_->ParseFromArray(payload.data(), static_cast<int>(payload.size()))) return nullptr;
+  return take(sender) ? &packet_ : nullptr;
+}
+
+bool StateDecoder::take(PeerId sender) {
+  const State& in = *message_;
+  StatePacket& p = packet_;
+  if (!take_link(in, p) || in.loss() > 100 || in.check_age() > static_cast<std::uint32_t>(p.mark_tick)) return false;
+  p.transit = in.transit();
+  p.loss = in.loss();
+  const auto n = static_cast<std::size_t>(in.updates_size());
+  for (; p.updates.size() > n; p.updates.pop_back()) spare_.push_back(std::move(p.updates.back()));
+  for (; p.updates.size() < n && !spare_.empty(); spare_.pop_back()) p.updates.push_back(std::move(spare_.back()));
+  p.updates.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    p.updates[i].peer = sender;
+    if (!take_update(in.updates(static_cast<int>(i)), p.mark_tick, p.mark_count, p.updates[i])) return false;
+  }
+  p.check_tick = in.check_hash() != 0 ? p.mark_tick - static_cast<Tick>(in.check_age()) : -1;
+  p.check_hash = in.check_hash();
+  return true;
+}
+
+Bytes encode(const StatePacket& p) {
+  StateEncoder encoder;
+  const auto bytes = encoder.encode(p);
+  return {bytes.begin(), bytes.end()};
 }
 
 std::optional<StatePacket> decode_state(std::span<const std::byte> payload, PeerId sender) {
-  State in;
-  if (!in.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) return std::nullopt;
-  constexpr auto kMaxTick = static_cast<std::uint32_t>(std::numeric_limits<Tick>::max());
-  if (in.mark_tick() >= kMaxTick || in.check_age() > in.mark_tick() || in.seq() == 0 || in.loss() > 100)
-    return std::nullopt;
-  StatePacket p;
-  p.seq = in.seq();
-  p.mark_tick = static_cast<Tick>(in.mark_tick());
-  p.mark_count = in.mark_count();
-  p.have = in.have();
-  p.have_beyond = in.have_beyond();
-  p.seen_seq = in.seen_seq();
-  p.seen_age = in.seen_age();
-  p.transit = in.transit();
-  p.loss = in.loss();
-  p.incarnation = in.incarnation();
-  p.to_incarnation = in.to_incarnation();
-  for (const Update& u : in.updates()) {
-    Bundle b;
-    b.peer = sender;
-    if (!take_update(u, p.mark_tick, p.mark_count, b)) return std::nullopt;
-    p.updates.push_back(std::move(b));
-  }
-  if (in.check_hash() != 0) {
-    p.check_tick = p.mark_tick - static_cast<Tick>(in.check_age());
-    p.check_hash = in.check_hash();
-  }
-  return p;
+  StateDecoder decoder;
+  const StatePacket* p = decoder.decode(payload, sender);
+  return p == nullptr ? std::nullopt : std::optional(*p);
 }
 
 namespace {
@@ -90,28 +134,34 @@ std::size_t size_of(const sync::Admission& a) {
          number(a.at.port) + with_length(have);
 }
 
-std::size_t size_of(const std::vector<sync::BodyUpdate>& bodies, Tick tick) {
-  std::size_t ids = 0;
-  std::size_t epochs = 0;
-  std::size_t ages = 0;
-  std::size_t floats = 0;
-  for (const sync::BodyUpdate& u : bodies) {
-    ids += varint(u.body);
+std::size_t size_of_entities(const Bundle& b) {
+  std::size_t floats = b.avatar ? 6 : 0;
+  std::size_t numbers = 0;
+  unsigned next = 0;
+  for (const sync::BodyUpdate& u : b.bodies) {
+    numbers += varint((u.body - next) << 7U | 0x7FU);
+    next = u.body + 1U;
     if (!u.has_state) continue;
-    epochs += varint(u.epoch);
-    ages += varint(static_cast<std::uint32_t>(tick - u.claimed));
+    numbers += varint(u.epoch) + varint(static_cast<std::uint32_t>(b.tick - u.claimed));
     floats += u.state.awake ? 6 : 3;
   }
-  return with_length(ids) + with_length(bodies.size()) + with_length(epochs) + with_length(ages) +
-         with_length(floats * sizeof(float));
+  return (b.avatar ? number(0) : 0) + with_length(numbers) + with_length(floats * sizeof(float));
+}
+
+std::size_t size_of(const sync::Passage& p) {
+  constexpr std::uint32_t kMostFlags = 0xFFFF;
+  const std::size_t state = p.kind == sync::Passage::Kind::kIn ? with_length(6 * sizeof(float)) : 0;
+  return number(p.name.region) + number(p.name.number) + number(p.crossings) + number(p.to) + number(kMostFlags) +
+         state;
 }
 
 /// Of everything in the update's message but what counts back from the mark.
 std::size_t size_of(const Bundle& b) {
-  std::size_t n = size_of(b.bodies, b.tick);
+  std::size_t n = size_of_entities(b);
   if (b.leave) n += number(1);
+  if (b.going) n += 1 + number(1);  // its key has two bytes
+  for (const sync::Passage& p : b.passages) n += with_length(size_of(p));
   if (b.signature) n += with_length(b.signature->size());
-  if (b.avatar) n += number(0) + with_length(6 * sizeof(float));
   if (b.admission) n += with_length(size_of(*b.admission));
   for (const sync::Removal& r : b.removals) n += with_length(number(r.slot) + number(r.incarnation) + number(r.count));
   for (const Bundle& lost : b.passed_on)

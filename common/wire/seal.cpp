@@ -15,8 +15,14 @@ std::uint32_t tag_of(std::span<const std::byte> bytes) {
 }  // namespace
 
 Bytes seal(const Header& header, std::span<const std::byte> payload) {
-  assert(payload.size() <= kMaxPayload);
   Bytes out;
+  seal(header, payload, out);
+  return out;
+}
+
+void seal(const Header& header, std::span<const std::byte> payload, Bytes& out) {
+  assert(payload.size() <= kMaxPayload);
+  out.clear();
   out.reserve(kHeaderBytes + payload.size() + kTagBytes);
   out.push_back(kDatagramMagic[0]);
   out.push_back(kDatagramMagic[1]);
@@ -27,7 +33,6 @@ Bytes seal(const Header& header, std::span<const std::byte> payload) {
   out.insert(out.end(), payload.begin(), payload.end());
   const std::uint32_t tag = tag_of(out);
   for (unsigned shift = 0; shift < 32; shift += 8) out.push_back(static_cast<std::byte>((tag >> shift) & 0xFFU));
-  return out;
 }
 
 std::optional<Opened> open(std::span<const std::byte> datagram, SealError& error, std::uint8_t* version) {

@@ -13,7 +13,7 @@ namespace padr::wire {
 
 using Bytes = std::vector<std::byte>;
 
-inline constexpr std::uint8_t kProtocolVersion = 4;
+inline constexpr std::uint8_t kProtocolVersion = 5;
 inline constexpr std::array<std::byte, 2> kDatagramMagic{std::byte{'P'}, std::byte{'d'}};
 /// UDP payload at most: fits every path that IPv6 allows (1,280 bytes) with room for tunnels.
 inline constexpr std::size_t kMaxDatagram = 1200;
@@ -34,6 +34,8 @@ enum class SealError : std::uint8_t { kNone, kTooShort, kTooLong, kMagic, kVersi
 
 /// Header, payload and tag as one datagram. The payload is at most kMaxPayload bytes.
 Bytes seal(const Header& header, std::span<const std::byte> payload);
+/// The same into `out`, in place of what is there.
+void seal(const Header& header, std::span<const std::byte> payload, Bytes& out);
 
 struct Opened {
   Header header;

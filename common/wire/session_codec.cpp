@@ -79,12 +79,12 @@ struct Encoder {
   void operator()(const Start& m) const {
     auto& s = *out.mutable_start();
     s.set_tick0_us(m.tick0);
-    for (std::size_t p = 0; p < m.members.size(); ++p) {
+    for (std::size_t i = 0; i < m.members.size(); ++i) {
       auto& member = *s.add_members();
-      member.set_peer(static_cast<std::uint32_t>(p));
-      if (p == 0) continue;
-      member.set_address(address_bytes(m.members[p]));
-      member.set_port(m.members[p].port);
+      member.set_peer(static_cast<std::uint32_t>(m.first + i));
+      if (m.first + i == 0) continue;
+      member.set_address(address_bytes(m.members[i]));
+      member.set_port(m.members[i].port);
     }
   }
   void operator()(const Ready& m) const {
@@ -139,11 +139,14 @@ std::optional<SessionMessage> take(const Session::Pong& in) {
 
 std::optional<SessionMessage> take(const Session::Start& in) {
   if (!is_clock(in.tick0_us()) || in.members_size() < 1 || in.members_size() > kMaxPeers) return std::nullopt;
-  Start s{in.tick0_us(), Roster(static_cast<std::size_t>(in.members_size()))};
-  for (std::size_t p = 0; p < s.members.size(); ++p) {
-    const auto& m = in.members(static_cast<int>(p));
+  const std::uint32_t first = in.members(0).peer();
+  if (first > kMaxPeers - static_cast<std::uint32_t>(in.members_size())) return std::nullopt;
+  Start s{in.tick0_us(), Roster(static_cast<std::size_t>(in.members_size())), static_cast<PeerId>(first)};
+  for (std::size_t i = 0; i < s.members.size(); ++i) {
+    const auto& m = in.members(static_cast<int>(i));
+    const std::size_t p = first + i;
     if (m.peer() != p) return std::nullopt;
-    if (p == 0 ? !m.address().empty() || m.port() != 0 : !take_endpoint(m.address(), m.port(), s.members[p]))
+    if (p == 0 ? !m.address().empty() || m.port() != 0 : !take_endpoint(m.address(), m.port(), s.members[i]))
       return std::nullopt;
   }
   return s;

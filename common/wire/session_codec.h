@@ -61,9 +61,11 @@ struct Pong {
 /// Who is where, by peer number. The founder's entry is not set: it is where the datagram came from.
 using Roster = std::vector<Endpoint>;
 
+/// Some of the members at tick 0, as all of them may be more than fit a datagram.
 struct Start {
   Micros tick0 = 0;
-  Roster members;  ///< 1 .. kMaxPeers, all but the first set
+  Roster members;    ///< 1 .. kMaxPeers - first, all set but the founder's
+  PeerId first = 0;  ///< peer number of the first of them; the others' follow
   friend bool operator==(const Start&, const Start&) = default;
 };
 
@@ -80,8 +82,8 @@ struct Bye {
 
 using SessionMessage = std::variant<Join, Welcome, Redirect, Refuse, Ping, Pong, Start, Ready, Bye>;
 
-/// So many members with public keys fit a Start.
-inline constexpr int kMostKeyedBeginners = 20;
+/// So many members, even with public keys, fit a Start.
+inline constexpr std::size_t kMembersPerStart = 20;
 inline constexpr std::size_t kMaxLabel = 128;
 inline constexpr std::size_t kMaxReason = 400;
 /// Times on anybody's clock lie within this of zero (285 years), so that sums and differences of two never overflow.

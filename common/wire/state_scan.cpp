@@ -10,6 +10,7 @@ namespace {
 using Bytes = std::span<const std::byte>;
 
 constexpr std::uint32_t kFlagsEnd = 1U << 7U;
+constexpr std::uint32_t kState = 1U << 4U;
 
 bool count_cause(std::uint64_t flags, StateScan::Update& u) {
   const auto low = static_cast<std::uint32_t>(flags);
@@ -18,71 +19,82 @@ bool count_cause(std::uint64_t flags, StateScan::Update& u) {
   return true;
 }
 
-bool scan_flags(Bytes column, StateScan::Update& u) {
-  std::size_t n = 0;
-  for (std::uint64_t flags = 0; !column.empty(); ++n)
-    if (n == sync::kMaxBodiesPerBundle || !FieldReader::varint(column, flags) || !count_cause(flags, u)) return false;
-  return true;
-}
+/// The next number of the column that tells of bodies, wherever it stands: it may come in pieces.
+class BodyNumbers {
+ public:
+  explicit BodyNumbers(StateScan::Update& u) : u_(u) {}
+
+  bool take(std::uint64_t number) {
+    if (of_claim_ > 0) {
+      --of_claim_;
+      return true;
+    }
+    if (bodies_++ == sync::kMaxBodiesPerBundle) return false;
+    const std::uint64_t flags = number % kFlagsEnd;
+    if ((flags & kState) != 0) of_claim_ = 2;
+    return count_cause(flags, u_);
+  }
+  bool take(Bytes column) {
+    for (std::uint64_t number = 0; !column.empty();)
+      if (!FieldReader::varint(column, number) || !take(number)) return false;
+    return true;
+  }
+  bool whole() const { return of_claim_ == 0; }
+
+ private:
+  StateScan::Update& u_;
+  std::size_t bodies_ = 0;
+  int of_claim_ = 0;  ///< so many that follow are of the last body's claim
+};
 
 bool scan_update(Bytes bytes, const StateScan& mark, StateScan::Update& u) {
   std::uint32_t index_back = 0;
   std::uint32_t tick_back = 0;
   std::uint32_t avatar = 0;
+  BodyNumbers bodies(u);
   FieldReader f(bytes);
   while (f.next()) {
     if (f.number == 1 && f.type == 0) index_back = f.u32();
     if (f.number == 2 && f.type == 0) tick_back = f.u32();
     if (f.number == 3 && f.type == 0) avatar = f.u32();
-    if (f.number == 6 && f.type == 2 && !scan_flags(f.bytes, u)) return false;
-    if (f.number == 6 && f.type == 0 && !count_cause(f.value, u)) return false;
+    if (f.number == 4 && f.type == 2 && !bodies.take(f.bytes)) return false;
+    if (f.number == 4 && f.type == 0 && !bodies.take(f.value)) return false;
     if (f.number == 10 && f.type == 0) u.leave = f.value != 0;
     if (f.number >= 11 && f.number <= 13 && f.type == 2) u.order = true;
   }
-  if (!f.ok() || index_back >= mark.mark_count || tick_back > mark.mark_tick) return false;
+  if (!f.ok() || !bodies.whole() || index_back >= mark.mark_count || tick_back > mark.mark_tick) return false;
   u.index = mark.mark_count - 1 - index_back;
   u.tick = mark.mark_tick - tick_back;
   return avatar == 0 || count_cause(avatar, u);
 }
 
-void take_number(const FieldReader& f, StateScan& s) {
-  switch (f.number) {
-    case 1:
-      s.seq = f.u32();
-      break;
-    case 2:
-      s.mark_tick = f.u32();
-      break;
-    case 3:
-      s.mark_count = f.u32();
-      break;
-    case 4:
-      s.have = f.u32();
-      break;
-    case 6:
-      s.seen_seq = f.u32();
-      break;
-    case 7:
-      s.seen_age = f.u32();
-      break;
-    case 8:
-      s.transit = static_cast<std::int32_t>((f.u32() >> 1U) ^ (0U - (f.u32() & 1U)));
-      break;
-    case 10:
-      s.check_age = f.u32();
-      break;
-    case 12:
-      s.loss = f.u32();
-      break;
-    case 13:
-      s.incarnation = f.u32();
-      break;
-    case 14:
-      s.to_incarnation = f.u32();
-      break;
-    default:
-      break;
+/// The numbers that every datagram has, one after another.
+class LinkNumbers {
+ public:
+  explicit LinkNumbers(StateScan& s)
+      : places_{&s.seq,      &s.mark_tick,   &s.mark_count,  &s.have,          &s.seen_seq,
+                &s.seen_age, &s.have_beyond, &s.incarnation, &s.to_incarnation} {}
+
+  bool take(std::uint64_t number) {
+    if (at_ == places_.size()) return false;
+    *places_[at_++] = static_cast<std::uint32_t>(number);
+    return true;
   }
+  bool take(Bytes column) {
+    for (std::uint64_t number = 0; !column.empty();)
+      if (!FieldReader::varint(column, number) || !take(number)) return false;
+    return true;
+  }
+
+ private:
+  std::array<std::uint32_t*, 9> places_;
+  std::size_t at_ = 0;
+};
+
+void take_number(const FieldReader& f, StateScan& s) {
+  if (f.number == 8) s.transit = static_cast<std::int32_t>((f.u32() >> 1U) ^ (0U - (f.u32() & 1U)));
+  if (f.number == 10) s.check_age = f.u32();
+  if (f.number == 12) s.loss = f.u32();
 }
 
 }  // namespace
@@ -93,15 +105,19 @@ bool scan_state(Bytes payload, StateScan& out) {
   updates.clear();
   raw.clear();
   out = {};
+  LinkNumbers link(out);
+  bool good = true;
   FieldReader f(payload);
   while (f.next()) {
+    if (f.number == 1 && f.type == 2) good = link.take(f.bytes) && good;
+    if (f.number == 1 && f.type == 0) good = link.take(f.value) && good;
     if (f.type == 0) take_number(f, out);
-    if (f.type == 5 && f.number == 5) out.have_beyond = f.u32();
     if (f.type == 5 && f.number == 11) out.check_hash = f.u32();
     if (f.type == 2 && f.number == 9) raw.push_back(f.bytes);
   }
   constexpr auto kMaxTick = static_cast<std::uint32_t>(std::numeric_limits<Tick>::max());
-  bool good = f.ok() && out.seq != 0 && out.mark_tick < kMaxTick && out.check_age <= out.mark_tick && out.loss <= 100;
+  good =
+      good && f.ok() && out.seq != 0 && out.mark_tick < kMaxTick && out.check_age <= out.mark_tick && out.loss <= 100;
   for (const Bytes bytes : raw) {
     StateScan::Update u;
     u.bytes = static_cast<std::uint32_t>(bytes.size() + (bytes.size() < 128 ? 2 : 3));

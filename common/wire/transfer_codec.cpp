@@ -7,6 +7,7 @@
 
 #include "common/sync/admit.h"
 #include "common/wire/endpoint_codec.h"
+#include "common/wire/passage_codec.h"
 #include "common/wire/update_codec.h"
 #include "proto/wire.pb.h"
 
@@ -57,6 +58,7 @@ void put_avatars(const FoldState& s, Message& out) {
     for (const float v : {m.velocity.x, m.velocity.y, m.control.x, m.control.y}) to.add_numbers(v);
     to.set_since(static_cast<std::uint32_t>(m.since));
     to.set_at_rest(m.at_rest);
+    to.set_going(s.members[p].going);
   }
 }
 
@@ -68,7 +70,7 @@ void put_authority(const FoldState& s, Message& out) {
     to.set_epoch(a.epoch);
     to.set_claimed(static_cast<std::uint32_t>(a.claimed));
   }
-  for (const std::uint32_t h : s.holds) out.add_holds(h);
+  for (const PeerSet h : s.holds) out.add_holds(h);
 }
 
 constexpr auto kMaxTick = static_cast<std::uint32_t>(std::numeric_limits<Tick>::max());
@@ -103,7 +105,9 @@ class Reader {
     if (in_.tick() >= kMaxTick) return false;
     out.state.tick = static_cast<Tick>(in_.tick());
     return read_entities(out.state.world) && read_contacts(out.state.world) && read_avatars(out.state) &&
-           read_authority(out.state) && read_slots(out) && read_tail(out) && read_gone(out);
+           read_authority(out.state) &&
+           take_residents(in_, scene_.region ? scene_.bodies.size() : 0, out.state.residents) && read_slots(out) &&
+           read_tail(out) && read_gone(out);
   }
 
  private:
@@ -163,8 +167,11 @@ class Reader {
       const Vec2 control{a.numbers(2), a.numbers(3)};
       if (length(velocity) > limits.max_speed || length(control) > limits.max_control) return false;
       if (a.model() > static_cast<unsigned>(Model::kInput) || a.since() > in_.tick()) return false;
-      if (a.present() != a.member() || a.incarnation() >= kMost) return false;
-      out.members.push_back({a.member(), a.incarnation()});
+      // In a region whoever has come in is not seen before it has said where it is.
+      const bool unseen = scene_.region && a.member() && !a.present();
+      if ((a.present() != a.member() && !unseen) || a.incarnation() >= kMost) return false;
+      if (a.going() && !(scene_.region && a.member())) return false;
+      out.members.push_back({a.member(), a.incarnation(), a.going()});
       out.avatars.push_back(
           {a.present(), static_cast<Model>(a.model()), velocity, control, static_cast<Tick>(a.since()), a.at_rest()});
     }
@@ -181,9 +188,8 @@ class Reader {
       const PeerId owner = a.owner() == 0 ? kNoPeer : static_cast<PeerId>(a.owner() - 1);
       out.authority.push_back({owner, a.released(), a.epoch(), static_cast<Tick>(a.claimed())});
     }
-    const std::uint64_t beyond = ~std::uint64_t{0} << static_cast<unsigned>(slots_);
-    if (std::any_of(in_.holds().begin(), in_.holds().end(), [&](std::uint32_t h) { return (h & beyond) != 0; }))
-      return false;
+    const PeerSet slots = ~PeerSet{0} >> static_cast<unsigned>(kMaxPeers - slots_);
+    if (std::any_of(in_.holds().begin(), in_.holds().end(), [&](PeerSet h) { return (h & ~slots) != 0; })) return false;
     out.holds.assign(in_.holds().begin(), in_.holds().end());
     return true;
   }
@@ -235,6 +241,7 @@ Bytes encode_transfer(const sync::Transfer& t) {
   put_world(t.state.world, out);
   put_avatars(t.state, out);
   put_authority(t.state, out);
+  put_residents(t.state.residents, out);
   for (std::size_t p = 0; p < t.slots.size(); ++p) {
     Message::Slot& to = *out.add_slots();
     to.set_first(t.slots[p].first);

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "common/wire/endpoint_codec.h"
+#include "common/wire/passage_codec.h"
 #include "proto/wire.pb.h"
 
 namespace padr::wire {
@@ -23,6 +24,8 @@ constexpr unsigned kState = 1U << 4U;
 constexpr unsigned kRelease = 1U << 5U;
 constexpr unsigned kBodyAwake = 1U << 6U;
 constexpr unsigned kFlagsEnd = 1U << 7U;
+/// What an id left out counts for beside a body's flags.
+constexpr unsigned kGap = kFlagsEnd;
 
 bool has_control(Model m) {
   return m == Model::kSecond || m == Model::kInput;
@@ -31,106 +34,100 @@ bool has_control(Model m) {
 void put_avatar(const AvatarUpdate& u, Update& out) {
   out.set_avatar(static_cast<unsigned>(u.cause) | static_cast<unsigned>(u.model) << 3U | (u.awake ? kAvatarAwake : 0) |
                  kAvatarSet);
-  for (const float v : {u.position.x, u.position.y, u.velocity.x, u.velocity.y}) out.add_avatar_state(v);
+  for (const float v : {u.position.x, u.position.y, u.velocity.x, u.velocity.y}) out.add_state(v);
   if (!has_control(u.model)) return;
-  out.add_avatar_state(u.control.x);
-  out.add_avatar_state(u.control.y);
+  out.add_state(u.control.x);
+  out.add_state(u.control.y);
 }
 
-void put_body(const BodyUpdate& u, Tick tick, Update& out) {
-  out.add_body(u.body);
-  out.add_body_flags(static_cast<unsigned>(u.cause) | (u.held ? kHeld : 0) | (u.has_state ? kState : 0) |
-                     (u.release ? kRelease : 0) | (u.has_state && u.state.awake ? kBodyAwake : 0));
+/// `next`: the lowest id that it may have.
+void put_body(const BodyUpdate& u, unsigned next, Tick tick, Update& out) {
+  assert(u.body >= next);
+  out.add_bodies((u.body - next) * kGap | static_cast<unsigned>(u.cause) | (u.held ? kHeld : 0) |
+                 (u.has_state ? kState : 0) | (u.release ? kRelease : 0) |
+                 (u.has_state && u.state.awake ? kBodyAwake : 0));
   if (!u.has_state) return;
-  out.add_epoch(u.epoch);
-  out.add_claim_age(static_cast<std::uint32_t>(tick - u.claimed));
-  for (const float v : {u.state.position.x, u.state.position.y, u.state.angle}) out.add_body_state(v);
+  out.add_bodies(u.epoch);
+  out.add_bodies(static_cast<std::uint32_t>(tick - u.claimed));
+  for (const float v : {u.state.position.x, u.state.position.y, u.state.angle}) out.add_state(v);
   if (!u.state.awake) return;
-  for (const float v : {u.state.velocity.x, u.state.velocity.y, u.state.spin}) out.add_body_state(v);
+  for (const float v : {u.state.velocity.x, u.state.velocity.y, u.state.spin}) out.add_state(v);
 }
 
-bool take_avatar(const Update& in, Bundle& out) {
-  const unsigned flags = in.avatar();
-  if (flags == 0) return in.avatar_state().empty();
-  const unsigned cause = flags & 7U;
-  if (flags >= kFlagsEnd || (flags & kAvatarSet) == 0 || cause >= sync::kCauses) return false;
-  AvatarUpdate u;
-  u.cause = static_cast<sync::Cause>(cause);
-  u.model = static_cast<Model>((flags >> 3U) & 3U);
-  u.awake = (flags & kAvatarAwake) != 0;
-  if (in.avatar_state_size() != (has_control(u.model) ? 6 : 4)) return false;
-  u.position = {in.avatar_state(0), in.avatar_state(1)};
-  u.velocity = {in.avatar_state(2), in.avatar_state(3)};
-  if (has_control(u.model)) u.control = {in.avatar_state(4), in.avatar_state(5)};
-  out.avatar = u;
-  return true;
-}
-
-/// Reads the columns side by side; `next_*` are the places in the two that only bodies with state fill.
-class BodyColumns {
+/// Reads the two columns side by side, to their ends.
+class Columns {
  public:
-  BodyColumns(const Update& in, Tick tick) : in_(in), tick_(tick) {}
+  Columns(const Update& in, Tick tick) : in_(in), tick_(tick) {}
 
-  bool take(int i, BodyUpdate& u) {
-    const unsigned flags = in_.body_flags(i);
-    if (in_.body(i) >= kNoEntity || flags >= kFlagsEnd || (flags & 7U) >= sync::kCauses) return false;
-    u.body = static_cast<EntityId>(in_.body(i));
+  bool take_avatar(AvatarUpdate& u) {
+    const unsigned flags = in_.avatar();
+    const unsigned cause = flags & 7U;
+    if (flags >= kFlagsEnd || (flags & kAvatarSet) == 0 || cause >= sync::kCauses) return false;
+    u.cause = static_cast<sync::Cause>(cause);
+    u.model = static_cast<Model>((flags >> 3U) & 3U);
+    u.awake = (flags & kAvatarAwake) != 0;
+    const bool control = has_control(u.model);
+    if (floats_left() < (control ? 6 : 4)) return false;
+    u.position = next_vec();
+    u.velocity = next_vec();
+    if (control) u.control = next_vec();
+    return true;
+  }
+  bool more_bodies() const { return at_ < in_.bodies_size(); }
+  bool take_body(BodyUpdate& u) {
+    const std::uint32_t head = in_.bodies(at_++);
+    const unsigned flags = head % kGap;
+    next_id_ += head / kGap;
+    if (next_id_ >= kNoEntity || (flags & 7U) >= sync::kCauses) return false;
+    u.body = static_cast<EntityId>(next_id_++);
     u.cause = static_cast<sync::Cause>(flags & 7U);
     u.held = (flags & kHeld) != 0;
     u.has_state = (flags & kState) != 0;
     u.release = (flags & kRelease) != 0;
-    u.state.awake = (flags & kBodyAwake) != 0;
-    if (!u.has_state) {
-      const bool plain = !u.state.awake;
-      u.state.awake = true;
-      return plain;
-    }
+    const bool awake = (flags & kBodyAwake) != 0;
+    if (!u.has_state) return !awake;
+    u.state.awake = awake;
     return take_claim(u) && take_state(u.state);
   }
-  bool used_up() const {
-    return next_claim_ == in_.epoch_size() && next_claim_ == in_.claim_age_size() &&
-           next_float_ == in_.body_state_size();
-  }
+  bool used_up() const { return !more_bodies() && floats_left() == 0; }
 
  private:
+  int floats_left() const { return in_.state_size() - next_float_; }
+  float next() { return in_.state(next_float_++); }
+  Vec2 next_vec() {
+    const float x = next();
+    return {x, next()};
+  }
   bool take_claim(BodyUpdate& u) {
-    if (next_claim_ >= in_.epoch_size() || next_claim_ >= in_.claim_age_size()) return false;
-    u.epoch = in_.epoch(next_claim_);
-    const std::uint32_t age = in_.claim_age(next_claim_++);
+    if (in_.bodies_size() - at_ < 2) return false;
+    u.epoch = in_.bodies(at_++);
+    const std::uint32_t age = in_.bodies(at_++);
     if (age > static_cast<std::uint32_t>(tick_)) return false;
     u.claimed = tick_ - static_cast<Tick>(age);
     return true;
   }
   bool take_state(BodyState& s) {
-    const int n = s.awake ? 6 : 3;
-    if (in_.body_state_size() - next_float_ < n) return false;
-    const auto next = [this] { return in_.body_state(next_float_++); };
-    s.position.x = next();
-    s.position.y = next();
+    if (floats_left() < (s.awake ? 6 : 3)) return false;
+    s.position = next_vec();
     s.angle = next();
     if (!s.awake) return true;
-    s.velocity.x = next();
-    s.velocity.y = next();
+    s.velocity = next_vec();
     s.spin = next();
     return true;
   }
 
   const Update& in_;
   Tick tick_;
-  int next_claim_ = 0;
+  int at_ = 0;
   int next_float_ = 0;
+  std::uint32_t next_id_ = 0;
 };
 
-bool take_bodies(const Update& in, Bundle& out) {
-  if (in.body_size() != in.body_flags_size()) return false;
-  if (static_cast<std::size_t>(in.body_size()) > sync::kMaxBodiesPerBundle) return false;
-  BodyColumns columns(in, out.tick);
-  for (int i = 0; i < in.body_size(); ++i) {
-    BodyUpdate u;
-    if (!columns.take(i, u)) return false;
-    if (i > 0 && u.body <= out.bodies.back().body) return false;
-    out.bodies.push_back(u);
-  }
+bool take_entities(const Update& in, std::size_t most_bodies, Bundle& out) {
+  Columns columns(in, out.tick);
+  if (in.avatar() != 0 && !columns.take_avatar(out.avatar.emplace())) return false;
+  while (columns.more_bodies())
+    if (out.bodies.size() == most_bodies || !columns.take_body(out.bodies.emplace_back())) return false;
   return columns.used_up();
 }
 
@@ -188,12 +185,30 @@ bool take_orders(const Update& in, int depth, Bundle& out) {
 
 /// A farewell, an order of the coordinator's and what is told of entities are updates of their own each.
 bool is_of_one_sort(const Update& in) {
-  const std::array<bool, 5> sorts{in.leave(), in.has_admission(), in.removals_size() > 0, in.has_passed_on(),
-                                  in.avatar() != 0 || in.body_size() > 0};
+  const std::array<bool, 7> sorts{in.leave(),
+                                  in.has_admission(),
+                                  in.removals_size() > 0,
+                                  in.has_passed_on(),
+                                  in.passages_size() > 0,
+                                  in.going() != 0,
+                                  in.avatar() != 0 || in.bodies_size() > 0};
   return std::count(sorts.begin(), sorts.end(), true) <= 1;
 }
 
+void clear(Bundle& b) {
+  b.leave = false;
+  b.avatar.reset();
+  b.bodies.clear();
+  b.admission.reset();
+  b.removals.clear();
+  b.passed_on.clear();
+  b.going.reset();
+  b.passages.clear();
+  b.signature.reset();
+}
+
 bool take_within(const Update& in, Tick mark_tick, std::uint32_t mark_count, int depth, Bundle& out) {
+  clear(out);
   if (!is_of_one_sort(in)) return false;
   if (in.index_back() >= mark_count) return false;
   if (in.tick_back() > static_cast<std::uint32_t>(mark_tick)) return false;
@@ -202,11 +217,11 @@ bool take_within(const Update& in, Tick mark_tick, std::uint32_t mark_count, int
   out.leave = in.leave();
   if (!in.signature().empty()) {
     if (in.signature().size() != sizeof(sync::Signature)) return false;
-    if (static_cast<std::size_t>(in.body_size()) > sync::kMaxBodiesPerSigned) return false;
     const auto bytes = std::as_bytes(std::span(in.signature()));
     std::copy(bytes.begin(), bytes.end(), out.signature.emplace().begin());
   }
-  return take_avatar(in, out) && take_bodies(in, out) && take_orders(in, depth, out);
+  const std::size_t most = out.signature ? sync::kMaxBodiesPerSigned : sync::kMaxBodiesPerBundle;
+  return take_entities(in, most, out) && take_orders(in, depth, out) && take_passages(in, out);
 }
 
 }  // namespace
@@ -217,8 +232,13 @@ void put_update(const Bundle& b, Tick mark_tick, std::uint32_t mark_count, Updat
   out.set_tick_back(static_cast<std::uint32_t>(mark_tick - b.tick));
   out.set_leave(b.leave);
   if (b.avatar) put_avatar(*b.avatar, out);
-  for (const BodyUpdate& body : b.bodies) put_body(body, b.tick, out);
+  unsigned next = 0;
+  for (const BodyUpdate& body : b.bodies) {
+    put_body(body, next, b.tick, out);
+    next = body.body + 1U;
+  }
   put_orders(b, out);
+  put_passages(b, out);
   if (b.signature) out.set_signature(b.signature->data(), b.signature->size());
 }
 

@@ -7,10 +7,6 @@
 namespace padr::world {
 namespace {
 
-std::uint32_t slot_of(const b2Body& b) {
-  return static_cast<std::uint32_t>(const_cast<b2Body&>(b).GetUserData().pointer);
-}
-
 bool is_sorted(b2World& world) {
   std::uint32_t last = 0;
   for (b2Contact* c = world.GetContactList(); c != nullptr; c = c->GetNext()) {
@@ -41,9 +37,12 @@ std::uint32_t contact_key(const b2Contact& c) {
   return (std::min(a, b) << 16U) | std::max(a, b);
 }
 
+void find_contacts(b2World& world) {
+  const_cast<b2ContactManager&>(world.GetContactManager()).FindNewContacts();
+}
+
 void order_contacts(b2World& world, std::vector<b2Contact*>& scratch) {
   auto& manager = const_cast<b2ContactManager&>(world.GetContactManager());
-  manager.FindNewContacts();
   // Contacts enter all lists at the head and leave them in place, so if the world's list is in order all are.
   if (is_sorted(world)) return;
 

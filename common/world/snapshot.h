@@ -44,6 +44,9 @@ struct ContactState {
 struct Snapshot {
   std::vector<Kinematics> entities;    ///< by entity id, avatar slots last
   std::vector<ContactState> contacts;  ///< those that touch, by key
+  /// Keys of those that touched in the step that led here and have parted in it. Not a part of the state, but with
+  /// `contacts` it says who had to do with whom in that step.
+  std::vector<std::uint32_t> parted;
 };
 
 /// Adds every bit of the snapshot, contact memory included.

@@ -6,77 +6,24 @@
 #include <array>
 #include <cassert>
 
+#include "common/world/body_list.h"
 #include "common/world/box2d_access.h"
 #include "common/world/box2d_math.h"
 #include "common/world/box2d_timer.h"
+#include "common/world/contact_memory.h"
 #include "common/world/contact_order.h"
 
 namespace padr::world {
 namespace {
 
-Vec2 from_b2(b2Vec2 v) {
-  return {v.x + 0.0F, v.y + 0.0F};
-}  // + 0 turns -0 into +0
-b2Vec2 to_b2(Vec2 v) {
-  return {v.x, v.y};
+/// Of a contact with one that is kept, the memory is kept.
+bool is_kept(const std::vector<bool>& keep, std::uint32_t key) {
+  const auto kept = [&keep](std::uint32_t slot) { return slot < keep.size() && keep[slot]; };
+  return kept(key >> 16U) || kept(key & 0xFFFFU);
 }
 
-ContactState read_contact(b2Contact& c) {
-  const b2Manifold& m = *c.GetManifold();
-  ContactState s;
-  s.key = contact_key(c);
-  s.local_normal = from_b2(m.localNormal);
-  s.local_point = from_b2(m.localPoint);
-  s.type = static_cast<std::uint8_t>(m.type);
-  s.count = static_cast<std::uint8_t>(m.pointCount);
-  s.touching = c.IsTouching();
-  for (std::size_t i = 0; i < s.count; ++i) {
-    const b2ManifoldPoint& p = m.points[i];
-    s.points[i] = {from_b2(p.localPoint), p.normalImpulse, p.tangentImpulse, p.id.key};
-  }
-  return s;
-}
-
-void write_contact(b2Contact& c, const ContactState& s) {
-  b2Manifold& m = *c.GetManifold();
-  m.localNormal = to_b2(s.local_normal);
-  m.localPoint = to_b2(s.local_point);
-  m.type = static_cast<b2Manifold::Type>(s.type);
-  m.pointCount = s.count;
-  for (std::size_t i = 0; i < s.count; ++i) {
-    b2ManifoldPoint& p = m.points[i];
-    p.localPoint = to_b2(s.points[i].local);
-    p.normalImpulse = s.points[i].normal_impulse;
-    p.tangentImpulse = s.points[i].tangent_impulse;
-    p.id.key = s.points[i].id;
-  }
-  access::set_touching(c, s.touching);
-}
-
-void forget_contact(b2Contact& c) {
-  c.GetManifold()->pointCount = 0;
-  access::set_touching(c, false);
-}
-
-/// Whether the two shapes' bounds overlap where they are now: unlike Box2D's own enlarged bounds, a function of the
-/// state alone.
-bool bounds_overlap(const b2Fixture& a, const b2Fixture& b) {
-  b2AABB box_a;
-  b2AABB box_b;
-  a.GetShape()->ComputeAABB(&box_a, a.GetBody()->GetTransform(), 0);
-  b.GetShape()->ComputeAABB(&box_b, b.GetBody()->GetTransform(), 0);
-  return b2TestOverlap(box_a, box_b);
-}
-
-void wake_and_forget(b2Contact& c) {
-  c.GetFixtureA()->GetBody()->SetAwake(true);
-  c.GetFixtureB()->GetBody()->SetAwake(true);
-  forget_contact(c);
-}
-
-bool remembers(b2Contact& c) {
-  return c.IsTouching() || c.GetManifold()->pointCount > 0;
-}
+// Room for so many at once: piece by piece it would be found anew for each of the many snapshots that are kept.
+constexpr std::size_t kUsualContacts = 32;
 
 float inertia_of(const BodyDef& d) {
   return d.shape == ShapeKind::kCircle ? 0.5F * d.mass * d.radius * d.radius
@@ -138,30 +85,49 @@ struct World::Box2d final : b2ContactFilter {
     if (!present[a] || !present[b]) return false;
     const bool avatar_and_body = a < n_bodies && b >= n_bodies && b < bodies.size();
     if (!avatar_and_body) return true;
-    const auto bit = 1U << (b - n_bodies);
+    const PeerSet bit = only(static_cast<PeerId>(b - n_bodies));
     return ((free_avatars | holds[a]) & bit) != 0;
   }
 
   bool ShouldCollide(b2Fixture* a, b2Fixture* b) override {
+    in_order = false;
     return may_collide(a->GetBody()->GetUserData().pointer, b->GetBody()->GetUserData().pointer);
   }
 
   void refilter(std::size_t e) const { bodies[e]->GetFixtureList()->Refilter(); }
 
-  void forget_if_apart(b2Contact& c);
+  /// What has been done to this one shows, and the next step sees it.
+  void changed(std::size_t e) {
+    const b2Body& b = *bodies[e];
+    seen[e] = {from_b2(b.GetPosition()),       b.GetAngle() + 0.0F,
+               from_b2(b.GetLinearVelocity()), b.GetAngularVelocity() + 0.0F,
+               b.*member(access::SleepTime{}), b.IsAwake()};
+    if (b.IsAwake()) list.woken(e);
+    contacts_known = false;
+  }
+
+  void find_and_order();
+  bool forget_if_apart(b2Contact& c);
   void forget_forbidden(b2Body& body);
   void restore_entity(std::size_t e, const Kinematics& k);
+  void wake_and_forget(b2Contact& c);
+  b2Contact* find(std::uint32_t key) const;
+  void forget_unless(const std::vector<bool>& keep, b2Contact& c);
   void restore_contacts(const Snapshot& s, const std::vector<bool>& keep);
 
   b2World world;
   std::size_t n_bodies = 0;
-  std::vector<b2Body*> bodies;       // by slot: bodies, avatars; fixed things have later slots and are not listed
-  std::vector<char> present;         // by slot, fixed things included
-  std::vector<std::uint32_t> holds;  // by body: bit p set if avatar p holds it
-  std::uint32_t free_avatars = 0;
+  std::vector<b2Body*> bodies;   // by slot: bodies, avatars; fixed things have later slots and are not listed
+  std::vector<Kinematics> seen;  // by slot: as it is in Box2D
+  BodyList list;
+  std::vector<char> present;   // by slot, fixed things included
+  std::vector<PeerSet> holds;  // by body: whose avatars hold it
+  PeerSet free_avatars = 0;
   mutable std::vector<Contact> contacts;
   mutable bool contacts_known = false;
   mutable std::vector<b2Contact*> scratch;
+  bool in_order = false;              // all contacts, by key
+  std::vector<std::uint32_t> parted;  // keys: touched in the last step and parted in it
 };
 
 World::World(const Scene& scene, int slots)
@@ -193,9 +159,14 @@ World::World(const Scene& scene, int slots)
   }
   std::size_t slot = w.bodies.size();
   for (const BodyDef& d : scene.statics) w.create(d, b2_staticBody, slot++);
+  w.seen.resize(w.bodies.size());
+  w.list.begin(w.world, w.bodies);
+  for (std::size_t e = 0; e < w.bodies.size(); ++e) w.changed(e);
 }
 
-World::~World() = default;
+World::~World() {
+  impl_->list.end();
+}
 
 void World::set_present(EntityId e, bool present) {
   if ((impl_->present[e] != 0) == present) return;
@@ -203,6 +174,7 @@ void World::set_present(EntityId e, bool present) {
   impl_->refilter(e);
   impl_->forget_forbidden(*impl_->bodies[e]);
   if (!present) impl_->bodies[e]->SetAwake(false);
+  impl_->changed(e);
 }
 
 bool World::present(EntityId e) const {
@@ -210,8 +182,8 @@ bool World::present(EntityId e) const {
 }
 
 void World::set_hold(PeerId p, EntityId body, bool held) {
-  std::uint32_t& mask = impl_->holds[body];
-  const std::uint32_t bit = 1U << p;
+  PeerSet& mask = impl_->holds[body];
+  const PeerSet bit = only(p);
   if (((mask & bit) != 0) == held) return;
   mask ^= bit;
   impl_->refilter(avatar(p));
@@ -219,11 +191,11 @@ void World::set_hold(PeerId p, EntityId body, bool held) {
 }
 
 bool World::hold(PeerId p, EntityId body) const {
-  return (impl_->holds[body] & (1U << p)) != 0;
+  return (impl_->holds[body] & only(p)) != 0;
 }
 
 void World::set_free(PeerId p, bool free) {
-  const std::uint32_t bit = 1U << p;
+  const PeerSet bit = only(p);
   if (((impl_->free_avatars & bit) != 0) == free) return;
   impl_->free_avatars ^= bit;
   impl_->refilter(avatar(p));
@@ -231,19 +203,18 @@ void World::set_free(PeerId p, bool free) {
 }
 
 BodyState World::state(EntityId e) const {
-  const b2Body& b = *impl_->bodies[e];
-  return {from_b2(b.GetPosition()), b.GetAngle() + 0.0F, from_b2(b.GetLinearVelocity()), b.GetAngularVelocity() + 0.0F,
-          b.IsAwake()};
+  const Kinematics& k = impl_->seen[e];
+  return {k.position, k.angle, k.velocity, k.spin, k.awake};
 }
 
 Vec2 World::position(EntityId e) const {
-  return from_b2(impl_->bodies[e]->GetPosition());
+  return impl_->seen[e].position;
 }
 Vec2 World::velocity(EntityId e) const {
-  return from_b2(impl_->bodies[e]->GetLinearVelocity());
+  return impl_->seen[e].velocity;
 }
 bool World::awake(EntityId e) const {
-  return impl_->bodies[e]->IsAwake();
+  return impl_->seen[e].awake;
 }
 
 void World::set_state(EntityId e, const BodyState& s) {
@@ -262,39 +233,64 @@ void World::set_state(EntityId e, const BodyState& s) {
   } else {
     b.SetAwake(false);
   }
-  impl_->contacts_known = false;
+  impl_->changed(e);
 }
 
 void World::set_velocity(EntityId e, Vec2 v) {
   impl_->bodies[e]->SetLinearVelocity(to_b2(v));
+  impl_->changed(e);
 }
 
 void World::apply_force(EntityId e, Vec2 force) {
   impl_->bodies[e]->ApplyForceToCenter(to_b2(force), true);
+  if (!impl_->seen[e].awake) impl_->changed(e);
 }
 
 void World::step() {
   Box2d& w = *impl_;
-  order_contacts(w.world, w.scratch);
+  w.parted.clear();
+  w.find_and_order();
+  w.list.prepare();
+  if (w.list.listed().empty()) return;  // all sleeps, and stays as it is
   w.world.Step(kTickSeconds, scene_->velocity_iterations, scene_->position_iterations);
-  for (b2Contact* c = w.world.GetContactList(); c != nullptr; c = c->GetNext()) w.forget_if_apart(*c);
+  for (b2Contact* c = w.world.GetContactList(); c != nullptr; c = c->GetNext())
+    if (w.forget_if_apart(*c)) w.parted.push_back(contact_key(*c));
+  for (const std::uint32_t e : w.list.listed()) w.changed(e);
   w.contacts_known = false;
+}
+
+// New contacts come with the question whether they may be; without any the order still holds.
+void World::Box2d::find_and_order() {
+  find_contacts(world);
+  if (in_order) return;
+  order_contacts(world, scratch);
+  in_order = true;
+}
+
+void World::Box2d::wake_and_forget(b2Contact& c) {
+  forget_contact(c);
+  for (b2Body* b : {c.GetFixtureA()->GetBody(), c.GetFixtureB()->GetBody()}) {
+    b->SetAwake(true);
+    if (const std::size_t e = b->GetUserData().pointer; e < bodies.size()) changed(e);
+  }
 }
 
 // Box2D drops a contact, and wakes its two bodies, when their enlarged bounds part, which happens at a moment that
 // depends on history. Doing the same when the true bounds part comes earlier always, so Box2D's own never matters.
-void World::Box2d::forget_if_apart(b2Contact& c) {
-  if (!remembers(c)) return;
+bool World::Box2d::forget_if_apart(b2Contact& c) {
+  if (!remembers(c)) return false;
   const b2Body& a = *c.GetFixtureA()->GetBody();
   const b2Body& b = *c.GetFixtureB()->GetBody();
-  if (!a.IsAwake() && !b.IsAwake()) return;
-  if (!bounds_overlap(*c.GetFixtureA(), *c.GetFixtureB())) wake_and_forget(c);
+  if (!a.IsAwake() && !b.IsAwake()) return false;
+  if (bounds_overlap(c)) return false;
+  wake_and_forget(c);
+  return true;
 }
 
 // The same for a contact that has just become forbidden: now, not whenever Box2D next looks at it.
 void World::Box2d::forget_forbidden(b2Body& body) {
   for (b2ContactEdge* e = body.GetContactList(); e != nullptr; e = e->next)
-    if (remembers(*e->contact) && !ShouldCollide(e->contact->GetFixtureA(), e->contact->GetFixtureB()))
+    if (remembers(*e->contact) && !may_collide(body.GetUserData().pointer, e->other->GetUserData().pointer))
       wake_and_forget(*e->contact);
 }
 
@@ -314,16 +310,19 @@ const std::vector<Contact>& World::contacts() const {
   return w.contacts;
 }
 
+Kinematics World::kinematics(EntityId e) const {
+  return impl_->seen[e];
+}
+
 void World::save(Snapshot& out) const {
-  const Box2d& w = *impl_;
-  out.entities.resize(w.bodies.size());
-  for (std::size_t e = 0; e < w.bodies.size(); ++e) {
-    const b2Body& b = *w.bodies[e];
-    out.entities[e] = {from_b2(b.GetPosition()),       b.GetAngle() + 0.0F,
-                       from_b2(b.GetLinearVelocity()), b.GetAngularVelocity() + 0.0F,
-                       b.*member(access::SleepTime{}), b.IsAwake()};
-  }
+  out.entities = impl_->seen;
+  save_contacts(out);
+}
+
+void World::save_contacts(Snapshot& out) const {
+  out.parted = impl_->parted;
   out.contacts.clear();
+  out.contacts.reserve(kUsualContacts);
   for (b2Contact* c = impl_->world.GetContactList(); c != nullptr; c = c->GetNext())
     if (remembers(*c)) out.contacts.push_back(read_contact(*c));
   const auto by_key = [](const ContactState& a, const ContactState& b) { return a.key < b.key; };
@@ -332,9 +331,9 @@ void World::save(Snapshot& out) const {
 }
 
 void World::Box2d::restore_entity(std::size_t e, const Kinematics& k) {
+  if (seen[e] == k) return;
   b2Body& b = *bodies[e];
-  const Vec2 position = from_b2(b.GetPosition());
-  if (position != k.position || b.GetAngle() != k.angle) b.SetTransform(to_b2(k.position), k.angle);
+  if (seen[e].position != k.position || seen[e].angle != k.angle) b.SetTransform(to_b2(k.position), k.angle);
   if (k.awake) {
     if (!b.IsAwake()) b.SetAwake(true);
     b.SetLinearVelocity(to_b2(k.velocity));
@@ -343,26 +342,28 @@ void World::Box2d::restore_entity(std::size_t e, const Kinematics& k) {
     b.SetAwake(false);
   }
   b.*member(access::SleepTime{}) = k.sleep_time;
+  changed(e);
+}
+
+b2Contact* World::Box2d::find(std::uint32_t key) const {
+  const std::size_t first = key >> 16U;
+  const std::size_t second = key & 0xFFFFU;
+  for (b2ContactEdge* e = bodies[first]->GetContactList(); e != nullptr; e = e->next)
+    if (e->other->GetUserData().pointer == second) return e->contact;
+  return nullptr;
+}
+
+void World::Box2d::forget_unless(const std::vector<bool>& keep, b2Contact& c) {
+  if (!is_kept(keep, contact_key(c))) forget_contact(c);
 }
 
 void World::Box2d::restore_contacts(const Snapshot& s, const std::vector<bool>& keep) {
-  const auto kept = [&keep](std::uint32_t slot) { return slot < keep.size() && keep[slot]; };
-  const auto mine = [&kept](std::uint32_t key) { return kept(key >> 16U) || kept(key & 0xFFFFU); };
-  order_contacts(world, scratch);
-  auto next = s.contacts.begin();
-  for (b2Contact* c = world.GetContactList(); c != nullptr; c = c->GetNext()) {
-    const std::uint32_t key = contact_key(*c);
-    while (next != s.contacts.end() && next->key < key) ++next;
-    const bool found = next != s.contacts.end() && next->key == key;
-    if (!mine(key)) {
-      if (found) {
-        write_contact(*c, *next);
-      } else {
-        forget_contact(*c);
-      }
-    }
-    if (found) ++next;
-  }
+  find_contacts(world);
+  for (const ContactState& state : s.contacts)
+    if (!is_kept(keep, state.key))
+      if (b2Contact* c = find(state.key)) write_contact(*c, state);
+  parted.clear();
+  contacts_known = false;
 }
 
 void World::restore(const Snapshot& s, const std::vector<bool>& keep) {
@@ -370,8 +371,19 @@ void World::restore(const Snapshot& s, const std::vector<bool>& keep) {
   assert(s.entities.size() == w.bodies.size());
   for (std::size_t e = 0; e < w.bodies.size(); ++e)
     if (e >= keep.size() || !keep[e]) w.restore_entity(e, s.entities[e]);
+  for (b2Contact* c = w.world.GetContactList(); c != nullptr; c = c->GetNext())
+    if (remembers(*c)) w.forget_unless(keep, *c);
   w.restore_contacts(s, keep);
-  w.contacts_known = false;
+}
+
+void World::restore_only(const Snapshot& s, const std::vector<EntityId>& which, const std::vector<bool>& keep) {
+  Box2d& w = *impl_;
+  for (const EntityId e : which) {
+    w.restore_entity(e, s.entities[e]);
+    for (b2ContactEdge* c = w.bodies[e]->GetContactList(); c != nullptr; c = c->next)
+      if (remembers(*c->contact)) w.forget_unless(keep, *c->contact);
+  }
+  w.restore_contacts(s, keep);
 }
 
 void add_to_hash(Hasher& h, const Snapshot& s) {

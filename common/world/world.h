@@ -57,11 +57,16 @@ class World {
   /// Entities that touch, sorted, as of the last step.
   const std::vector<Contact>& contacts() const;
 
+  Kinematics kinematics(EntityId e) const;
   void save(Snapshot& out) const;
+  /// Of the snapshot only `contacts` and `parted`.
+  void save_contacts(Snapshot& out) const;
   /// Takes over the snapshot's state exactly, but leaves entities whose bit in `keep` is set as they are, with the
   /// memory of their contacts. `keep` is indexed by entity id; empty keeps nothing. The snapshot must come from a world
   /// of the same scene and slots. Holds and presence are the caller's to set first.
   void restore(const Snapshot& s, const std::vector<bool>& keep = {});
+  /// The same if all but `which` are kept.
+  void restore_only(const Snapshot& s, const std::vector<EntityId>& which, const std::vector<bool>& keep);
 
  private:
   struct Box2d;

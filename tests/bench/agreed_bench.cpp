@@ -5,6 +5,7 @@
 #include "common/link/netem_spec.h"
 #include "common/scenarios/scenarios.h"
 #include "common/sync/agreed_world.h"
+#include "tests/bench/bare_world.h"
 #include "tests/bench/party.h"
 #include "tools/lab/simulation.h"
 
@@ -90,19 +91,18 @@ void lab_run(benchmark::State& state) {
     }
     const Scene scene = c.scene;
     lab::Simulation simulation(std::move(c));
-    world::World world(scene, kPeers);
-    world::Snapshot s;
+    BareWorld world(scene, kPeers);
     std::uint64_t replayed = 0;
     for (Tick t = 0; t < kTicks; ++t) {
       run += seconds_of([&simulation] { simulation.step(); });
       std::uint64_t all = 0;
-      for (PeerId p = 0; p < kPeers; ++p) all += simulation.node(p).agreed().replayed_steps();
+      for (PeerId p = 0; p < kPeers; ++p) all += whole_replays(simulation.node(p).agreed());
       // As often as this tick: live and predicted of every peer, and what was replayed.
       const std::uint64_t steps = 2 * kPeers + (all - replayed);
       replayed = all;
-      simulation.node(0).live().world().save(s);
+      const node::Node& node = simulation.node(0);
       for (std::uint64_t i = 0; i < steps; ++i) {
-        world.restore(s);
+        world.put(node.live().world().kinematics(), node.agreed().predicted_state().holds);
         bare += seconds_of([&world] { world.step(); });
       }
     }

@@ -45,7 +45,7 @@ sync::StatePacket packet(const Scene& scene, int bodies) {
   b.avatar = a;
   for (int i = 0; i < bodies; ++i) {
     sync::BodyUpdate u;
-    u.body = static_cast<EntityId>(i * static_cast<int>(scene.bodies.size()) / bodies);
+    u.body = static_cast<EntityId>((2 * i + 1) * static_cast<int>(scene.bodies.size()) / (2 * bodies));
     u.has_state = true;
     u.held = true;
     u.epoch = 1 + rng.below(20);
@@ -78,7 +78,9 @@ void run(benchmark::State& state, const auto& work) {
 void encode(benchmark::State& state) {
   const auto bodies = static_cast<int>(state.range(0));
   const sync::StatePacket p = packet(room(60, 4), bodies);
-  run(state, [&p] { benchmark::DoNotOptimize(wire::encode(p)); });
+  wire::StateEncoder encoder;
+  encoder.encode(p);
+  run(state, [&] { benchmark::DoNotOptimize(encoder.encode(p)); });
   if (bodies == 0) return;
   sync::StatePacket less = p;
   less.updates[0].bodies.clear();
@@ -90,7 +92,9 @@ void encode(benchmark::State& state) {
 
 void decode(benchmark::State& state) {
   const wire::Bytes bytes = wire::encode(packet(room(60, 4), static_cast<int>(state.range(0))));
-  run(state, [&bytes] { benchmark::DoNotOptimize(wire::decode_state(bytes, 1)); });
+  wire::StateDecoder decoder;
+  decoder.decode(bytes, 1);
+  run(state, [&] { benchmark::DoNotOptimize(decoder.decode(bytes, 1)); });
 }
 
 void admit(benchmark::State& state) {

@@ -30,6 +30,11 @@ Scene room(int bodies, int spawns);
 /// The same, in which every body moves for ever: nothing slows it down, and what it hits throws it back.
 Scene restless_room(int bodies, int spawns);
 
+/// Steps of the whole predicted world that were made again, so far.
+inline std::uint64_t whole_replays(const sync::AgreedWorld& a) {
+  return a.replayed_steps() - a.locally_replayed_steps();
+}
+
 /// Nodes in lock step, every directed link through a shim; the first one's frames are measured.
 class Party {
  public:

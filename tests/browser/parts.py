@@ -103,7 +103,7 @@ class Parts(Case):
           const light = (c) => { const v = c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4; return v; };
           const luminance = (h) => { const n = h.length === 4 ? [...h.slice(1)].map((d) => d + d) : h.slice(1).match(/../g);
             const [r, g, b] = n.map((d) => light(parseInt(d, 16) / 255)); return 0.2126 * r + 0.7152 * g + 0.0722 * b; };
-          return [...Array(32).keys()].map((slot) => { const [a, b] = [luminance(hue(slot)), luminance(ink(slot))];
+          return [...Array(64).keys()].map((slot) => { const [a, b] = [luminance(hue(slot)), luminance(ink(slot))];
             return (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05); });
         """)
         self.assertGreater(min(ratios), 4.5, ratios)

@@ -1,3 +1,4 @@
+#include "common/model/ids.h"
 #include "common/wire/codec.h"
 #include "common/wire/seal.h"
 #include "tests/capture/made.h"
@@ -30,7 +31,7 @@ TEST_F(Program, SaysWhatIsWrongWithTheCommandLine) {
            {"summary .", "it is a directory"},
            {"export x", "give one of --json and --csv"},
            {"export x --json --csv", "give one of --json and --csv"},
-           {"rebuild x --peers 33", "--peers"},
+           {"rebuild x --peers " + std::to_string(kMaxPeers + 1), "--peers"},
            {"compare x", "at least one capture and one trace"}}) {
     Shell::write("x", "");
     const Outcome o = capture(arguments);

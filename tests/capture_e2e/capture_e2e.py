@@ -64,8 +64,8 @@ def is_claimed(datagram):
     if datagram[:2] != b"Pd" or len(datagram) < 6:
         return False
     good = len(datagram) >= 10 and zlib.crc32(datagram[:-4]) == int.from_bytes(datagram[-4:], "little")
-    somebody = datagram[3] < 32 or datagram[3] == 255
-    kinds = (0x40, 0x41, 0x42, *((0x44, 0x45, 0x46, 0x48, 0x49, 0x4A) if 30 <= len(datagram) <= 1220 else ()))
+    somebody = datagram[3] < 64 or datagram[3] == 255
+    kinds = (0x50, 0x51, 0x52, *((0x54, 0x55, 0x56, 0x58, 0x59, 0x5A) if 30 <= len(datagram) <= 1220 else ()))
     return good or datagram[2] in kinds and somebody
 
 
@@ -131,7 +131,7 @@ class Captures(Case):
         self.check_rebuilt(capture, *keys, least=5)
         known, unknown = (self.as_json("summary", capture, *more)["sealed"] for more in (keys, []))
         self.assertEqual((known["unchecked"], known["encrypted"]), (0, 0))
-        self.assertGreaterEqual(known["handshakes"], 4)
+        self.assertGreaterEqual(known["handshakes"], 3)  # an Acceptance that is lost is not said again
         self.assertGreater(known["checked"], 50)
         self.assertGreater(known["wrong"], 0)  # the shim's corruption
         self.assertEqual(unknown["checked"], 0)

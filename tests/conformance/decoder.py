@@ -13,15 +13,14 @@ from session_messages import decode_session
 from updates import UPDATE_FIELDS, check_values, decode_update
 
 HEADER, TAG, LARGEST = 6, 4, 1200
-VERSION = 4
+VERSION = 5
 STATE, SESSION, MEMBERSHIP = 0, 1, 2
 
 STATE_FIELDS = {
-    1: ("seq", "uint32"), 2: ("mark_tick", "uint32"), 3: ("mark_count", "uint32"), 4: ("have", "uint32"),
-    5: ("have_beyond", "fixed32"), 6: ("seen_seq", "uint32"), 7: ("seen_age", "uint32"), 8: ("transit", "sint32"),
-    9: ("update", UPDATE_FIELDS), 10: ("check_age", "uint32"), 11: ("check_hash", "fixed32"), 12: ("loss", "uint32"),
-    13: ("incarnation", "uint32"), 14: ("to_incarnation", "uint32"),
+    1: ("link", "uint32 column"), 8: ("transit", "sint32"), 9: ("update", UPDATE_FIELDS), 10: ("check_age", "uint32"),
+    11: ("check_hash", "fixed32"), 12: ("loss", "uint32"),
 }
+LINK = ("seq", "mark_tick", "mark_count", "have", "seen_seq", "seen_age", "have_beyond", "incarnation", "to_incarnation")
 
 
 def decode(datagram):
@@ -60,6 +59,9 @@ def check_envelope(datagram):
 
 def decode_state(payload, sender):
     raw = message(payload, STATE_FIELDS)
+    link = raw.pop("link")
+    require(len(link) <= len(LINK), "too many numbers of the link")
+    raw.update(zip(LINK, [*link, *[0] * (len(LINK) - len(link))]))
     require(raw["seq"] > 0, "seq 0")
     require(raw["mark_tick"] < (1 << 31) - 1, "mark_tick beyond the last")
     require(raw["loss"] <= 100, "loss above 100 per cent")

@@ -66,7 +66,7 @@ def message_lines(name, content):
     lines = []
     for field, value in content.items():
         if name == "start" and field == "member":
-            lines += [f"start.member[{n}] = {place(member) if n else 'founder'}" for n, member in enumerate(value)]
+            lines += [f"start.member[{member['peer']}] = {place(member) if member['peer'] else 'founder'}" for member in value]
         elif field in ("member", "lost"):
             lines += [f"{name}.{field}[{n}] = {seat['slot']} {seat['incarnation']} {seat['have']}" for n, seat in enumerate(value)]
         elif field == "update":

@@ -6,8 +6,7 @@ from updates import MOST_PEERS, MOST_TICK, UPDATE_FIELDS, decode_update
 MOST_PIECES, MOST_PIECE = 2048, 1150
 
 SEAT_FIELDS = {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("have", "uint32")}
-# Of a Fetched only so much of its State counts.
-FETCHED_STATE_FIELDS = {2: ("mark_tick", "uint32"), 3: ("mark_count", "uint32"), 9: ("update", UPDATE_FIELDS)}
+TOLD_FIELDS = {2: ("mark_tick", "uint32"), 3: ("mark_count", "uint32"), 9: ("update", UPDATE_FIELDS)}
 MEMBERSHIP_MESSAGES = {
     1: ("pull", {1: ("nonce", "fixed64"), 2: ("from", "uint32"), 3: ("wanted", "fixed64")}),
     2: ("piece", {1: ("nonce", "fixed64"), 2: ("index", "uint32"), 3: ("count", "uint32"), 4: ("bytes", "bytes")}),
@@ -15,7 +14,7 @@ MEMBERSHIP_MESSAGES = {
     4: ("poll", {1: ("lost", SEAT_FIELDS)}),
     5: ("answer", {1: ("lost", SEAT_FIELDS)}),
     6: ("fetch", {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("from", "uint32")}),
-    7: ("fetched", {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("updates", Single(FETCHED_STATE_FIELDS))}),
+    7: ("fetched", {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("updates", Single(TOLD_FIELDS))}),
     8: ("probe", {1: ("incarnation", "uint32"), 2: ("member", SEAT_FIELDS), 3: ("knows_you", "bool"), 4: ("newest", "uint32")}),
 }
 
@@ -33,7 +32,7 @@ def decode_membership(payload):
         require(out["index"] < out["count"] <= MOST_PIECES, "a piece that is none")
         require(1 <= len(out["bytes"]) <= MOST_PIECE, "a piece of another size")
     elif name == "fetched":
-        out["update"] = decode_fetched(out.pop("updates") or message(b"", FETCHED_STATE_FIELDS))
+        out["update"] = decode_fetched(out.pop("updates") or message(b"", TOLD_FIELDS))
     return name, out
 
 

@@ -89,6 +89,12 @@ def fixed32_column(data):
     return list(struct.unpack(f"<{len(data) // 4}I", data))
 
 
+def fixed64_column(data):
+    if len(data) % 8:
+        raise Malformed("a column of fixed64 is not whole")
+    return list(struct.unpack(f"<{len(data) // 8}Q", data))
+
+
 def text(data):
     """Texts are one line of ASCII; what is not is read as question marks."""
     return "".join(chr(byte) if 0x20 <= byte < 0x7F else "?" for byte in data)
@@ -107,6 +113,7 @@ TYPES = {
     "uint32 column": (BYTES, uint32_column, ()),
     "float column": (BYTES, float_column, ()),
     "fixed32 column": (BYTES, fixed32_column, ()),
+    "fixed64 column": (BYTES, fixed64_column, ()),
 }
 
 # The wire type of a column's value that is not packed, and what makes a number of it.
@@ -114,6 +121,7 @@ COLUMNS = {
     "uint32 column": (VARINT, uint32),
     "float column": (FOUR, lambda raw: struct.unpack("<f", raw)[0]),
     "fixed32 column": (FOUR, lambda raw: struct.unpack("<I", raw)[0]),
+    "fixed64 column": (EIGHT, lambda raw: struct.unpack("<Q", raw)[0]),
 }
 
 # Messages within messages; more than any that is well formed has.

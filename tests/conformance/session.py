@@ -13,7 +13,8 @@ class Link:
         self.seq = self.mark_tick = self.mark_count = self.have = 0
         self.updates = set()
         self.datagrams = 0
-        self.told = 0  # tick of the last datagram that could tell of the link and the hash
+        self.told = 0  # tick of the last datagram that told of the link and the hash
+        self.check_tick = -1  # of that hash
 
 
 class Session:
@@ -52,11 +53,10 @@ class Session:
             decoded[name] for name in ("seq", "mark_tick", "mark_count", "have"))
         self.acknowledged(decoded, back)
         self.marks += not decoded["updates"]
-        if not decoded["updates"]:
-            link.told = decoded["mark_tick"]
-        elif decoded["transit"] or decoded["loss"] or decoded["check_hash"]:
-            check(decoded["mark_tick"] - link.told >= 60, "told beside updates, too soon")
-            link.told = decoded["mark_tick"]
+        if decoded["transit"] or decoded["check_hash"] or decoded["updates"] and decoded["loss"]:
+            newer = not decoded["updates"] and decoded["check_tick"] > link.check_tick
+            check(newer or decoded["mark_tick"] - link.told >= 60, "told too soon")
+            link.told, link.check_tick = decoded["mark_tick"], decoded["check_tick"] if decoded["check_hash"] else -1
         for update in decoded["updates"]:
             link.updates.add(update["index"])
             known = self.updates[sender].setdefault(update["index"], update)

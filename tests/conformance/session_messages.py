@@ -17,10 +17,10 @@ SESSION_MESSAGES = {
     9: ("bye", {1: ("reason", "text")}),
 }
 RANGES = {  # of fields of session messages, by name; others take anything
-    "slots": (1, 32), "wanted": (1, 32), "port": (1, 65535), "present": (0, 32),
+    "slots": (1, 64), "wanted": (1, 64), "port": (1, 65535), "present": (0, 64),
     "sent_us": (-(1 << 53), 1 << 53), "founder_us": (-(1 << 53), 1 << 53), "tick0_us": (-(1 << 53), 1 << 53),
 }
-MOST_REASON, MOST_LABEL, LEAST_PING_PADDING, MOST_MEMBERS = 400, 128, 18, 32
+MOST_REASON, MOST_LABEL, LEAST_PING_PADDING, MOST_MEMBERS = 400, 128, 18, 64
 
 
 def decode_session(payload):
@@ -53,7 +53,11 @@ def check_session(name, content):
     elif name == "start":
         members = content["member"]
         require(1 <= len(members) <= MOST_MEMBERS, "a number of members that cannot be")
-        require([member["peer"] for member in members] == list(range(len(members))), "members out of order")
-        require(not members[0]["address"] and not members[0]["port"], "an address of the founder")
-        for member in members[1:]:
-            check_ranges(member)
+        first = members[0]["peer"]
+        require([member["peer"] for member in members] == list(range(first, first + len(members))), "members out of order")
+        require(first + len(members) <= MOST_MEMBERS, "a member beyond the last")
+        for member in members:
+            if member["peer"]:
+                check_ranges(member)
+            else:
+                require(not member["address"] and not member["port"], "an address of the founder")

@@ -16,15 +16,20 @@ CONTACT_FIELDS = {
 }
 AVATAR_FIELDS = {
     1: ("present", "bool"), 2: ("incarnation", "uint32"), 3: ("member", "bool"), 4: ("model", "uint32"),
-    5: ("numbers", "float column"), 6: ("since", "uint32"), 7: ("at_rest", "bool"),
+    5: ("numbers", "float column"), 6: ("since", "uint32"), 7: ("at_rest", "bool"), 8: ("going", "bool"),
 }
 AUTHORITY_FIELDS = {1: ("owner", "uint32"), 2: ("released", "bool"), 3: ("epoch", "uint32"), 4: ("claimed", "uint32")}
 SLOT_FIELDS = {1: ("first", "uint32"), 2: ("have", "uint32"), 3: ("address", "bytes"), 4: ("port", "uint32")}
+RESIDENT_FIELDS = {
+    1: ("region", "uint32"), 2: ("number", "uint32"), 3: ("crossings", "uint32"), 4: ("present", "bool"),
+    5: ("at", "uint32"), 6: ("bound", "uint32"),
+}
 PLACE_FIELDS = {1: ("address", "bytes"), 2: ("port", "uint32")}
 TRANSFER_FIELDS = {
     1: ("tick", "uint32"), 2: ("entities", "float column"), 3: ("awake", "bytes"), 4: ("contacts", CONTACT_FIELDS),
-    5: ("avatars", AVATAR_FIELDS), 6: ("authority", AUTHORITY_FIELDS), 7: ("holds", "fixed32 column"),
+    5: ("avatars", AVATAR_FIELDS), 6: ("authority", AUTHORITY_FIELDS), 7: ("holds", "fixed64 column"),
     8: ("slots", SLOT_FIELDS), 9: ("tail", PASSED_ON_FIELDS), 10: ("gone", PLACE_FIELDS),
+    11: ("residents", RESIDENT_FIELDS), 12: ("went", RESIDENT_FIELDS),
 }
 
 # What a transfer is held against: numbers of bodies, slots and fixed things, and the scenario's corners.
@@ -42,6 +47,7 @@ def decode_transfer(data, scenario):
     check_slots(out, scenario)
     out["tail"] = decode_tail(out, scenario)
     require(len(out["gone"]) <= MOST_GONE, "too many that are gone")
+    require(not out["residents"] and not out["went"], "bodies that come and go, in a session that is no region")
     for place in out["gone"]:
         require_place(place)
     return out
@@ -94,6 +100,7 @@ def check_avatars(out, scenario):
         check_length(avatar["numbers"][2:], MOST_CONTROL)
         require(avatar["model"] < len(MODELS) and avatar["since"] <= out["tick"], "a model that is none")
         require(avatar["present"] == avatar["member"], "an avatar without a member, or the other way round")
+        require(not avatar["going"], "somebody who wants to leave, in a session that is no region")
         require(avatar["incarnation"] <= MOST_NUMBER, "incarnation")
 
 

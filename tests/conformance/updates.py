@@ -9,7 +9,7 @@ MODELS = ("static", "first", "second", "input")
 MODELS_WITH_CONTROL = ("second", "input")
 MOST_BODIES, MOST_SIGNED_BODIES, SIGNATURE = 27, 20, 64
 FIRST_BAD_BODY = 65535
-MOST_PEERS = 32
+MOST_PEERS = 64
 MOST_PASSING = 3
 MOST_TICK = (1 << 31) - 2
 MOST_SPEED, MOST_SPIN, MOST_ANGLE, MOST_CONTROL, MOST_EPOCH = 121, 95, 100000, 10000, 1 << 30
@@ -21,30 +21,56 @@ ADMISSION_FIELDS = {
 }
 REMOVAL_FIELDS = {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("count", "uint32")}
 PASSED_ON_FIELDS = {1: ("slot", "uint32"), 2: ("index", "uint32"), 3: ("tick", "uint32")}
+PASSAGE_FIELDS = {
+    1: ("region", "uint32"), 2: ("number", "uint32"), 3: ("crossings", "uint32"), 4: ("flags", "uint32"),
+    5: ("state", "float column"), 6: ("to", "uint32"),
+}
+MOST_PASSAGES, MOST_BODY_NUMBER = 8, (1 << 16) - 1
 UPDATE_FIELDS = {
-    1: ("index_back", "uint32"), 2: ("tick_back", "uint32"), 3: ("avatar", "uint32"), 4: ("avatar_state", "float column"),
-    5: ("body", "uint32 column"), 6: ("body_flags", "uint32 column"), 7: ("epoch", "uint32 column"),
-    8: ("claim_age", "uint32 column"), 9: ("body_state", "float column"), 10: ("leave", "bool"),
+    1: ("index_back", "uint32"), 2: ("tick_back", "uint32"), 3: ("avatar", "uint32"), 4: ("bodies", "uint32 column"),
+    5: ("state", "float column"), 10: ("leave", "bool"),
     11: ("admission", Single(ADMISSION_FIELDS)), 12: ("removals", REMOVAL_FIELDS),
     13: ("passed_on", Single(PASSED_ON_FIELDS)), 14: ("signature", "bytes"),
+    15: ("passages", PASSAGE_FIELDS), 16: ("going", "uint32"),
 }
 PASSED_ON_FIELDS[4] = ("update", Single(UPDATE_FIELDS))
 
 
 def decode_update(raw, mark_tick, mark_count, depth=0):
     sorts = (raw["leave"], raw["admission"] is not None, bool(raw["removals"]), raw["passed_on"] is not None,
-             raw["avatar"] != 0 or len(raw["body"]) > 0)  # fmt: skip
+             raw["avatar"] != 0 or len(raw["bodies"]) > 0, bool(raw["passages"]), raw["going"] != 0)  # fmt: skip
     require(sum(sorts) <= 1, "an update of two sorts")
     require(raw["index_back"] < mark_count, "a number below 0")
     require(raw["tick_back"] <= mark_tick, "a tick before the start")
     signature = raw["signature"]
     require(len(signature) in (0, SIGNATURE), "a signature of another length")
-    require(not signature or len(raw["body"]) <= MOST_SIGNED_BODIES, "too many bodies for a signed update")
     tick = mark_tick - raw["tick_back"]
+    values = iter(raw["state"])
+    avatar = decode_avatar(raw["avatar"], values)
+    bodies = decode_bodies(raw["bodies"], values, tick)
+    require(next(values, None) is None, "values that belong to nothing")
+    require(len(bodies) <= (MOST_SIGNED_BODIES if signature else MOST_BODIES), "too many bodies")
     return {"index": mark_count - 1 - raw["index_back"], "tick": tick, "leave": raw["leave"],
-            "avatar": decode_avatar(raw), "bodies": decode_bodies(raw, tick), "admission": decode_admission(raw["admission"]),
+            "avatar": avatar, "bodies": bodies, "admission": decode_admission(raw["admission"]),
             "removals": decode_removals(raw["removals"]), "passed_on": decode_passed_on(raw["passed_on"], depth),
-            "signature": signature}  # fmt: skip
+            "signature": signature, "passages": decode_passages(raw["passages"]), "going": decode_going(raw["going"])}  # fmt: skip
+
+
+def decode_going(raw):
+    require(raw <= 2, "neither going nor staying")
+    return raw
+
+
+def decode_passages(raw):
+    require(len(raw) <= MOST_PASSAGES, "too many passages")
+    for passage in raw:
+        kind, flags = passage["flags"] & 3, passage["flags"]
+        require(kind < 3 and flags < 1 << 12, "a passage that is none")
+        require(passage["number"] <= MOST_BODY_NUMBER and 1 <= passage["crossings"] <= MOST_NUMBER, "a body that is none")
+        require(kind == 1 or (flags < 4 and not passage["state"]), "a state of what does not come in")
+        require(kind == 0 or passage["to"] == 0, "bound, and on its way")
+        require(kind != 1 or len(passage["state"]) == (6 if flags & 8 else 3), "a state of another length")
+    return raw
 
 
 def decode_admission(raw):
@@ -76,45 +102,44 @@ def cause_of(flags):
     return CAUSES[flags & 7]
 
 
-def decode_avatar(raw):
-    flags, state = raw["avatar"], raw["avatar_state"]
+def decode_avatar(flags, values):
     if flags == 0:
-        require(len(state) == 0, "the state of no avatar")
         return None
     require(flags & 0x40 and flags < 0x80, "flags of an avatar")
     model = MODELS[flags >> 3 & 3]
-    control = model in MODELS_WITH_CONTROL
-    require(len(state) == (6 if control else 4), "an avatar's state has another length")
-    return {"cause": cause_of(flags), "model": model, "awake": bool(flags & 0x20), "position": tuple(state[:2]),
-            "velocity": tuple(state[2:4]), "control": tuple(state[4:]) if control else None}
+    position, velocity = take(values, 2), take(values, 2)
+    control = take(values, 2) if model in MODELS_WITH_CONTROL else None
+    return {"cause": cause_of(flags), "model": model, "awake": bool(flags & 0x20), "position": position,
+            "velocity": velocity, "control": control}
 
 
-def decode_bodies(raw, tick):
-    ids = raw["body"]
-    require(len(ids) <= MOST_BODIES, "too many bodies")
-    require(len(ids) == len(raw["body_flags"]), "not one column of flags per body")
-    require(ascends(ids), "bodies do not ascend")
-    require(not ids or ids[-1] < FIRST_BAD_BODY, "a body id that is none")
-    columns = {name: iter(raw[name]) for name in ("epoch", "claim_age", "body_state")}
-    bodies = [decode_body(id, flags, columns, tick) for id, flags in zip(ids, raw["body_flags"])]
-    require(all(next(column, None) is None for column in columns.values()), "values that belong to no body")
+def decode_bodies(column, values, tick):
+    bodies, numbers, next_id = [], iter(column), 0
+    for head in numbers:
+        bodies.append(decode_body(next_id + head // 128, head % 128, numbers, values, tick))
+        next_id = bodies[-1]["id"] + 1
     return bodies
 
 
-def decode_body(id, flags, columns, tick):
-    require(flags < 0x80, "flags of a body")
-    body = {"id": id, "cause": cause_of(flags), "held": bool(flags & 8), "release": bool(flags & 0x20), "state": None}
+def decode_body(id, flags, numbers, values, tick):
+    require(id < FIRST_BAD_BODY, "a body id that is none")
+    body = {"id": id, "flags": flags, "cause": cause_of(flags), "held": bool(flags & 8), "release": bool(flags & 0x20),
+            "state": None}  # fmt: skip
     awake = bool(flags & 0x40)
     if not flags & 0x10:
         require(not awake, "awake without a state")
         return body
-    epoch, claim_age = next_of(columns["epoch"]), next_of(columns["claim_age"])
+    epoch, claim_age = next_of(numbers), next_of(numbers)
     require(claim_age <= tick, "a claim of before the start")
-    values = [next_of(columns["body_state"]) for _ in range(6 if awake else 3)]
-    body["state"] = {"epoch": epoch, "claimed": tick - claim_age, "awake": awake,
-                     "position": tuple(values[:2]), "angle": values[2],
-                     "velocity": tuple(values[3:5]) or None, "spin": values[5] if awake else None}
+    position, (angle,) = take(values, 2), take(values, 1)
+    velocity, (spin,) = (take(values, 2), take(values, 1)) if awake else (None, (None,))
+    body["state"] = {"epoch": epoch, "claim_age": claim_age, "claimed": tick - claim_age, "awake": awake, "position": position,
+                     "angle": angle, "velocity": velocity, "spin": spin}  # fmt: skip
     return body
+
+
+def take(column, count):
+    return tuple(next_of(column) for _ in range(count))
 
 
 def next_of(column):
@@ -126,6 +151,7 @@ def next_of(column):
 def check_values(update, sender):
     """The ranges of section 4, but for those of which the session or the scenario knows: slots, bodies, bounds of positions."""
     check_orders(update, sender)
+    require_value(not update["passages"] and not update["going"], "borders, in a session that is no region")
     for state in (body["state"] for body in update["bodies"] if body["state"]):
         require_value(1 <= state["epoch"] <= MOST_EPOCH, "epoch")
         check_floats(state["position"], math.inf)

@@ -30,7 +30,7 @@ class ConfirmedWatcher {
  public:
   ConfirmedWatcher(std::size_t bodies, Outcome& out) : out_(out), last_takeover_(bodies, -1), owner_(bodies, kNoPeer) {}
 
-  bool all_held(int peers) const { return held_ == (1U << static_cast<unsigned>(peers)) - 1; }
+  bool all_held(int peers) const { return held_ == (PeerSet{1} << static_cast<unsigned>(peers)) - 1; }
 
   void see(PeerId, const sync::FoldState& s) {
     for (std::size_t b = 0; b < owner_.size(); ++b) {
@@ -38,7 +38,7 @@ class ConfirmedWatcher {
       out_.finite = out_.finite && finite({k.position, k.angle, k.velocity, k.spin, k.awake});
       out_.fastest_body = std::max(out_.fastest_body, length(k.velocity));
     }
-    for (const std::uint32_t h : s.holds) held_ |= h;
+    for (const PeerSet h : s.holds) held_ |= h;
     std::vector<PeerId> owners;
     for (const sync::Authority& a : s.authority) owners.push_back(a.holder());
     const auto [first, fresh] = by_tick_.try_emplace(s.tick, owners);
@@ -61,7 +61,7 @@ class ConfirmedWatcher {
   }
 
   Outcome& out_;
-  std::uint32_t held_ = 0;  ///< bit p: peer p's avatar has held something
+  PeerSet held_ = 0;  ///< of the peers whose avatar has held something
   std::map<Tick, std::vector<PeerId>> by_tick_;
   std::vector<Tick> last_takeover_;
   std::vector<PeerId> owner_;
@@ -82,7 +82,7 @@ class FightWatcher {
 
   void see(Tick t) {
     for (PeerId p = 0; p < s_.peers(); ++p) {
-      const world::World& live = s_.node(p).live().world();
+      const world::View& live = s_.node(p).live().world();
       for (EntityId b = 0; b < scene_.bodies.size(); ++b) body(p, b, live);
       jumps(p, t);
     }
@@ -90,7 +90,7 @@ class FightWatcher {
   }
 
  private:
-  void body(PeerId p, EntityId b, const world::World& live) {
+  void body(PeerId p, EntityId b, const world::View& live) {
     const BodyState s = live.state(b);
     out_.finite = out_.finite && finite(s);
     out_.fastest_body = std::max(out_.fastest_body, length(s.velocity));
@@ -114,7 +114,7 @@ class FightWatcher {
 
   void jumps(PeerId p, Tick t) {
     const std::vector<Vec2>& now = s_.node(p).shown().positions();
-    const world::World& live = s_.node(p).live().world();
+    const world::View& live = s_.node(p).live().world();
     for (EntityId e = 0; e < shown_[p].size(); ++e) {
       const Vec2 stride = now[e] - shown_[p][e];
       const Vec2 last = std::exchange(stride_[p][e], stride);

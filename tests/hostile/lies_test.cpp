@@ -134,6 +134,16 @@ TEST(Lying, TeleportsAreItsOwnAvatars) {
   t.expect_no_harm();
 }
 
+// Once, whoever had a higher number than somebody who told of another confirmed world began anew, though the
+// coordinator had the same as itself.
+TEST(Lying, AHashThatIsNoneMakesNobodyBeginAnew) {
+  Trial t(4, 1, wire::SealMode::kAuth, 124);
+  t.liar().begin([](sync::StatePacket& p, PeerId) { p.check_hash ^= p.check_tick < 0 ? 0U : 2U; });
+  t.party().run(10);
+  for (const PeerId p : t.honest()) EXPECT_GT(t.node(p).stats().hash_mismatches, 0U) << p;
+  t.expect_no_harm();
+}
+
 // Nothing prevents it, as each signs what it says; but it shows, and only whoever has been told otherwise than the
 // coordinator begins anew.
 TEST(Lying, WhoIsToldOtherThingsThanTheRestNoticesAndIsMended) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/link/netem_spec.h"
+#include "common/model/ids.h"
 #include "common/model/user_error.h"
 #include "tools/lab/compare/comparison.h"
 
@@ -81,7 +82,7 @@ TEST(Compare, ListsOfTechniques) {
 
 TEST(Compare, TooManyPeersIsTheUsersMistake) {
   Plan p = plan("full", 1);
-  p.setting.peers = 20;
+  p.setting.peers = kMaxPeers + 1;
   EXPECT_THROW(run_plan(p), UserError);
 }
 

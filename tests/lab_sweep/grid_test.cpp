@@ -87,7 +87,11 @@ struct Bad {
 
 TEST(Grid, BadOnesAreRefusedBeforeAnythingRuns) {
   const std::vector<Bad> all{
-      {"peers", [](GridText& t) { t.peers = "2,17"; }, "--peers: '17' is not allowed for scenario arena; give 1 to 16"},
+      {"peers", [](GridText& t) { t.peers = "2,65"; }, "--peers: '65' is not allowed; give whole numbers from 1 to 64"},
+      {"places", [](GridText& t) { t.scenarios = "arena,van", t.peers = "2,5"; },
+       "--peers: '5' is not allowed for scenario van; give 1 to 4"},
+      {"places between bodies", [](GridText& t) { t.peers = "64", t.bodies = "120,170"; },
+       "--peers: '64' is not allowed for scenario arena with --bodies 170; give 1 to "},
       {"bodies", [](GridText& t) { t.bodies = "5001"; }, "--bodies: '5001' is not allowed; give whole numbers from 1"},
       {"no room", [](GridText& t) { t.bodies = "3000"; }, "--bodies 3000: arena:"},
       {"no scatter", [](GridText& t) { t.scenarios = "van", t.bodies = "9"; }, "--bodies 9: van:1:1: has neither"},

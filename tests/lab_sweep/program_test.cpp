@@ -48,7 +48,7 @@ TEST_F(SweepProgram, MistakesAreOneLineAndExit2) {
   };
   refused("sweep --delay 50 --csv x.csv", "--delay: '50' is not allowed; give times from 0 to 60 s");
   refused("sweep --loss 0,101 --csv x.csv", "--loss: '101' is not allowed; give percentages from 0 to 100");
-  refused("sweep --peers 33 --csv x.csv", "--peers: '33' is not allowed; give whole numbers from 1 to 32");
+  refused("sweep --peers 65 --csv x.csv", "--peers: '65' is not allowed; give whole numbers from 1 to 64");
   refused("sweep --seeds x --csv x.csv", "--seeds: 'x' is not allowed; give whole numbers from 0 to");
   refused("sweep --predictor full --csv x.csv", "--predictor: 'full' is not allowed; give one of none");
   refused("sweep --shard 0/3 --csv x.csv", "--shard: '0/3' is not allowed; give I/N");

@@ -59,14 +59,17 @@ TEST(ChaosSealed, Holds6037) {
 
 INSTANTIATE_TEST_SUITE_P(
     Once, ChaosInFull,
-    testing::Values(41,     // what was passed on of the lost closed a hole beyond which there was more
-                    171,    // the same, and to newcomers
-                    280,    // an update that only newcomers had, in a state and not in their logs;
-                            // who was never told of the other side's addresses
-                    368,    // somebody removed while a newcomer waited, whose updates all had but the newcomer
-                    410,    // who was held up, and only then missed the lost, was taken for one who keeps things back
-                    529,    // the same, after a short partition
-                    562));  // whose own updates were passed on did not believe that it had said them
+    testing::Values(
+        41,     // what was passed on of the lost closed a hole beyond which there was more
+        171,    // the same, and to newcomers
+        280,    // an update that only newcomers had, in a state and not in their logs;
+                // who was never told of the other side's addresses
+        368,    // somebody removed while a newcomer waited, whose updates all had but the newcomer
+        126,    // who was held up while it asked what others have of the lost took them for keeping it back
+        1981,   // who had been let in by the lost alone was not asked, and did not believe that the lost was lost
+        410,    // who was held up, and only then missed the lost, was taken for one who keeps things back
+        529,    // the same, after a short partition
+        562));  // whose own updates were passed on did not believe that it had said them
 
 TEST(ChaosScripts, TheSameSeedPlaysTheSame) {
   const lab::ChaosScript script = lab::make_script(77, seconds(20), 6);

@@ -81,10 +81,10 @@ TEST(MonitorCodec, AStatusWithManyLinksIsToldInSeveralThatHaveAll) {
   Rng rng(test::seed());
   monitor::Status whole = std::get<monitor::Status>(test::any_message(rng, 4));
   whole.links.clear();
-  for (PeerId p = 0; p < 31; ++p) {
+  for (PeerId p = 0; p < 63; ++p) {
     monitor::LinkStatus l;
     l.to = p;
-    l.netem = std::string(p * 13, 'n');
+    l.netem = std::string(p * 6, 'n');
     whole.links.push_back(l);
   }
   monitor::Status again = whole;
@@ -178,8 +178,8 @@ TEST(MonitorCodec, ValuesOutOfRangeAreRefusedOnBothSidesOfTheirLimits) {
   EXPECT_TRUE(taken(monitor::Cut{5, 600}));
   EXPECT_FALSE(taken(monitor::Cut{5, 600.1F}));
   EXPECT_FALSE(taken(monitor::Cut{5, -0.1F}));
-  EXPECT_TRUE(taken(monitor::Cut{31, 1}));
-  EXPECT_FALSE(taken(monitor::Cut{32, 1}));
+  EXPECT_TRUE(taken(monitor::Cut{63, 1}));
+  EXPECT_FALSE(taken(monitor::Cut{64, 1}));
   EXPECT_TRUE(taken(monitor::Pause{0}));
   EXPECT_FALSE(taken(monitor::Pause{nan}));
   EXPECT_TRUE(taken(monitor::Push{0, {monitor::kMostPush, 0}}));

@@ -61,7 +61,7 @@ TEST(Sampler, AFrameIsWhatTheNodeSees) {
   const Watched w("full", 400);
   monitor::Frame f;
   w.sampler.frame(w.node(), {1, 2}, f);
-  const world::World& live = w.node().live().world();
+  const world::View& live = w.node().live().world();
   ASSERT_EQ(f.total, live.entities());
   EXPECT_EQ(f.tick, 400);
   EXPECT_EQ(f.threshold, w.node().threshold());

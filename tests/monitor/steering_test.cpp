@@ -19,7 +19,9 @@ struct Driven {
   }
   void step(Vec2 own) {
     now += kMicrosPerSecond / kTicksPerSecond;
-    target = steering.target(own, world, world.avatar(0), now);
+    world::View seen(world.scene(), world.slots());
+    world.save(seen.change());
+    target = steering.target(own, seen, world.avatar(0), now);
     world::drive_avatar(world, 0, target);
     world.step();
   }

@@ -34,7 +34,7 @@ TEST(Request, WhatAPageMaySay) {
             (Command{2, Drive{Drive::Kind::kPoint, {1.5F, -2}}}));
   EXPECT_EQ(command(R"({"type":"drive","peer":2,"direction":[0,1]})"),
             (Command{2, Drive{Drive::Kind::kDirection, {0, 1}}}));
-  EXPECT_EQ(command(R"({"type":"drive","peer":31,"release":true})"), (Command{31, Drive{}}));
+  EXPECT_EQ(command(R"({"type":"drive","peer":63,"release":true})"), (Command{63, Drive{}}));
   EXPECT_EQ(command(R"({"type":"knob","peer":"all","name":"threshold","value":"0.5:0.2"})"),
             (Command{kNoPeer, Knob{"threshold", "0.5:0.2"}}));
   EXPECT_EQ(command(R"({"type":"knob","peer":0,"name":"technique","value":"adaptive"})"),
@@ -68,7 +68,7 @@ TEST(Request, WhatItMayNotIsAnsweredWithTheFieldThatIsWrong) {
       {R"({"type":"subscribe","views":["shown","secret"]})", "views: "},
       {R"({"type":"subscribe","views":"shown"})", "views: "},
       {R"({"type":"drive","peer":"all","target":[1,2]})", "peer: is no slot"},
-      {R"({"type":"drive","peer":32,"target":[1,2]})", "peer: "},
+      {R"({"type":"drive","peer":64,"target":[1,2]})", "peer: "},
       {R"({"type":"drive","peer":1})", "direction: is missing"},
       {R"({"type":"drive","peer":1,"target":[1]})", "target: is not a pair"},
       {R"({"type":"drive","peer":1,"target":[1,"2"]})", "target: is not a number"},

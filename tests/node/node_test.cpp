@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <deque>
 #include <memory>
 
@@ -27,6 +28,10 @@ class Mesh {
     }
   }
 
+  /// From now on everybody goes to where it is to stay.
+  void settle() { still_ = true; }
+  void wake() { still_ = false; }
+
   void step(const std::vector<bool>& running) {
     ++now_;
     const Micros t = tick_start(now_);
@@ -36,7 +41,8 @@ class Mesh {
           if (running[q]) nodes_[q]->receive(*datagram, t);
     for (PeerId p = 0; p < nodes_.size(); ++p) {
       if (!running[p]) continue;
-      nodes_[p]->step({10.0F + 4.0F * static_cast<float>((now_ / 40 + p) % 3), 7.0F + static_cast<float>(p)});
+      const Tick move = still_ ? 0 : now_ / 40;
+      nodes_[p]->step({10.0F + 4.0F * static_cast<float>((move + p) % 3), 7.0F + static_cast<float>(p)});
       for (const Outgoing& o : nodes_[p]->outgoing()) shims_[p][o.to]->accept(t, o.bytes);
     }
   }
@@ -48,6 +54,7 @@ class Mesh {
   std::vector<std::unique_ptr<Node>> nodes_;
   std::vector<std::vector<std::unique_ptr<link::Shim>>> shims_;
   Tick now_ = 0;
+  bool still_ = false;
 };
 
 // Once, updates that a leaving peer had not yet heard were forgotten as soon as it was known to leave.
@@ -129,6 +136,42 @@ TEST(Node, OneDatagramPerReceiverAndTickAtMostAndNoneTooLarge) {
     }
   }
 }
+
+/// Bits a second, IP and UDP headers included, on the busiest directed link.
+double busiest_link(Mesh& mesh, std::size_t peers, Tick ticks) {
+  std::vector<std::size_t> bytes(peers * peers, 0);
+  for (Tick t = 0; t < ticks; ++t) {
+    mesh.step(std::vector<bool>(peers, true));
+    for (PeerId p = 0; p < peers; ++p)
+      for (const Outgoing& o : mesh[p].outgoing()) bytes[p * peers + o.to] += o.bytes.size() + 28;
+  }
+  return static_cast<double>(*std::max_element(bytes.begin(), bytes.end())) * 8 * kTicksPerSecond / ticks;
+}
+
+class QuietSession : public testing::TestWithParam<const char*> {};
+
+TEST_P(QuietSession, TakesLessThanAKilobitASecondOnEachLinkAndWakesAtOnce) {
+  const std::uint64_t base = test::seed(1);
+  for (std::uint64_t seed = base; seed < base + 3; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    constexpr PeerId kPeers = 3;
+    Mesh mesh(kPeers, GetParam(), seed);
+    busiest_link(mesh, kPeers, 600);
+    mesh.settle();
+    busiest_link(mesh, kPeers, 600);
+    EXPECT_LT(busiest_link(mesh, kPeers, 60 * kTicksPerSecond), 1000);
+    const Tick before = mesh[0].agreed().confirmed().tick;
+    EXPECT_GT(before, mesh.now() - 90) << "what is confirmed follows by the marks";
+    mesh.wake();
+    EXPECT_GT(busiest_link(mesh, kPeers, 300), 1000);
+    for (PeerId p = 0; p < kPeers; ++p) {
+      EXPECT_GT(mesh[p].stats().hash_checks, 60U);
+      EXPECT_EQ(mesh[p].stats().hash_mismatches, 0U);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Node, QuietSession, testing::Values("", "delay 100ms 20ms", "delay 100ms 20ms loss 1%"));
 
 }  // namespace
 }  // namespace padr::node

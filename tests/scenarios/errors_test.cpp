@@ -163,7 +163,7 @@ TEST(ScenarioErrors, TouchingIsNoOverlap) {
   EXPECT_NE(place("2.594"), "no error");
 }
 
-TEST(ScenarioErrors, AtMost32Spawns) {
+TEST(ScenarioErrors, AtMost64Spawns) {
   const auto with_spawns = [](int extra) {
     std::string spawns;
     for (int i = 0; i < extra; ++i) {
@@ -174,10 +174,28 @@ TEST(ScenarioErrors, AtMost32Spawns) {
            "damping: 10 max_force: 1600 max_speed: 6 " +
            spawns + "}";
   };
-  EXPECT_EQ(error_of([&] { load(with_spawns(32), "t", 1); }), "no error");
-  EXPECT_NE(error_of([&] { load(with_spawns(33), "t", 1); }).find("avatar.spawn is given 33 times, allowed: 1 .. 32"),
+  EXPECT_EQ(error_of([&] { load(with_spawns(64), "t", 1); }), "no error");
+  EXPECT_NE(error_of([&] { load(with_spawns(65), "t", 1); }).find("avatar.spawn is given 65 times, allowed: 1 .. 64"),
             std::string::npos);
-  EXPECT_NE(error_of([&] { load(with_spawns(0), "t", 1); }).find("avatar.spawn is given 0 times, allowed: 1 .. 32"),
+  EXPECT_NE(error_of([&] { load(with_spawns(0), "t", 1); }).find("avatar.spawn is given 0 times, allowed: 1 .. 64"),
+            std::string::npos);
+}
+
+TEST(ScenarioErrors, FurtherSpawnsAreAsManyAsThereIsRoomForAndAtMost64InAll) {
+  const auto room = [](const std::string& upper, const std::string& spawns) {
+    return load("name: \"t\" title: \"t\" lower { x: 0 y: 0 } upper { " + upper +
+                    " } avatar { radius: 0.4 mass: 80 stiffness: 40 damping: 10 max_force: 1600 max_speed: 6 spawn { "
+                    "x: 1 "
+                    "y: 1 } " +
+                    spawns + "}",
+                "t", 1)
+        .avatar.spawns.size();
+  };
+  EXPECT_EQ(room("x: 30 y: 20", "more_spawns: 63"), 64U);
+  EXPECT_EQ(room("x: 2 y: 2", "more_spawns: 63"), 1U);
+  EXPECT_NE(error_of([&] {
+              room("x: 30 y: 20", "spawn { x: 5 y: 5 } more_spawns: 63");
+            }).find("avatar.more_spawns is 63 beside 2 listed, allowed: 64 in all"),
             std::string::npos);
 }
 

@@ -80,11 +80,11 @@ TEST(Handshake, TwoPeersOnAPerfectLink) {
   EXPECT_LT(net.at(2).session_now(net.local(2)), -400'000) << "everybody knows well before tick 0";
 }
 
-TEST(Handshake, ThirtyTwoPeersOverABadNetwork) {
+TEST(Handshake, SixtyFourPeersOverABadNetwork) {
   const std::uint64_t seed = 7;
   VirtualNet net(seed, "delay 60ms 30ms loss 10%");
-  ASSERT_TRUE(start_all(net, seed, 32, 20'000'000)) << net.story();
-  expect_mesh(net, 32);
+  ASSERT_TRUE(start_all(net, seed, 64, 20'000'000)) << net.story();
+  expect_mesh(net, 64);
 }
 
 TEST(Handshake, LossDuplicatesReorderingAndCorruption) {

@@ -7,6 +7,14 @@
 namespace padr::sync {
 namespace {
 
+/// There, in m, moving so fast, in m/s.
+world::Kinematics at(float x, float velocity) {
+  world::Kinematics k;
+  k.position = {x, 0};
+  k.velocity = {velocity, 0};
+  return k;
+}
+
 constexpr auto kAll = {Convergence::kSnap, Convergence::kBlend, Convergence::kPvb};
 
 /// One entity moving at 1 m/s that is put `error` metres off at tick 10; returns the shown positions.
@@ -16,10 +24,10 @@ std::vector<float> course(Shown& shown, float error, bool own_before, bool own_a
   for (Tick t = 0; t < 80; ++t) {
     x += kTickSeconds;
     if (t == 10) {
-      shown.correct({{x, 0}}, {{x + error, 0}});
+      shown.correct(0, {-error, 0});
       x += error;
     }
-    shown.advance({{x, 0}}, {{1, 0}}, {t < 14 ? own_before : own_after});
+    shown.advance({at(x, 1)}, {t < 14 ? own_before : own_after});
     xs.push_back(shown.positions()[0].x);
   }
   return xs;
@@ -90,10 +98,10 @@ TEST(Convergence, PvbIsSmoothThroughManyCorrectionsAndKeepsUp) {
     x += 3 * kTickSeconds;
     if (t % 7 == 3 && t < 200) {
       const float error = t % 2 == 0 ? 0.15F : -0.1F;
-      shown.correct({{x, 0}}, {{x + error, 0}});
+      shown.correct(0, {-error, 0});
       x += error;
     }
-    shown.advance({{x, 0}}, {{3, 0}}, {false});
+    shown.advance({at(x, 3)}, {false});
     xs.push_back(shown.positions()[0].x);
     ASSERT_LT(std::abs(xs.back() - x), 0.5F) << t;
   }
@@ -134,7 +142,7 @@ TEST(Convergence, ABounceIsNoJump) {
     const float v = t < 30 ? 12 : -8;
     // The bounce is in the midst of a tick: it goes on for a quarter of it.
     x += t == 30 ? (12 * 0.25F - 8 * 0.75F) * kTickSeconds : v * kTickSeconds;
-    shown.advance({{x, 0}}, {{v, 0}}, {false});
+    shown.advance({at(x, v)}, {false});
   }
   EXPECT_EQ(shown.snaps(), 0);
 }

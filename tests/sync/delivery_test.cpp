@@ -63,6 +63,40 @@ TEST(Delivery, OnACalmLinkThreeMarksInFourCanBeSaved) {
   EXPECT_TRUE(calm(60)) << "what the other end has heard to be lost ends the calm";
 }
 
+TEST(Delivery, WhereNothingHappensMarksAreFewerUntilSomethingDoes) {
+  Script s;
+  bool quiet = true;
+  const auto at = [&](Tick t) {
+    return s.link.compose({t, 0, 0, false, false, quiet}, s.own, 0, forty, 1000).has_value();
+  };
+  s.loses(4);
+  ASSERT_TRUE(at(0));
+  for (Tick t = 1; t < 36; ++t) EXPECT_FALSE(at(t)) << t;
+  EXPECT_TRUE(at(36));
+  EXPECT_FALSE(at(56));
+  quiet = false;
+  EXPECT_TRUE(at(57)) << "news from elsewhere, and the last mark is long ago";
+  quiet = true;
+  s.update(58);
+  EXPECT_TRUE(at(58));
+  for (Tick t = 59; t < 73; ++t) EXPECT_FALSE(at(t)) << t;
+  EXPECT_TRUE(at(73)) << "not acknowledged yet";
+  s.hear(74, 3, 1, 4);
+  EXPECT_FALSE(at(108));
+  EXPECT_TRUE(at(109));
+}
+
+TEST(Delivery, WhereMarksGetLostTheyAreNotSaved) {
+  Script s;
+  s.loses(5);
+  const auto at = [&s](Tick t) {
+    return s.link.compose({t, 0, 0, false, false, true}, s.own, 0, forty, 1000).has_value();
+  };
+  ASSERT_TRUE(at(0));
+  EXPECT_FALSE(at(14));
+  EXPECT_TRUE(at(15));
+}
+
 TEST(Delivery, OnAVeryLossyLinkTheSecondCopyGoesAlone) {
   Script s;
   s.loses(15);

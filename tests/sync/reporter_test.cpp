@@ -20,10 +20,12 @@ class Alone {
 
   Bundle tick(Vec2 target) {
     adopt();
-    live.step(target);
     agreed.step();
-    Bundle b =
-        reporter.report({&live, &agreed.predicted_state(), target, {}, technique.threshold_high, 6, agreed.now()});
+    live.step(target, agreed.predicted_state());
+    const Reporter::Situation s{&live,       &agreed.predicted_state(), target, {}, technique.threshold_high, 6,
+                                agreed.now()};
+    reporter.watch_avatar(s);
+    Bundle b = reporter.report(s);
     if (b.avatar || !b.bodies.empty()) {
       b.index = next_index++;
       agreed.insert(b);
@@ -37,7 +39,7 @@ class Alone {
     std::vector<bool> own(static_cast<std::size_t>(live.world().entities()), false);
     for (EntityId b = 0; b < live.world().bodies(); ++b) own[b] = agreed.predicted_state().authority[b].holder() == 0;
     own[live.avatar()] = true;
-    live.adopt(agreed.predicted_state(), own);
+    live.adopt(agreed.predicted_state(), own, false);
   }
 
   Technique technique;

@@ -30,8 +30,9 @@ std::string difference(const std::vector<std::byte>& bytes) {
 }
 
 void expect_agreement(const RecordedRun& run) {
+  // There is a hash every 30 ticks, and it is told once: the shortest run, of 130 ticks, has time for three.
   for (const auto& n : run.nodes) {
-    EXPECT_GT(n->node().stats().hash_checks, 5U);
+    EXPECT_GE(n->node().stats().hash_checks, 3U);
     EXPECT_EQ(n->node().stats().hash_mismatches, 0U);
   }
 }

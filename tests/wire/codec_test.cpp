@@ -31,6 +31,25 @@ TEST(Codec, ReadsBackToTheBitWhatItWrote) {
   }
 }
 
+TEST(Codec, WhatWasThereBeforeLeavesNothingBehind) {
+  Rng rng(test::seed());
+  StateEncoder encoder;
+  StateDecoder decoder;
+  for (int i = 0; i < 5000; ++i) {
+    const StatePacket p = any_packet(rng, kSender);
+    const Bytes fresh = encode(p);
+    const auto bytes = encoder.encode(p);
+    ASSERT_TRUE(std::equal(bytes.begin(), bytes.end(), fresh.begin(), fresh.end())) << i;
+    const StatePacket* back = decoder.decode(bytes, kSender);
+    ASSERT_NE(back, nullptr) << i;
+    ASSERT_EQ(*back, p) << i;
+    // What is malformed somewhere has been read in part.
+    Bytes damaged = fresh;
+    damaged[rng.below(static_cast<std::uint32_t>(damaged.size()))] ^= std::byte{1} << rng.below(8);
+    decoder.decode(damaged, kSender);
+  }
+}
+
 TEST(Codec, SizesAreWithinTheirBound) {
   Rng rng(test::seed());
   for (int i = 0; i < 2000; ++i) {
@@ -106,7 +125,7 @@ struct Spoilt {
 };
 
 sync::Admission admission() {
-  sync::Admission a{31, 1, 0, {}, std::vector<std::uint32_t>(32, 9)};
+  sync::Admission a{63, 1, 0, {}, std::vector<std::uint32_t>(64, 9)};
   a.at.address[15] = 1;
   a.at.port = 1;
   return a;
@@ -120,8 +139,8 @@ TEST(Codec, OrdersOfTheCoordinatorAreWithinTheirLimits) {
     spoil(rows.back().bundle);
   };
   row("as it should be", true, [](Bundle&) {});
-  row("slot 32", false, [](Bundle& b) { b.admission->slot = 32; });
-  row("33 slots", false, [](Bundle& b) { b.admission->have.push_back(9); });
+  row("slot 64", false, [](Bundle& b) { b.admission->slot = 64; });
+  row("65 slots", false, [](Bundle& b) { b.admission->have.push_back(9); });
   row("no slots", true, [](Bundle& b) { b.admission->have.clear(); });
   row("no port", false, [](Bundle& b) { b.admission->at.port = 0; });
   row("no address", false, [](Bundle& b) { b.admission->at.address = {}; });
@@ -136,19 +155,19 @@ TEST(Codec, OrdersOfTheCoordinatorAreWithinTheirLimits) {
   };
   std::vector<PeerId> all(kMaxPeers);
   std::iota(all.begin(), all.end(), PeerId{0});
-  removal("removal of slot 31", true, {31});
-  removal("removal of slot 32", false, {32});
+  removal("removal of slot 63", true, {63});
+  removal("removal of slot 64", false, {64});
   removal("removal of all", true, all);
   removal("removal of one twice", false, {1, 1});
   removal("removals that descend", false, {2, 1});
   const auto passing = [&](const char* what, bool good, auto&& spoil) {
     rows.push_back({what, good, {}});
     Bundle& lost = rows.back().bundle.passed_on.emplace_back();
-    lost.peer = 31;
+    lost.peer = 63;
     spoil(lost);
   };
   passing("passed on", true, [](Bundle&) {});
-  passing("passed on of slot 32", false, [](Bundle& b) { b.peer = 32; });
+  passing("passed on of slot 64", false, [](Bundle& b) { b.peer = 64; });
   passing("of the last tick", true, [](Bundle& b) { b.tick = std::numeric_limits<Tick>::max() - 1; });
   passing("of the tick after", false, [](Bundle& b) { b.tick = std::numeric_limits<Tick>::max(); });
   passing("of the last number", true, [](Bundle& b) { b.index = 0xFFFFFFFEU; });

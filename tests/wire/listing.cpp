@@ -1,5 +1,7 @@
 #include "tests/wire/listing.h"
 
+#include <cinttypes>
+
 #include <array>
 #include <cstdio>
 
@@ -157,9 +159,12 @@ struct SessionLister {
            line("pong.present = %d\n", m.present);
   }
   std::string operator()(const wire::Start& m) const {
-    std::string s = line("start.tick0_us = %lld\nstart.member[0] = founder\n", ll(m.tick0));
-    for (std::size_t p = 1; p < m.members.size(); ++p)
-      s += line("start.member[%zu] = ", p) + address_of(m.members[p]) + line(" %d\n", int{m.members[p].port});
+    std::string s = line("start.tick0_us = %lld\n", ll(m.tick0));
+    for (std::size_t i = 0; i < m.members.size(); ++i) {
+      const Endpoint& e = m.members[i];
+      s += line("start.member[%zu] = ", m.first + i);
+      s += m.first + i == 0 ? "founder\n" : address_of(e) + line(" %d\n", int{e.port});
+    }
     return s;
   }
   std::string operator()(const wire::Ready& m) const {
@@ -229,8 +234,8 @@ std::string list(const sync::Transfer& t) {
   for (std::size_t b = 0; b < t.state.authority.size(); ++b) {
     const sync::Authority& a = t.state.authority[b];
     const int owner = a.owner == kNoPeer ? 0 : a.owner + 1;
-    s +=
-        line("transfer.body[%zu] = %d %d %u %d %u\n", b, owner, flag(a.released), a.epoch, a.claimed, t.state.holds[b]);
+    s += line("transfer.body[%zu] = %d %d %u %d %" PRIu64 "\n", b, owner, flag(a.released), a.epoch, a.claimed,
+              t.state.holds[b]);
   }
   for (std::size_t i = 0; i < t.tail.size(); ++i) {
     const std::string at = line("transfer.tail[%zu]", i);

@@ -51,16 +51,16 @@ TEST(MembershipCodec, BothSidesOfEveryLimit) {
       Enter{1},
       Enter{kNonce},
       Poll{seats(1)},
-      Poll{seats(32)},
-      Answer{{{31, 0, 0}}},
-      Answer{seats(32)},
+      Poll{seats(64)},
+      Answer{{{63, 0, 0}}},
+      Answer{seats(64)},
       Fetch{0, 0, 0},
-      Fetch{31, ~0U, ~0U},
+      Fetch{63, ~0U, ~0U},
       Fetched{3, ~0U, {bye(0, 0)}},
       Fetched{3, 0, {bye(5, 7), bye(6, 8)}},
       Fetched{3, 0, {bye(0xFFFFFFFEU, 0x7FFFFFFE)}},
       Probe{0, seats(1), false, 0},
-      Probe{~0U, seats(32), true, ~0U},
+      Probe{~0U, seats(64), true, ~0U},
   };
   for (std::size_t i = 0; i < good.size(); ++i) {
     const Bytes bytes = encode_membership(good[i]);
@@ -80,17 +80,17 @@ TEST(MembershipCodec, BothSidesOfEveryLimit) {
       Piece{1, 0, 1, Bytes(kPieceBytes + 1)},
       Enter{0},
       Poll{},
-      Poll{seats(33)},
+      Poll{seats(65)},
       Poll{{{1, 0, 0}, {1, 1, 0}}},
       Poll{{{2, 0, 0}, {1, 0, 0}}},
       Answer{},
-      Answer{{{32, 0, 0}}},
+      Answer{{{64, 0, 0}}},
       Answer{{{1, 0, 0}, {1, 1, 0}}},
-      Fetch{32, 0, 0},
-      Fetched{32, 0, {bye(0, 0)}},
+      Fetch{64, 0, 0},
+      Fetched{64, 0, {bye(0, 0)}},
       Fetched{3, 0, {bye(0, 0x7FFFFFFF)}},
       Probe{0, {}, false, 0},
-      Probe{0, seats(33), false, 0},
+      Probe{0, seats(65), false, 0},
       Probe{0, {{2, 0, 0}, {2, 0, 0}}, false, 0},
       Probe{0, {{2, 0, 0}, {1, 0, 0}}, false, 0},
   };
@@ -120,7 +120,7 @@ TEST(MembershipCodec, FetchedUpdatesAscendByNumberAndTick) {
 }
 
 TEST(MembershipCodec, FetchedTakesAsManyUpdatesAsFit) {
-  Fetched f{31, 0, {}};
+  Fetched f{63, 0, {}};
   sync::Bundle b = test::largest_bundle(sync::kMaxPassing);
   b.index = 0;
   b.tick -= 10;
@@ -139,7 +139,7 @@ TEST(MembershipCodec, FetchedTakesAsManyUpdatesAsFit) {
   f.updates.clear();
   for (std::uint32_t i = 0; i < 500; ++i) {
     f.updates.push_back(bye(i, static_cast<Tick>(1000 + i)));
-    f.updates.back().peer = 31;
+    f.updates.back().peer = 63;
   }
   back = decode_membership(encode_membership(f));
   ASSERT_TRUE(back);

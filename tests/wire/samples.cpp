@@ -185,7 +185,7 @@ wire::MembershipMessage any_membership(Rng& rng, std::size_t kind) {
 Bundle largest_bundle(int passings, bool is_signed) {
   constexpr Tick kLate = (1 << 28) - 1;
   Bundle b;
-  b.peer = 31;
+  b.peer = 63;
   b.index = kSome - 1;
   b.tick = kLate;
   if (is_signed) b.signature.emplace().fill(std::byte{0xA5});

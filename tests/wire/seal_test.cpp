@@ -52,9 +52,9 @@ TEST(Seal, EveryCutAndRandomBytesAreRefused) {
 }
 
 TEST(Seal, AnotherVersionIsNamed) {
-  // A datagram of version 5, correctly sealed by its own rules.
+  // A datagram of version 6, correctly sealed by its own rules.
   Bytes other = sample();
-  other[2] = std::byte{0x50};
+  other[2] = std::byte{0x60};
   SealError error{};
   std::uint8_t version = 0;
   EXPECT_FALSE(open(other, error, &version));

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <set>
 
 #include "common/sync/admit.h"
 #include "tests/seed.h"
 #include "tests/wire/listing.h"
 #include "tests/wire/samples.h"
+#include "tests/world/test_scene.h"
 
 namespace padr::wire {
 namespace {
@@ -44,6 +46,28 @@ TEST(TransferCodec, ARealStateComesBackToTheBit) {
   EXPECT_GE(t.tail.size(), 2U);
   EXPECT_TRUE(t.state.members[3].present);
   EXPECT_FALSE(t.state.members[2].present);
+}
+
+// Also who sits in the last slot holds what it holds, and that is part of what peers compare.
+TEST(TransferCodec, AllSlotsCanHoldABody) {
+  Scene scene = test::busy_scene(test::seed(), 3);
+  scene.avatar.spawns.assign(kMaxPeers, {1, 1});
+  const sync::Fold fold(scene, kMaxPeers, 1, true);
+  Transfer t;
+  fold.save(t.state);
+  t.slots.resize(kMaxPeers);
+  t.have.resize(kMaxPeers);
+  std::set<std::uint64_t> hashes;
+  for (PeerId p = 0; p < kMaxPeers; ++p) {
+    t.state.holds = {0, only(p), ~PeerSet{0}};
+    const auto back = decode_transfer(encode_transfer(t), scene, kMaxPeers);
+    ASSERT_TRUE(back) << int{p};
+    EXPECT_EQ(back->state.holds, t.state.holds) << int{p};
+    EXPECT_EQ(sync::hash_of(back->state), sync::hash_of(t.state)) << int{p};
+    hashes.insert(sync::hash_of(t.state));
+    EXPECT_FALSE(decode_transfer(encode_transfer(t), scene, kMaxPeers - 1)) << "of one slot more than there are";
+  }
+  EXPECT_EQ(hashes.size(), static_cast<std::size_t>(kMaxPeers));
 }
 
 // A step depends on nothing but the state: whoever is given it goes on like those who were there all along.

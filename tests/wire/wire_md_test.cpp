@@ -303,7 +303,7 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("sealed_tag", kSealedTagBytes);
   add("max_sealed", kMaxSealed);
   add("handshake", kHandshakeBytes);
-  add("max_keyed_beginners", kMostKeyedBeginners);
+  add("members_per_start", kMembersPerStart);
   add("max_peers", kMaxPeers);
   add("no_peer", int{kNoPeer});
   add("no_entity", int{kNoEntity});

@@ -38,4 +38,4 @@ def tagged(head):
 
 
 def datagram(kind, payload, peer=0, session=7):
-    return tagged(b"Pd" + bytes([0x40 | kind, peer]) + struct.pack("<H", session) + payload)
+    return tagged(b"Pd" + bytes([0x50 | kind, peer]) + struct.pack("<H", session) + payload)

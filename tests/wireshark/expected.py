@@ -15,7 +15,7 @@ from updates import CAUSES, MODELS, UPDATE_FIELDS, decode_update
 
 KINDS = ("state", "session", "membership")
 NOBODY = 255
-SEALED = (0x44, 0x45, 0x46, 0x48, 0x49, 0x4A)
+SEALED = (0x54, 0x55, 0x56, 0x58, 0x59, 0x5A)
 HANDSHAKES = ("hello", "cookie", "introduction", "acceptance")
 
 
@@ -24,8 +24,8 @@ def is_claimed(datagram):
     if datagram[:2] != b"Pd" or len(datagram) < 6:
         return False
     good = len(datagram) >= 10 and zlib.crc32(datagram[:-4]) == struct.unpack("<I", datagram[-4:])[0]
-    ours = datagram[2] in (0x40, 0x41, 0x42) and (datagram[3] < 32 or datagram[3] == NOBODY)
-    return good or ours or is_handshake(datagram) or is_sealed(datagram) and (datagram[3] < 32 or datagram[3] == NOBODY)
+    ours = datagram[2] in (0x50, 0x51, 0x52) and (datagram[3] < 64 or datagram[3] == NOBODY)
+    return good or ours or is_handshake(datagram) or is_sealed(datagram) and (datagram[3] < 64 or datagram[3] == NOBODY)
 
 
 def has_crc(datagram):
@@ -38,7 +38,7 @@ def is_sealed(datagram):
 
 
 def is_handshake(datagram):
-    return len(datagram) == 76 and datagram[:3] == b"Pd\x43" and 1 <= datagram[3] <= 4 and not has_crc(datagram)
+    return len(datagram) == 76 and datagram[:3] == b"Pd\x53" and 1 <= datagram[3] <= 4 and not has_crc(datagram)
 
 
 def fields(datagram, opened=None):
@@ -78,7 +78,7 @@ def of_sealed(datagram, opened):
         yield "padr.seal.good", bool(opened)
         if opened:
             yield from of_content(opened)
-    elif datagram[2] < 0x48:
+    elif datagram[2] < 0x58:
         plain = datagram[:2] + bytes([datagram[2] & 0xF3]) + datagram[3:6] + datagram[14:-16]
         yield from of_content(plain + struct.pack("<I", zlib.crc32(plain)))
 
@@ -127,9 +127,8 @@ def of_update(update, raw, peer):
         yield "padr.update.signature", raw["signature"]
     if update["avatar"]:
         yield from of_avatar(update["avatar"], raw["avatar"])
-    ages = iter(raw["claim_age"])
-    for body, flags in zip(update["bodies"], raw["body_flags"]):
-        yield from of_body(body, flags, ages, peer)
+    for body in update["bodies"]:
+        yield from of_body(body, peer)
     yield from of_orders(update, raw)
 
 
@@ -149,11 +148,11 @@ def vector(prefix, names, values):
         yield f"{prefix}.{name}", value
 
 
-def of_body(body, flags, ages, peer):
+def of_body(body, peer):
     state = body["state"]
     yield "padr.body", None
     yield "padr.entity", body["id"]
-    yield "padr.body.flags", flags
+    yield "padr.body.flags", body["flags"]
     yield "padr.cause", CAUSES.index(body["cause"])
     yield "padr.hold", body["held"]
     yield "padr.release", body["release"]
@@ -162,7 +161,7 @@ def of_body(body, flags, ages, peer):
         return
     yield "padr.owner", NOBODY if body["release"] else peer
     yield "padr.epoch", state["epoch"]
-    yield "padr.claim_age", next(ages)
+    yield "padr.claim_age", state["claim_age"]
     yield "padr.claimed", state["claimed"]
     yield "padr.body.awake", state["awake"]
     yield from vector("padr.body", ("x", "y"), state["position"])

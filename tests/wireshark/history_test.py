@@ -11,7 +11,7 @@ sys.path.insert(0, os.path.join(HERE, "..", "conformance"))
 
 import pcap  # noqa: E402
 import tshark  # noqa: E402
-from encoder import STATE, block, datagram, fixed32, floats, number, varint  # noqa: E402
+from encoder import STATE, block, column, datagram, fixed32, floats, number  # noqa: E402
 
 NAMES = ("padr.to", "padr.resend.first", "padr.superseded.by", "padr.stale_mark", "padr.duplicate", "padr.lost",
          "padr.check_differs")  # fmt: skip
@@ -21,14 +21,13 @@ HELD_STATE, REST = 0x19, 0x35  # body flags: contact begin, held, with a state, 
 
 def claim(body, epoch, age=0, back=0, index_back=0, flags=HELD_STATE):
     """An update, some ticks and numbers before the mark, in which its sender claims a body."""
-    return (number(1, index_back) + number(2, back) + block(5, varint(body)) + block(6, varint(flags)) + block(7, varint(epoch))
-            + block(8, varint(age)) + floats(9, 1, 2, 0))  # fmt: skip
+    return number(1, index_back) + number(2, back) + column(4, (128 * body + flags, epoch, age)) + floats(5, 1, 2, 0)
 
 
 def state(peer, to, seq, tick, count, *updates, check=(0, 0), incarnation=0, session=1):
     """Of the number of a script, each with sessions and addresses of its own: a packet from that peer to that one."""
-    payload = number(1, seq) + number(2, tick) + number(3, count) + b"".join(block(9, update) for update in updates)
-    payload += number(10, check[0]) + fixed32(11, check[1]) + number(13, incarnation)
+    payload = column(1, (seq, tick, count, 0, 0, 0, 0, incarnation)) + b"".join(block(9, update) for update in updates)
+    payload += number(10, check[0]) + fixed32(11, check[1])
 
     def packet(script):
         data = datagram(STATE, payload, peer, session=10 * script + session)

@@ -48,7 +48,7 @@ def check_fields(installed):
 def check_protobuf(installed, path):
     """With names as wire.proto is there, not at all without it, without names if that is asked for."""
     def shows(*arguments):
-        return len(re.findall(r"Field\(\d+\): seq = ", installed.tshark("-r", path, "-V", *arguments)))
+        return len(re.findall(r"Field\(\d+\): link = ", installed.tshark("-r", path, "-V", *arguments)))
 
     proto = os.path.join(installed.home, ".config", "wireshark", "protobuf", "wire.proto")
     assert shows() > 20 and shows("-o", "padr.protobuf:Never") == 0
@@ -82,10 +82,10 @@ def check_without_lua(home, repository, path, script):
     shutil.copy(path, os.path.join(home, "play.pcap"))
     bare = Installed(home, repository)
     out = bare.shell(re.sub(r"\b(play|state|bare)\.pcap", rf"{home}/\1.pcap", script))
-    shown = [line.split("\t")[0] for line in out.splitlines()]
+    shown = [line.split("\t")[0].split(",")[0] for line in out.splitlines()]
     wanted = []
     for datagram in pcap.read(path):
-        if datagram and datagram[:3] == b"Pd\x40":
+        if datagram and datagram[:3] == b"Pd\x50":
             wanted.append(str(decode(datagram)["seq"]))
     assert shown == wanted and len(wanted) > 20, (shown, wanted)
 
@@ -121,7 +121,7 @@ def main(repository):
         check_protobuf(installed, scripted)
         check_filters(installed, everything, text)
         check_colours(installed, everything)
-        check_keylog(installed, [each for each in pcap.read(scripted) if each and each[:3] == b"Pd\x40"], with_keylog)
+        check_keylog(installed, [each for each in pcap.read(scripted) if each and each[:3] == b"Pd\x50"], with_keylog)
         check_without_lua(homes[1], repository, scripted, without_lua)
     print("installed by two lines; filters, colours, protobuf and the way without Lua are as the page says")
 

@@ -13,15 +13,15 @@ def fixed64(field, value):
 
 
 def state(*updates, seq=1, tick=100, count=9, more=b""):
-    return datagram(STATE, number(1, seq) + number(2, tick) + number(3, count) + b"".join(block(9, u) for u in updates) + more)
+    return datagram(STATE, column(1, (seq, tick, count)) + b"".join(block(9, u) for u in updates) + more)
 
 
 def avatar(x=1.0, y=1.0, vx=0.0, vy=0.0, *control, flags=0x68):
-    return number(3, flags) + floats(4, x, y, vx, vy, *control)
+    return number(3, flags) + floats(5, x, y, vx, vy, *control)
 
 
-def body(ids=(3,), flags=(0x50,), epoch=(1,), age=(0,), values=(1, 1, 0, 0, 0, 0)):
-    return column(5, ids) + column(6, flags) + column(7, epoch) + column(8, age) + floats(9, *values)
+def body(gap=3, flags=0x50, claim=(1, 0), values=(1, 1, 0, 0, 0, 0)):
+    return column(4, (128 * gap + flags, *claim)) + floats(5, *values)
 
 
 def admission(slot=1, incarnation=5, first=0, address=ADDRESS, port=7000, have=(0, 0)):
@@ -42,6 +42,9 @@ def state_cases():
         yield state(tick=tick)
     for seq in (0, 1, (1 << 32) - 1):
         yield state(seq=seq)
+    for numbers in (1, 9, 10):
+        yield datagram(STATE, column(1, [1] * numbers))
+    yield datagram(STATE, b"")
     for loss in (100, 101):
         yield state(more=number(12, loss))
     for age in (100, 101):
@@ -76,31 +79,32 @@ def avatar_cases():
         yield state(avatar(1, 1, 0, 0, 0, speed * 10000 / 121, flags=0x78))
         yield state(avatar(speed))
     yield state(avatar(1, 1, 1, 0, flags=0x48))  # at rest, and moves
-    yield state(floats(4, 1, 1, 0, 0))  # no flags, and a state
+    yield state(floats(5, 1, 1, 0, 0))  # no flags, and a state
 
 
 def body_cases():
     for entity in (65534, 65535):
-        yield state(body(ids=(entity,)))
-    for ids in ((3, 4), (3, 3), (4, 3)):
-        yield state(column(5, ids) + column(6, (0, 0)))
+        yield state(body(gap=entity))
+    for gaps in ((3, 0), (3, 65530), (3, 65531), ((1 << 25) - 1, 0)):
+        yield state(column(4, [128 * gap for gap in gaps]))
     for count in (27, 28):
-        yield state(column(5, range(count)) + column(6, [0] * count))
-    for flags in (0x06, 0x07, 0x40, 0x7F, 0x80):
-        yield state(column(5, [3]) + column(6, [flags]))
+        yield state(column(4, [0] * count))
+    for flags in (0x06, 0x07, 0x40, 0x7F):
+        yield state(column(4, [128 * 3 + flags]))
     for epoch in (0, 1, BIG, BIG + 1):
-        yield state(body(epoch=(epoch,)))
+        yield state(body(claim=(epoch, 0)))
     for age in (100, 101):
-        yield state(body(age=(age,)))
+        yield state(body(claim=(1, age)))
     for values in ((1, 1, 0, 0, 0), (1, 1, 0, 0, 0, 0, 0), (1, 1, 100000, 0, 0, 95), (1, 1, 100001, 0, 0, 0),
                    (1, 1, 0, 0, 0, -95.1), (1, 1, 0, 90, 90, 0), (float("nan"), 1, 0, 0, 0, 0)):  # fmt: skip
         yield state(body(values=values))
-    yield state(body(flags=(0x50, 0x50)))
-    yield state(body(epoch=(1, 1)))
+    yield state(column(4, (128 * 3 + 0x50, 1, 0, 0x50, 1, 0)) + floats(5, *range(6)))
+    for claim in ((), (1,), (1, 0, 0), (1, 0, 0, 0)):
+        yield state(body(claim=claim))
 
 
 def order_cases():
-    for slot in (0, 1, 31, 32):  # 0 is the sender's own
+    for slot in (0, 1, 63, 64):  # 0 is the sender's own
         yield state(admission(slot=slot))
         yield state(removal(slot=slot))
         yield state(passed_on(b"", slot=slot))
@@ -111,7 +115,7 @@ def order_cases():
         yield state(removal(incarnation=value))
         yield state(removal(count=value))
         yield state(passed_on(b"", index=value))
-    for have in (32, 33):
+    for have in (64, 65):
         yield state(admission(have=[1] * have))
     for address, port in ((bytes(16), 1), (ADDRESS[:15], 1), (ADDRESS, 0), (ADDRESS, 65535), (ADDRESS, 65536),
                           (ADDRESS + bytes(range(32)), 1), (ADDRESS + bytes(32), 1), (ADDRESS + bytes(31), 1),
@@ -140,7 +144,7 @@ def session_cases():
     yield session(1, fixed64(1, 0))
     for peer, slots, wanted, running, incarnation in (
             (1, 4, 2, 0, 0), (2, 4, 2, 0, 0), (0, 4, 2, 0, 0), (0, 4, 2, 1, 3), (3, 4, 2, 1, 3), (4, 4, 2, 1, 3), (1, 4, 2, 1, 0),
-            (1, 4, 2, 0, 3), (1, 2, 3, 0, 0), (1, 32, 32, 0, 0), (1, 33, 32, 0, 0), (0, 1, 1, 0, 0), (1, 0, 0, 0, 0)):  # fmt: skip
+            (1, 4, 2, 0, 3), (1, 2, 3, 0, 0), (1, 64, 64, 0, 0), (1, 65, 64, 0, 0), (0, 1, 1, 0, 0), (1, 0, 0, 0, 0)):  # fmt: skip
         numbers = (peer, slots, wanted, running, incarnation)
         yield session(2, nonce + b"".join(number(field, value) for field, value in enumerate(numbers, 2)))
     for port in (0, 1, 65535, 65536):
@@ -154,10 +158,13 @@ def session_cases():
         yield session(7, fixed64(1, clock) + block(2, b""))
     for padding in (17, 18):
         yield session(5, block(2, bytes(padding)))
-    for present in (32, 33):
+    for present in (64, 65):
         yield session(6, number(3, present))
-    for members in (1, 32, 33):
+    for members in (1, 32, 44):
         yield session(7, block(2, b"") + b"".join(block(2, number(1, n) + HERE + number(3, 7)) for n in range(1, members)))
+    for first, count in ((1, 1), (20, 3), (62, 2), (63, 2), (64, 1)):
+        yield session(7, b"".join(block(2, number(1, n) + HERE + number(3, 7)) for n in range(first, first + count)))
+    yield session(7, b"".join(block(2, number(1, n) + HERE + number(3, 7)) for n in (3, 5)))
     yield session(7, b"")
     yield session(7, block(2, b"") + block(2, number(1, 2) + HERE + number(3, 7)))
     yield session(7, block(2, b"") + block(2, number(1, 1) + number(3, 7)))
@@ -178,10 +185,10 @@ def membership_cases():
         yield membership(kind, none + (number(3, 1) + block(4, b"x") if kind == 2 else b""))
     for index, count, size in ((0, 1, 1), (0, 1, 0), (1, 1, 1), (2047, 2048, 1150), (0, 2049, 1), (0, 1, 1151)):
         yield membership(2, nonce + number(2, index) + number(3, count) + block(4, bytes(size)))
-    for slots in ((), (0,), (31,), (32,), (1, 2), (2, 1), (1, 1)):
+    for slots in ((), (0,), (63,), (64,), (1, 2), (2, 1), (1, 1)):
         yield membership(4, b"".join(block(1, number(1, slot) + number(3, 9)) for slot in slots))
         yield membership(8, b"".join(block(2, number(1, slot)) for slot in slots))
-    for slot in (31, 32):
+    for slot in (63, 64):
         yield membership(6, number(1, slot))
         yield membership(7, number(1, slot) + block(3, number(2, 9) + number(3, 9) + block(9, avatar())))
     for tick in ((1 << 31) - 2, (1 << 31) - 1):

@@ -90,7 +90,7 @@ void Bookkeeper::session(const wire::SessionMessage& m, Ledger& l) {
     const auto asked = joins_.find(welcome->nonce);
     if (asked != joins_.end() && !l.join) l.join = asked->second;
   } else if (const auto* start = std::get_if<wire::Start>(&m)) {
-    l.peers = static_cast<int>(start->members.size());
+    l.peers = std::max(l.peers, static_cast<int>(start->first + start->members.size()));
   }
 }
 

@@ -16,7 +16,7 @@ constexpr const char* kRebuildFooter =
     "\n"
     "Examples:\n"
     "  padr-capture rebuild peer0.pcapng --csv states.csv --svg world.svg\n"
-    "  padr-capture rebuild late.pcap --scenario arena --seed 7 --slots 16\n"
+    "  padr-capture rebuild late.pcap --scenario arena --seed 7 --slots 32\n"
     "\n"
     "Exit code: 0 if all hashes agree; 1 if one does not, something is missing in between, nothing could be rebuilt, "
     "or\n"

@@ -70,8 +70,8 @@ class SessionFields {
   void operator()(const wire::Start& m) const {
     r_.signed_number("padr.start.tick0_us", m.tick0);
     for (std::size_t i = 0; i < m.members.size(); ++i) {
-      r_.number("padr.start.member.peer", i);
-      if (i > 0) r_.address("padr.start.member.address", m.members[i]);
+      r_.number("padr.start.member.peer", m.first + i);
+      if (m.first + i > 0) r_.address("padr.start.member.address", m.members[i]);
       r_.number("padr.start.member.port", m.members[i].port);
     }
   }

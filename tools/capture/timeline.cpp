@@ -45,7 +45,9 @@ void Timeline::message(Event e, std::uint16_t session, const wire::SessionMessag
     e.detail = refuse->reason;
   } else if (const auto* start = std::get_if<wire::Start>(&m)) {
     e.what = "start";
-    e.detail = std::to_string(start->members.size()) + " peers";
+    const std::size_t end = start->first + start->members.size();
+    e.detail = start->first == 0 ? std::to_string(end) + " peers"
+                                 : "peers " + std::to_string(start->first) + " to " + std::to_string(end - 1);
   } else {
     return;
   }

@@ -3,6 +3,7 @@
 #include "tools/lab/chaos/command.h"
 #include "tools/lab/compare/command.h"
 #include "tools/lab/convergence/command.h"
+#include "tools/lab/crowd/command.h"
 #include "tools/lab/examples/command.h"
 #include "tools/lab/figures/command.h"
 #include "tools/lab/replay.h"
@@ -52,6 +53,9 @@ int lab(int argc, char** argv) {
   padr::lab::ChaosCommand chaos;
   CLI::App& chaos_app = *app.add_subcommand("chaos", "peers that come, go, crash and lose one another: what must hold");
   chaos.declare(chaos_app);
+  padr::lab::CrowdCommand crowd;
+  CLI::App& crowd_app = *app.add_subcommand("crowd", "crowds on a plane of regions: what a peer costs, by their size");
+  crowd.declare(crowd_app);
   padr::lab::MergeCommand merge;
   CLI::App& merge_app = *app.add_subcommand("merge", "the shards of a sweep into one CSV");
   merge.declare(merge_app);
@@ -64,6 +68,7 @@ int lab(int argc, char** argv) {
   if (convergence_app.parsed()) return convergence.run();
   if (sweep_app.parsed()) return sweep.run();
   if (chaos_app.parsed()) return chaos.run(padr::support::command_of(argc, argv));
+  if (crowd_app.parsed()) return crowd.run(padr::support::command_of(argc, argv));
   if (merge_app.parsed()) return merge.run();
   return run.run(padr::support::command_of(argc, argv));
 }

@@ -110,7 +110,7 @@ class Replay::Again {
     stepped_ = true;
   }
   void take(const trace::Sent& s) {
-    const auto& out = node_->outgoing();
+    const auto out = node_->outgoing();
     const std::string what =
         "datagram " + std::to_string(next_out_ + 1) + " of the tick, to peer " + std::to_string(s.to);
     if (s.tick != node_->now()) return differ(what + ", bears tick " + std::to_string(s.tick));
@@ -142,7 +142,7 @@ class Replay::Again {
     return c;
   }
   node::Node::ConfirmedSink sink() {
-    return [this](const sync::FoldState& s, std::uint64_t hash) {
+    return [this](const sync::FoldState& s, sync::LazyHash hash) {
       ours_.push_back({{s.tick, hash}, trace::truth_of(s, header_.technique.authority)});
       if (on_confirmed_) on_confirmed_(s, hash);
     };
@@ -153,7 +153,7 @@ class Replay::Again {
   }
 
   void compare_live(const trace::Step& s, const trace::LiveView& live) {
-    const world::World& w = node_->live().world();
+    const world::View& w = node_->live().world();
     if (node_->live_hash() != s.live_hash) {
       for (std::size_t i = 0; i < live.states.size(); ++i) {
         const auto e = static_cast<EntityId>(i);

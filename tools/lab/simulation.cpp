@@ -70,7 +70,7 @@ void Simulation::step() {
 Vec2 Simulation::target_of(PeerId p) {
   if (now_ <= config_.ticks) return config_.inputs[p]->target(now_);
   constexpr float kStopped = 0.05F;  // m/s
-  const world::World& live = node(p).live().world();
+  const world::View& live = node(p).live().world();
   const EntityId avatar = node(p).live().avatar();
   if (!stands_[p] && length(live.velocity(avatar)) < kStopped) stands_[p] = live.position(avatar);
   return stands_[p].value_or(live.position(avatar));
@@ -78,7 +78,7 @@ Vec2 Simulation::target_of(PeerId p) {
 
 void Simulation::sample_views() {
   for (PeerId p = 0; p < nodes_.size(); ++p) {
-    const world::World& w = node(p).live().world();
+    const world::View& w = node(p).live().world();
     trace::View v;
     v.live.reserve(static_cast<std::size_t>(w.entities()));
     for (EntityId e = 0; e < w.entities(); ++e) v.live.push_back(w.position(e));

@@ -20,8 +20,9 @@ namespace {
 namespace asio = boost::asio;
 using boost::system::error_code;
 
-/// Datagrams read in one go before timers get their turn.
-constexpr int kReadsPerWakeUp = 64;
+/// Batches of datagrams, or pieces of news, read in one go before timers get their turn.
+constexpr int kRoundsPerWakeUp = 4;
+constexpr int kNewsPerWakeUp = 64;
 /// Bursts must survive until the loop gets to them.
 constexpr int kReceiveBufferBytes = 1 << 20;
 
@@ -60,7 +61,8 @@ Endpoint to_endpoint(const Udp::endpoint& e) {
   return out;
 }
 
-UdpSocket::UdpSocket(asio::io_context& io, const Udp::endpoint& address) : socket_(io), v4_(address.address().is_v4()) {
+UdpSocket::UdpSocket(asio::io_context& io, const Udp::endpoint& address)
+    : socket_(io), v4_(address.address().is_v4()), inbox_(new std::byte[kBatch * kLongest]) {
   error_code error;
   socket_.open(address.protocol(), error);
   // [::] shall reach IPv4 peers too.
@@ -98,19 +100,33 @@ void UdpSocket::wait() {
 }
 
 void UdpSocket::read() {
-  for (int i = 0; i < kReadsPerWakeUp && socket_.is_open(); ++i) {
-    Udp::endpoint from;
-    error_code error;
-    const std::size_t size = socket_.receive_from(asio::buffer(buffer_), from, 0, error);
-    if (error == asio::error::would_block) return;
-    if (error) {
+  std::array<Udp::endpoint, kBatch> from;
+  std::array<iovec, kBatch> parts{};
+  std::array<mmsghdr, kBatch> messages{};
+  for (std::size_t i = 0; i < kBatch; ++i) {
+    parts[i] = {&inbox_[i * kLongest], kLongest};
+    messages[i].msg_hdr.msg_name = from[i].data();
+    messages[i].msg_hdr.msg_iov = &parts[i];
+    messages[i].msg_hdr.msg_iovlen = 1;
+  }
+  for (int round = 0; round < kRoundsPerWakeUp && socket_.is_open(); ++round) {
+    for (std::size_t i = 0; i < kBatch; ++i)
+      messages[i].msg_hdr.msg_namelen = static_cast<socklen_t>(from[i].capacity());
+    const int got = recvmmsg(socket_.native_handle(), messages.data(), kBatch, MSG_DONTWAIT, nullptr);
+    if (got < 0) {
+      if (errno == EAGAIN || errno == EWOULDBLOCK) return;
       // News about an earlier datagram, mostly, in which case there is more to be read of it.
-      if (error != asio::error::connection_refused) ++stats_.receive_errors;
-      last_error_ = error.message();
+      if (errno != ECONNREFUSED) ++stats_.receive_errors;
+      last_error_ = error_code(errno, boost::system::system_category()).message();
       read_refusals();
-    } else {
-      each_(to_endpoint(from), std::span(buffer_).first(size));
+      continue;
     }
+    const auto count = static_cast<std::size_t>(got);
+    for (std::size_t i = 0; i < count && socket_.is_open(); ++i) {
+      from[i].resize(messages[i].msg_hdr.msg_namelen);
+      each_(to_endpoint(from[i]), {&inbox_[i * kLongest], messages[i].msg_len});
+    }
+    if (count < kBatch) return;  // what has come since wakes us again
   }
 }
 
@@ -132,7 +148,7 @@ void UdpSocket::take_refusal(const Endpoint& at, std::span<const std::byte> quot
 }
 
 void UdpSocket::read_refusals() {
-  for (int i = 0; i < kReadsPerWakeUp; ++i) {
+  for (int i = 0; i < kNewsPerWakeUp; ++i) {
     Udp::endpoint to;
     std::array<std::byte, kQuoted> quoted{};
     iovec part{quoted.data(), quoted.size()};
@@ -172,6 +188,53 @@ Endpoint UdpSocket::local_towards(const Endpoint& to) const {
   if (!error) probe.connect(where, error);
   if (!error) own.address = to_endpoint(probe.local_endpoint(error)).address;
   return own;
+}
+
+void UdpSocket::post(const Endpoint& to, std::span<const std::byte> datagram) {
+  const bool reachable = !v4_ || to.is_v4();
+  posted_.push_back({to, reachable ? to_asio(to, v4_) : Udp::endpoint(), posted_bytes_.size(), datagram.size()});
+  posted_bytes_.insert(posted_bytes_.end(), datagram.begin(), datagram.end());
+}
+
+// So many of them from that one on, as far as the system takes them in one call.
+std::size_t UdpSocket::send_posted(std::size_t from) {
+  const auto send_first = [this](mmsghdr* messages, std::size_t count) {
+    const int sent = sendmmsg(socket_.native_handle(), messages, static_cast<unsigned>(count), MSG_DONTWAIT);
+    return static_cast<std::size_t>(std::max(sent, 0));
+  };
+  std::array<iovec, kBatch> parts{};
+  std::array<mmsghdr, kBatch> messages{};
+  const std::size_t count = std::min(kBatch, posted_.size() - from);
+  for (std::size_t i = 0; i < count; ++i) {
+    Posted& p = posted_[from + i];
+    if (v4_ && !p.to.is_v4()) return i == 0 ? 0 : send_first(messages.data(), i);
+    parts[i] = {&posted_bytes_[p.at], p.size};
+    messages[i].msg_hdr.msg_name = p.where.data();
+    messages[i].msg_hdr.msg_namelen = static_cast<socklen_t>(p.where.size());
+    messages[i].msg_hdr.msg_iov = &parts[i];
+    messages[i].msg_hdr.msg_iovlen = 1;
+  }
+  return send_first(messages.data(), count);
+}
+
+void UdpSocket::flush(const Outcome& each) {
+  for (std::size_t next = 0; next < posted_.size();) {
+    const std::size_t sent = send_posted(next);
+    for (std::size_t i = 0; i < sent; ++i, ++next) {
+      const Posted& p = posted_[next];
+      const std::span<const std::byte> datagram(&posted_bytes_[p.at], p.size);
+      remember(p.to, datagram);
+      ++stats_.sent;
+      each(p.to, datagram, true);
+    }
+    if (sent > 0 || next == posted_.size()) continue;
+    // One that does not go: by itself, which finds out why.
+    const Posted& p = posted_[next++];
+    const std::span<const std::byte> datagram(&posted_bytes_[p.at], p.size);
+    each(p.to, datagram, send(p.to, datagram));
+  }
+  posted_.clear();
+  posted_bytes_.clear();
 }
 
 bool UdpSocket::send(const Endpoint& to, std::span<const std::byte> datagram) {

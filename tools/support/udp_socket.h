@@ -8,8 +8,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "common/model/endpoint.h"
 #include "tools/support/host_port.h"
@@ -51,6 +53,13 @@ class UdpSocket {
   /// False if it was not sent: see stats() and last_error().
   bool send(const Endpoint& to, std::span<const std::byte> datagram);
 
+  /// For the next flush().
+  void post(const Endpoint& to, std::span<const std::byte> datagram);
+  /// Sends all that was posted, in that order, with as few calls of the system as it takes, and says of each whether it
+  /// was sent; false as above.
+  using Outcome = std::function<void(const Endpoint& to, std::span<const std::byte> datagram, bool sent)>;
+  void flush(const Outcome& each);
+
   Udp::endpoint local() const { return socket_.local_endpoint(); }
   /// The address that the system would send from to there; where that cannot be told, the one that it is bound to.
   Endpoint local_towards(const Endpoint& to) const;
@@ -61,6 +70,7 @@ class UdpSocket {
   void wait();
   void read();
   void read_refusals();
+  std::size_t send_posted(std::size_t from);
   void take_refusal(const Endpoint& at, std::span<const std::byte> quoted);
   void remember(const Endpoint& to, std::span<const std::byte> datagram);
 
@@ -79,7 +89,18 @@ class UdpSocket {
   std::array<Sent, 64> sent_{};  ///< the latest
   std::size_t next_sent_ = 0;
   std::string last_error_;
-  std::array<std::byte, 65536> buffer_{};  ///< larger than any UDP payload, so that nothing is cut short unnoticed
+  struct Posted {
+    Endpoint to;
+    Udp::endpoint where;
+    std::size_t at = 0;  ///< in posted_bytes_
+    std::size_t size = 0;
+  };
+  std::vector<Posted> posted_;
+  std::vector<std::byte> posted_bytes_;
+  static constexpr std::size_t kBatch = 32;        ///< datagrams read or sent by one call of the system
+  static constexpr std::size_t kLongest = 65'536;  ///< larger than any UDP payload: nothing is cut short unnoticed
+  /// kBatch * kLongest bytes, of which memory is used as far as datagrams have ever filled it.
+  std::unique_ptr<std::byte[]> inbox_;
 };
 
 }  // namespace padr::support

@@ -243,7 +243,7 @@ end
 -- bytes at random that begin so, one in six hundred has such a header.
 local function is_ours(envelope)
   if envelope.tag_good or envelope.handshake then return true end
-  local sender_is_one = envelope.peer < 32 or envelope.peer == datagram.NOBODY
+  local sender_is_one = envelope.peer < 64 or envelope.peer == datagram.NOBODY
   return envelope.version == datagram.VERSION and datagram.KINDS[envelope.kind] ~= nil and sender_is_one
 end
 

@@ -32,7 +32,7 @@ void Takes::film() {
     footage.shown[m].push_back(simulations[m]->node(footage.viewer).shown().positions());
   const Simulation& s = *simulations.front();
   const node::Node& viewer = s.node(footage.viewer);
-  const world::World& seen = viewer.live().world();
+  const world::View& seen = viewer.live().world();
   const std::vector<sync::Authority>& authority = viewer.agreed().predicted_state().authority;
   Footage::Positions truth;
   std::vector<float> angles;

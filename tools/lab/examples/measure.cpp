@@ -28,7 +28,7 @@ class Stay : public scenarios::InputSource {
 };
 
 /// A touch can be over within the step that it begins in: what it has set in motion shows it then.
-bool touched(const world::World& w) {
+bool touched(const world::View& w) {
   constexpr float kMoves = 0.02F;  // m/s; everything rests before
   const EntityId avatar = w.avatar(0);
   for (EntityId b = 0; b < w.bodies(); ++b)
@@ -44,7 +44,7 @@ class Costing {
     cost_.final_by_body_m.resize(bodies);
   }
 
-  void tick(const world::World& truth, const world::World& believed, Tick now) {
+  void tick(const world::View& truth, const world::View& believed, Tick now) {
     compare_views(truth, believed);
     compare_with_story(believed, story_.bodies[static_cast<std::size_t>(now - 1)]);
     const EntityId avatar = truth.avatar(0);
@@ -64,7 +64,7 @@ class Costing {
   }
 
  private:
-  void compare_views(const world::World& truth, const world::World& believed) {
+  void compare_views(const world::View& truth, const world::View& believed) {
     cost_.final_m = 0;
     cost_.at_end = 0;
     for (std::size_t b = 0; b < disturbed_.size(); ++b) {
@@ -80,7 +80,7 @@ class Costing {
     cost_.peak_m = std::max(cost_.peak_m, cost_.final_m);
   }
 
-  void compare_with_story(const world::World& believed, const std::vector<Vec2>& bodies) {
+  void compare_with_story(const world::View& believed, const std::vector<Vec2>& bodies) {
     cost_.untrue_final_m = 0;
     cost_.untrue_at_end = 0;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
@@ -97,7 +97,7 @@ class Costing {
   double ticks_ = 0;
 };
 
-std::vector<BodyState> states_of(const world::World& w) {
+std::vector<BodyState> states_of(const world::View& w) {
   std::vector<BodyState> states;
   for (EntityId e = 0; e < w.entities(); ++e) states.push_back(w.state(e));
   return states;
@@ -112,8 +112,8 @@ class Play {
         simulation_(config(story, take, technique, netem)) {}
 
   Simulation& simulation() { return simulation_; }
-  const world::World& truth() const { return simulation_.node(0).live().world(); }
-  const world::World& believed() const { return simulation_.node(1).live().world(); }
+  const world::View& truth() const { return simulation_.node(0).live().world(); }
+  const world::View& believed() const { return simulation_.node(1).live().world(); }
 
  private:
   SimulationConfig config(const Story& story, int take, const Technique& technique, const link::NetemSpec& netem) {

@@ -16,7 +16,7 @@ constexpr PeerId kWatcher = 1;
 // What happens in the last moments is confirmed, and so measured, a little later.
 constexpr Tick kConfirmTicks = 5 * kTicksPerSecond;
 
-bool touches_body(const world::World& w, EntityId avatar) {
+bool touches_body(const world::View& w, EntityId avatar) {
   const auto& contacts = w.contacts();
   return std::any_of(contacts.begin(), contacts.end(), [&](const Contact& c) {
     return (c.first == avatar && !w.is_avatar(c.second)) || (c.second == avatar && !w.is_avatar(c.first));
@@ -64,7 +64,7 @@ FigureRun run_figure(const Case& c, const Setting& s, const link::NetemSpec& net
   simulation.run([&](Tick now) {
     if (now > ticks) return;
     const node::Node& node = simulation.node(kDriver);
-    const world::World& live = node.live().world();
+    const world::View& live = node.live().world();
     r.threshold_m.push_back(node.threshold());
     r.touching.push_back(touches_body(live, node.live().avatar()));
     r.path.push_back(live.position(node.live().avatar()));

@@ -58,7 +58,7 @@ void SweepCommand::declare(CLI::App& app) {
   app.add_option("--bodies", grid_.bodies, "Bodies in all, 1 to 5000: another count for the scenario's scatter or row")
       ->type_name("COUNTS")
       ->group(world);
-  app.add_option("--peers", grid_.peers, "Participants, 1 to 32 and as many as the scenario has room for")
+  app.add_option("--peers", grid_.peers, "Participants, 1 to 64 and as many as the scenario has room for")
       ->type_name("COUNTS")
       ->capture_default_str()
       ->group(world);

@@ -120,14 +120,20 @@ void Grid::check_sessions() const {
   const auto most = static_cast<int>(*std::max_element(peers_.begin(), peers_.end()));
   for (const std::string& name : scenarios_) {
     const support::LoadedScenario s = support::load_scenario(name, seeds_.front());
-    const auto spawns = static_cast<int>(s.scene.avatar.spawns.size());
-    if (most > spawns)
-      throw UserError("--peers: '" + std::to_string(most) + "' is not allowed for scenario " + name + "; give 1 to " +
-                      std::to_string(spawns));
+    const auto check_room = [&name, most](const Scene& scene, const std::string& with) {
+      const auto spawns = static_cast<int>(scene.avatar.spawns.size());
+      if (most > spawns)
+        throw UserError("--peers: '" + std::to_string(most) + "' is not allowed for scenario " + name + with +
+                        "; give 1 to " + std::to_string(spawns));
+    };
+    check_room(s.scene, "");
     for (const auto& bodies : bodies_) {
       if (!bodies) continue;
-      const std::string flag = "--bodies " + std::to_string(*bodies) + ": " + name;
-      scenarios::load(scenarios::with_bodies(s.text, flag, *bodies), flag, seeds_.front());
+      const std::string count = "--bodies " + std::to_string(*bodies);
+      const std::string flag = count + ": " + name;
+      // Bodies may leave no room for avatars.
+      check_room(scenarios::load(scenarios::with_bodies(s.text, flag, *bodies), flag, seeds_.front()),
+                 " with " + count);
     }
     for (int p = 0; p < most; ++p)
       support::load_input(inputs_[static_cast<std::size_t>(p) % inputs_.size()], s.scene, p, seeds_.front());

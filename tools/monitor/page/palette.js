@@ -1,11 +1,11 @@
-// Colours for up to 32 peers that people with any colour vision can tell apart: eight hues of the Okabe-Ito set, and from
+// Colours for up to 64 peers that people with any colour vision can tell apart: eight hues of the Okabe-Ito set, and from
 // the ninth peer on a pattern as well. The number of the avatar always says the same.
 
 const HUES = ["#0072b2", "#e69f00", "#009e73", "#d55e00", "#56b4e9", "#cc79a7", "#b9a90b", "#8a6d5b"];
-const PATTERNS = ["plain", "stripes", "dots", "grid"];
+const PATTERNS = ["plain", "stripes", "dots", "grid", "bars", "rings", "steps", "checks"];
 const NOBODY = 255;
 
-/** The hue of a slot, 0 .. 31. */
+/** The hue of a slot, 0 .. 63. */
 export function hue(slot) {
   return HUES[slot % HUES.length];
 }
@@ -42,6 +42,34 @@ export class Fills {
   }
 }
 
+// On a tile of 8 by 8, repeated.
+const DRAW = {
+  stripes: (ctx) => lines(ctx, [-8, 0, 8].map((d) => [d - 1, 9, d + 9, -1])),
+  dots: (ctx) => {
+    ctx.arc(4, 4, 1.6, 0, 7);
+    ctx.fill();
+  },
+  grid: (ctx) => lines(ctx, [[4, 0, 4, 8], [0, 4, 8, 4]]),
+  bars: (ctx) => lines(ctx, [[4, 0, 4, 8]]),
+  rings: (ctx) => {
+    ctx.arc(4, 4, 2.4, 0, 7);
+    ctx.stroke();
+  },
+  steps: (ctx) => lines(ctx, [[0, 4, 8, 4]]),
+  checks: (ctx) => {
+    ctx.fillRect(0, 0, 4, 4);
+    ctx.fillRect(4, 4, 4, 4);
+  },
+};
+
+function lines(ctx, all) {
+  for (const [x, y, to_x, to_y] of all) {
+    ctx.moveTo(x, y);
+    ctx.lineTo(to_x, to_y);
+  }
+  ctx.stroke();
+}
+
 function makeFill(slot) {
   const name = patternName(slot);
   if (name === "plain") return hue(slot);
@@ -53,21 +81,6 @@ function makeFill(slot) {
   ctx.fillStyle = ctx.strokeStyle = ink(slot);
   ctx.lineWidth = 1.5;
   ctx.beginPath();
-  if (name === "stripes") {
-    for (const d of [-8, 0, 8]) {
-      ctx.moveTo(d - 1, 9);
-      ctx.lineTo(d + 9, -1);
-    }
-    ctx.stroke();
-  } else if (name === "dots") {
-    ctx.arc(4, 4, 1.6, 0, 7);
-    ctx.fill();
-  } else {
-    ctx.moveTo(4, 0);
-    ctx.lineTo(4, 8);
-    ctx.moveTo(0, 4);
-    ctx.lineTo(8, 4);
-    ctx.stroke();
-  }
+  DRAW[name](ctx);
   return ctx.createPattern(tile, "repeat");
 }

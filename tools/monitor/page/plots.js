@@ -7,7 +7,10 @@ import { sum } from "./table.js";
 const REDRAW = 500; // ms
 const MOST_LINKS = 20; // lines; with more links, the mean of each sender's
 const MARKS = { contact_begin: "contact", contact_end: "contact", authority: "authority", release: "authority", drive: "none", drive_end: "none" };
-const DASHES = { plain: null, stripes: [8, 3], dots: [2, 3], grid: [8, 3, 2, 3] };
+const DASHES = {
+  plain: null, stripes: [8, 3], dots: [2, 3], grid: [8, 3, 2, 3],
+  bars: [14, 3], rings: [2, 6], steps: [14, 3, 2, 3], checks: [5, 5],
+};
 
 // Each: title, unit, digits, what the lines are, and their values in a point.
 const PLOTS = [

@@ -6,7 +6,7 @@ local updates = require("padr.updates")
 local datagram = {}
 
 datagram.MAGIC = 0x5064
-datagram.VERSION = 4
+datagram.VERSION = 5
 datagram.KINDS = { [0] = "state", "session", "membership" }
 datagram.HEADER, datagram.TAG = 6, 4
 datagram.SHORTEST, datagram.LONGEST = 10, 1200
@@ -81,6 +81,8 @@ end
 
 local function decode_state(data, at, stop, sender)
   local state = protobuf.message(data, at, stop, schema.state)
+  require_that(#state.link <= #schema.link, "too many numbers of the link")
+  for n, name in ipairs(schema.link) do state[name] = state.link[n] or { v = 0 } end
   require_that(state.seq.v > 0, "seq 0")
   require_that(state.mark_tick.v <= updates.MOST_TICK, "mark_tick beyond the last")
   require_that(state.loss.v <= 100, "loss above 100 per cent")
@@ -105,7 +107,7 @@ end
 
 local CHECKS = {
   welcome = function(m)
-    require_that(m.slots.v >= 1 and m.slots.v <= 32 and m.wanted.v >= 1 and m.wanted.v <= m.slots.v, "slots or wanted")
+    require_that(m.slots.v >= 1 and m.slots.v <= 64 and m.wanted.v >= 1 and m.wanted.v <= m.slots.v, "slots or wanted")
     local least, most = m.running.v and 0 or 1, m.running.v and m.slots.v or m.wanted.v
     require_that(m.peer.v >= least and m.peer.v < most, "a number that is none")
     require_that(m.running.v == (m.incarnation.v > 0), "an incarnation of the wrong sort")
@@ -124,16 +126,20 @@ local CHECKS = {
   pong = function(m)
     require_clock(m.sent_us)
     require_clock(m.founder_us)
-    require_that(m.present.v <= 32, "more present than there may be")
+    require_that(m.present.v <= 64, "more present than there may be")
   end,
   start = function(m)
     require_clock(m.tick0_us)
-    require_that(#m.member >= 1 and #m.member <= 32, "a number of members that cannot be")
+    require_that(#m.member >= 1 and #m.member <= 64, "a number of members that cannot be")
     for n, member in ipairs(m.member) do
-      require_that(member.peer.v == n - 1, "members out of order")
-      if n > 1 then updates.require_place(member) end
+      local peer = member.peer.v
+      require_that(peer < 64 and peer == m.member[1].peer.v + n - 1, "members out of order")
+      if peer > 0 then
+        updates.require_place(member)
+      else
+        require_that(member.address.v == "" and member.port.v == 0, "an address of the founder")
+      end
     end
-    require_that(m.member[1].address.v == "" and m.member[1].port.v == 0, "an address of the founder")
   end,
 }
 
@@ -144,8 +150,8 @@ local function decode_session(data, at, stop)
 end
 
 local function check_seats(seats)
-  require_that(#seats >= 1 and #seats <= 32, "nobody, or too many")
-  for _, seat in ipairs(seats) do require_that(seat.slot.v < 32, "a slot that is none") end
+  require_that(#seats >= 1 and #seats <= 64, "nobody, or too many")
+  for _, seat in ipairs(seats) do require_that(seat.slot.v < 64, "a slot that is none") end
   updates.require_ascending(seats, function(seat) return seat.slot.v end, "seats")
 end
 
@@ -161,7 +167,7 @@ end
 local function decode_membership(data, at, stop)
   local name, spec, m = protobuf.one_of(data, at, stop, schema.membership)
   require_that(not m.nonce or m.nonce.v ~= ("\0"):rep(8), "no nonce")
-  require_that(not m.slot or m.slot.v < 32, "a slot that is none")
+  require_that(not m.slot or m.slot.v < 64, "a slot that is none")
   if m.lost then check_seats(m.lost) end
   if m.members then check_seats(m.members) end
   local out = { name = name, spec = spec, message = m }

@@ -180,7 +180,7 @@ local LIST = {
   { "padr.transfer.authority.released", "bool", "Released" },
   { "padr.transfer.authority.epoch", "uint32", "Epoch" },
   { "padr.transfer.authority.claimed", "uint32", "Claimed at tick" },
-  { "padr.transfer.holds", "hex32", "Held by", "by body; bit p: the avatar of slot p" },
+  { "padr.transfer.holds", "hex64", "Held by", "by body; bit p: the avatar of slot p" },
   { "padr.transfer.slot", "none", "Slot" },
   { "padr.transfer.slot.first", "uint32", "First update that is not in the world" },
   { "padr.transfer.slot.have", "uint32", "Has" },

@@ -65,6 +65,7 @@ local COLUMNS = {
     read = function(data, at, stop) return varint(data, at, stop, 10) end,
   },
   floats = { wire = FOUR, size = 4, read = function(data, at) return read_float(data, at), at + 4 end },
+  fixed64s = { wire = EIGHT, size = 8, read = function(data, at) return data:sub(at, at + 7), at + 8 end },
   fixed32s = { wire = FOUR, size = 4, read = function(data, at) return read_fixed32(data, at), at + 4 end },
 }
 

@@ -8,18 +8,19 @@ local admission = {
 local removal = { { "slot", "uint32" }, { "incarnation", "uint32" }, { "count", "uint32" } }
 local passed_on = { { "slot", "uint32" }, { "index", "uint32" }, { "tick", "uint32" } }
 schema.update = {
-  { "index_back", "uint32" }, { "tick_back", "uint32" }, { "avatar", "uint32" }, { "avatar_state", "floats" },
-  { "body", "uint32s" }, { "body_flags", "uint32s" }, { "epoch", "uint32s" }, { "claim_age", "uint32s" },
-  { "body_state", "floats" }, { "leave", "bool" }, { "admission", one = admission }, { "removals", many = removal },
-  { "passed_on", one = passed_on }, { "signature", "bytes" },
+  { "index_back", "uint32" }, { "tick_back", "uint32" }, { "avatar", "uint32" }, { "bodies", "uint32s" },
+  { "state", "floats" }, [10] = { "leave", "bool" }, [11] = { "admission", one = admission },
+  [12] = { "removals", many = removal }, [13] = { "passed_on", one = passed_on }, [14] = { "signature", "bytes" },
 }
 passed_on[4] = { "update", one = schema.update }
 
 schema.state = {
-  { "seq", "uint32" }, { "mark_tick", "uint32" }, { "mark_count", "uint32" }, { "have", "uint32" },
-  { "have_beyond", "fixed32" }, { "seen_seq", "uint32" }, { "seen_age", "uint32" }, { "transit", "sint32" },
-  { "updates", many = schema.update }, { "check_age", "uint32" }, { "check_hash", "fixed32" }, { "loss", "uint32" },
-  { "incarnation", "uint32" }, { "to_incarnation", "uint32" },
+  { "link", "uint32s" }, [8] = { "transit", "sint32" }, [9] = { "updates", many = schema.update },
+  [10] = { "check_age", "uint32" }, [11] = { "check_hash", "fixed32" }, [12] = { "loss", "uint32" },
+}
+-- What the numbers of the column are.
+schema.link = {
+  "seq", "mark_tick", "mark_count", "have", "seen_seq", "seen_age", "have_beyond", "incarnation", "to_incarnation",
 }
 
 local member = { { "peer", "uint32" }, { "address", "bytes" }, { "port", "uint32" } }
@@ -48,8 +49,7 @@ schema.session = {
 }
 
 local seat = { { "slot", "uint32" }, { "incarnation", "uint32" }, { "have", "uint32" } }
--- Of a Fetched only so much of its State counts.
-local fetched_state = {
+local told = {
   [2] = { "mark_tick", "uint32" }, [3] = { "mark_count", "uint32" }, [9] = { "updates", many = schema.update },
 }
 schema.membership = {
@@ -59,7 +59,7 @@ schema.membership = {
   { "poll", one = { { "lost", many = seat } } },
   { "answer", one = { { "lost", many = seat } } },
   { "fetch", one = { { "slot", "uint32" }, { "incarnation", "uint32" }, { "from", "uint32" } } },
-  { "fetched", one = { { "slot", "uint32" }, { "incarnation", "uint32" }, { "state", one = fetched_state } } },
+  { "fetched", one = { { "slot", "uint32" }, { "incarnation", "uint32" }, { "state", one = told } } },
   {
     "probe",
     one = { { "incarnation", "uint32" }, { "members", many = seat }, { "knows_you", "bool" }, { "newest", "uint32" } },
@@ -77,7 +77,7 @@ local authority = { { "owner", "uint32" }, { "released", "bool" }, { "epoch", "u
 local slot = { { "first", "uint32" }, { "have", "uint32" }, { "address", "bytes" }, { "port", "uint32" } }
 schema.transfer = {
   { "tick", "uint32" }, { "entities", "floats" }, { "awake", "bytes" }, { "contact", many = contact },
-  { "avatar", many = avatar }, { "authority", many = authority }, { "holds", "fixed32s" }, { "slot", many = slot },
+  { "avatar", many = avatar }, { "authority", many = authority }, { "holds", "fixed64s" }, { "slot", many = slot },
   { "tail", many = passed_on }, { "gone", many = { { "address", "bytes" }, { "port", "uint32" } } },
 }
 

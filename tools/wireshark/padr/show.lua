@@ -225,7 +225,7 @@ function Show:transfer(tree, data)
     if field.many and field[1] ~= "tail" then
       self:message(node, "padr.transfer", { field }, transfer)
     elseif field[1] == "holds" then
-      for _, value in ipairs(transfer.holds) do self:value(node, "padr.transfer.holds", value) end
+      for _, value in ipairs(transfer.holds) do self:wide(node, "padr.transfer.holds", value) end
     end
   end
   for _, passed_on in ipairs(transfer.tail) do self:tail(node, passed_on) end

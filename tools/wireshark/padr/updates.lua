@@ -9,7 +9,7 @@ updates.CAUSES = {
 }
 updates.MODELS = { [0] = "static", "first", "second", "input" }
 updates.MOST_TICK = 2147483646
-updates.MOST_PEERS = 32
+updates.MOST_PEERS = 64
 
 local MOST_BODIES, FIRST_BAD_BODY, MOST_PASSING = 27, 65535, 3
 local MOST_SIGNED_BODIES, SIGNATURE = 20, 64
@@ -41,64 +41,60 @@ function updates.require_place(message)
   require_that(port >= 1 and port <= 65535, "a port that is none")
 end
 
-local function avatar_of(raw)
-  local flags, state = raw.avatar.v, raw.avatar_state
-  if flags == 0 then
-    require_that(#state == 0, "the state of no avatar")
-    return nil
-  end
-  require_that(flags < 128 and has(flags, 64), "flags of an avatar")
-  local model = math.floor(flags / 8) % 4
-  require_that(#state == (model >= 2 and 6 or 4), "an avatar's state has another length")
-  require_that(updates.CAUSES[flags % 8], "a cause that is none")
-  return {
-    flags = raw.avatar, cause = flags % 8, model = model, awake = has(flags, 32), x = state[1], y = state[2], vx = state[3],
-    vy = state[4], control_x = state[5], control_y = state[6],
-  }
-end
-
--- Gives the next value of a column at every call.
+-- Gives the next value of a column at every call; the second function tells whether there is one.
 local function taker(column)
   local n = 0
   return function()
     n = n + 1
     require_that(column[n], "a column is too short")
     return column[n]
-  end, function() return n == #column end
+  end, function() return n < #column end
 end
 
-local function body_state(body, take, tick)
-  body.epoch, body.claim_age = take.epoch(), take.claim_age()
-  require_that(body.claim_age.v <= tick, "a claim of before the start")
-  body.claimed = tick - body.claim_age.v
-  body.x, body.y, body.angle = take.body_state(), take.body_state(), take.body_state()
-  if body.awake then body.vx, body.vy, body.spin = take.body_state(), take.body_state(), take.body_state() end
+local function avatar_of(raw, take)
+  local flags = raw.avatar.v
+  if flags == 0 then return nil end
+  require_that(flags < 128 and has(flags, 64), "flags of an avatar")
+  require_that(updates.CAUSES[flags % 8], "a cause that is none")
+  local avatar = { flags = raw.avatar, cause = flags % 8, model = math.floor(flags / 8) % 4, awake = has(flags, 32) }
+  avatar.x, avatar.y, avatar.vx, avatar.vy = take(), take(), take(), take()
+  if avatar.model >= 2 then avatar.control_x, avatar.control_y = take(), take() end
+  return avatar
 end
 
-local function body_of(id, flags, take, tick)
-  local v = flags.v
-  require_that(v < 128, "flags of a body")
+-- `head` is the first of its numbers, `next_id` the lowest id that it may have.
+local function body_of(head, next_id, take_number, take_value, tick)
+  local v = head.v % 128
+  local id = next_id + (head.v - v) / 128
+  require_that(id < FIRST_BAD_BODY, "a body id that is none")
   require_that(updates.CAUSES[v % 8], "a cause that is none")
   local body = {
-    id = id, flags = flags, cause = v % 8, hold = has(v, 8), state = has(v, 16), release = has(v, 32), awake = has(v, 64),
+    id = { v = id, at = head.at, stop = head.stop }, flags = { v = v, at = head.at, stop = head.stop }, cause = v % 8,
+    hold = has(v, 8), state = has(v, 16), release = has(v, 32), awake = has(v, 64),
   }
   require_that(body.state or not body.awake, "awake without a state")
-  if body.state then body_state(body, take, tick) end
+  if not body.state then return body end
+  body.epoch, body.claim_age = take_number(), take_number()
+  require_that(body.claim_age.v <= tick, "a claim of before the start")
+  body.claimed = tick - body.claim_age.v
+  body.x, body.y, body.angle = take_value(), take_value(), take_value()
+  if body.awake then body.vx, body.vy, body.spin = take_value(), take_value(), take_value() end
   return body
 end
 
-local function bodies_of(raw, tick)
-  local ids, bodies, take, used_up = raw.body, {}, {}, {}
-  require_that(#ids <= MOST_BODIES, "too many bodies")
-  require_that(#ids == #raw.body_flags, "not one column of flags per body")
-  updates.require_ascending(ids, function(id) return id.v end, "bodies")
-  require_that(#ids == 0 or ids[#ids].v < FIRST_BAD_BODY, "a body id that is none")
-  for _, column in ipairs({ "epoch", "claim_age", "body_state" }) do
-    take[column], used_up[column] = taker(raw[column])
+-- The avatar, if there is one, and the bodies, out of the two columns.
+local function entities_of(raw, tick, most_bodies)
+  local take_number, more_numbers = taker(raw.bodies)
+  local take_value, more_values = taker(raw.state)
+  local avatar, bodies, next_id = avatar_of(raw, take_value), {}, 0
+  while more_numbers() do
+    local body = body_of(take_number(), next_id, take_number, take_value, tick)
+    next_id = body.id.v + 1
+    bodies[#bodies + 1] = body
   end
-  for n, id in ipairs(ids) do bodies[n] = body_of(id, raw.body_flags[n], take, tick) end
-  for _, is_used_up in pairs(used_up) do require_that(is_used_up(), "values that belong to no body") end
-  return bodies
+  require_that(#bodies <= most_bodies, "too many bodies")
+  require_that(not more_values(), "values that belong to nothing")
+  return avatar, bodies
 end
 
 local function check_orders(raw, depth)
@@ -118,7 +114,7 @@ end
 
 local function count_sorts(raw)
   local function one(is) return is and 1 or 0 end
-  local entities = raw.avatar.v ~= 0 or #raw.body > 0
+  local entities = raw.avatar.v ~= 0 or #raw.bodies > 0
   return one(raw.leave.v) + one(raw.admission) + one(#raw.removals > 0) + one(raw.passed_on) + one(entities)
 end
 
@@ -130,13 +126,12 @@ function updates.decode(raw, peer, mark_tick, mark_count, depth)
   require_that(raw.tick_back.v <= mark_tick, "a tick before the start")
   local signature = #raw.signature.v
   require_that(signature == 0 or signature == SIGNATURE, "a signature of another length")
-  require_that(signature == 0 or #raw.body <= MOST_SIGNED_BODIES, "too many bodies for a signed update")
   check_orders(raw, depth)
   local update = {
     raw = raw, peer = peer, index = mark_count - 1 - raw.index_back.v, tick = mark_tick - raw.tick_back.v, leave = raw.leave.v,
-    avatar = avatar_of(raw), admission = raw.admission, removals = raw.removals,
+    admission = raw.admission, removals = raw.removals,
   }
-  update.bodies = bodies_of(raw, update.tick)
+  update.avatar, update.bodies = entities_of(raw, update.tick, signature > 0 and MOST_SIGNED_BODIES or MOST_BODIES)
   local passed_on = raw.passed_on
   if passed_on then
     local inner = passed_on.update or protobuf.message("", 1, 1, require("padr.schema").update)

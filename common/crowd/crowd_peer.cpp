@@ -1,0 +1,288 @@
+#include "common/crowd/crowd_peer.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/model/rng.h"
+#include "common/wire/seal.h"
+
+namespace padr::crowd {
+namespace {
+
+/// Ticks between two looks at which regions to be in.
+constexpr Tick kReconsider = 6;
+/// Ticks between two looks at bodies that cross borders.
+constexpr Tick kCustoms = 3;
+/// States kept of every region, for rewinding: 4 s, half of what a session keeps, as a peer has several regions.
+constexpr std::size_t kKeptTicks = 256;
+constexpr Micros kRetry = 500'000;
+constexpr Micros kPatience = 4 * kMicrosPerSecond;
+/// Who leaves a region lingers at most so long to get its last words across.
+constexpr Micros kLinger = 4 * kMicrosPerSecond;
+/// A keeper's avatar is told of no farther outside than this, m: what lies farther out is not believed.
+constexpr float kFarthest = 16;
+
+std::optional<std::uint16_t> session_of(std::span<const std::byte> datagram) {
+  if (datagram.size() < wire::kHeaderBytes) return std::nullopt;
+  return static_cast<std::uint16_t>(std::to_integer<unsigned>(datagram[4]) | std::to_integer<unsigned>(datagram[5])
+                                                                                 << 8U);
+}
+
+bool contains(const std::vector<Region>& regions, Region r) {
+  return std::find(regions.begin(), regions.end(), r) != regions.end();
+}
+
+BodyState held_near(const Plane& plane, Region r, BodyState s) {
+  s.position = held_near(plane, r, s.position, kFarthest);
+  return s;
+}
+
+/// What the avatar touches there, but is not in `home`: what is in both has its say there.
+bool touches_only_strangers(const node::Node& n, const node::Node& home) {
+  const EntityId avatar = n.live().avatar();
+  const auto& here = n.live().residents();
+  bool any = false;
+  for (const Contact& c : n.live().world().contacts()) {
+    if (c.first != avatar && c.second != avatar) continue;
+    const EntityId other = c.first == avatar ? c.second : c.first;
+    if (n.live().world().is_avatar(other) || home.live().residents().find(here.slots[other].name)) return false;
+    any = true;
+  }
+  return any;
+}
+
+}  // namespace
+
+CrowdPeer::CrowdPeer(const CrowdConfig& config) : config_(config), customs_(config.plane) {
+  avatar_.position = config.start;
+  wanted_ = {region_at(config.plane, config.start)};
+}
+
+std::vector<Region> CrowdPeer::asks(Micros local) const {
+  std::vector<Region> open;
+  for (const Region r : wanted_) {
+    const auto retry = retry_.find(r);
+    if (!places_.contains(r) && (retry == retry_.end() || retry->second <= local)) open.push_back(r);
+  }
+  return open;
+}
+
+void CrowdPeer::told(Region r, const std::optional<Endpoint>& member, Micros local) {
+  node::ParticipantConfig c;
+  const Scene scene = scene_of(config_.plane, r);
+  c.session.join = member;
+  c.session.wanted = 1;
+  c.session.slots = config_.plane.slots;
+  c.session.scene_hash = scene_hash(scene);
+  c.session.fingerprint = config_.fingerprint;
+  c.session.authority = config_.technique.authority;
+  c.session.scenario = scene.name;
+  c.session.seed = derive_seed(config_.seed, ++attempts_);
+  c.session.number = number_of(r);
+  c.session.patience = kPatience;
+  if (!member) c.session.begins_at = home_ ? places_.at(*home_).peer->session().session_now(local) : 0;
+  c.node.technique = config_.technique;
+  c.node.kept_ticks = kKeptTicks;
+  if (config_.on_confirmed)
+    c.on_confirmed = [this, r](int /*life*/, const sync::FoldState& s, std::uint64_t hash) {
+      config_.on_confirmed(r, s, hash);
+    };
+  places_[r].peer = std::make_unique<node::Participant>(scene, std::move(c), local);
+  retry_.erase(r);
+  ++stats_.entered;
+  if (!member) ++stats_.founded;
+}
+
+void CrowdPeer::push(Region r, EntityId body, Vec2 velocity) {
+  const auto it = places_.find(r);
+  if (it != places_.end() && it->second.peer->playing()) it->second.peer->push(body, velocity);
+}
+
+void CrowdPeer::receive(const Endpoint& from, std::span<const std::byte> datagram, Micros local) {
+  const auto number = session_of(datagram);
+  for (auto& [region, place] : places_)
+    if (number == number_of(region)) place.peer->receive(from, datagram, local);
+}
+
+void CrowdPeer::turn(const std::function<Vec2(Tick)>& target, Micros local) {
+  for (auto& [region, place] : places_)
+    if (local >= place.peer->next_due()) place.peer->advance(local);
+  const Region first = region_at(config_.plane, config_.start);
+  if (const auto it = places_.find(first); !home_ && it != places_.end() && it->second.peer->playing()) home_ = first;
+  while (home_ && local >= places_.at(*home_).peer->next_step()) tick(target(now() + 1), local);
+  end_places(local);
+}
+
+// In a region an avatar moves by itself once the agreed world there has it.
+bool CrowdPeer::drives(const Place& place) const {
+  const node::Node& n = place.peer->node();
+  return n.member() && n.agreed().predicted_state().avatars[n.self()].present;
+}
+
+void CrowdPeer::tick(Vec2 target, Micros local) {
+  const BodyState before = avatar_;
+  Place& home = places_.at(*home_);
+  if (drives(home)) {
+    home.peer->step(target, local);
+    avatar_ = home.peer->node().live().world().state(home.peer->node().live().avatar());
+  } else {
+    home.peer->step_led(before, before, target, local);
+  }
+  ++stats_.node_ticks;
+  for (auto& [region, place] : places_)
+    if (region != *home_ && place.peer->playing()) lead(region, place, before, target, local);
+  go_home();
+  if (now() % kCustoms == 0) customs_.work(posts());
+  if (now() % kReconsider == 0) reconsider(local);
+}
+
+void CrowdPeer::lead(Region r, Place& place, const BodyState& before, Vec2 target, Micros local) {
+  const BodyState from = held_near(config_.plane, r, before);
+  const BodyState to = held_near(config_.plane, r, avatar_);
+  const Tick now = this->now();
+  while (place.peer->node().now() < now) {
+    place.peer->step_led(from, place.peer->node().now() + 1 < now ? from : to, target, local);
+    ++stats_.node_ticks;
+  }
+  const node::Node& n = place.peer->node();
+  Place& home = places_.at(*home_);
+  if (n.reaction() != Vec2{} && drives(place) && touches_only_strangers(n, home.peer->node()))
+    home.peer->jolt(n.reaction());
+}
+
+// The world that drives the avatar is the one it is in; which is no news to the others there.
+void CrowdPeer::go_home() {
+  const Region r = region_at(config_.plane, avatar_.position);
+  if (r == *home_ || inside(config_.plane, r, avatar_.position) < config_.plane.threshold) return;
+  const auto it = places_.find(r);
+  const bool in = it != places_.end() && !it->second.leaving && it->second.peer->playing() && drives(it->second) &&
+                  it->second.peer->node().now() == now();
+  if (!in) {
+    ++stats_.late;
+    return;
+  }
+  home_ = r;
+  it->second.peer->set_coarseness(1);
+  ++stats_.handovers;
+}
+
+void CrowdPeer::reconsider(Micros local) {
+  const Plane& plane = config_.plane;
+  wanted_ = around(plane, avatar_.position, plane.reach);
+  for (const Region r : around(plane, avatar_.position + avatar_.velocity * plane.ahead, plane.reach))
+    if (!contains(wanted_, r)) wanted_.push_back(r);
+  if (!contains(wanted_, *home_)) wanted_.push_back(*home_);
+  for (const Region r : customs_.errands())
+    if (!contains(wanted_, r)) wanted_.push_back(r);
+  for (auto& [region, place] : places_) {
+    // Who is coming in may have been admitted already, and would be waited for: it leaves when it is in.
+    if (place.leaving || !place.peer->playing() || !place.peer->node().member()) continue;
+    const bool near = outside(plane, region, avatar_.position) <= plane.reach + plane.linger;
+    const bool go = !near && !contains(wanted_, region);
+    say_whether_going(place, go);
+    if (!go || !may_leave(place.peer->node())) continue;
+    place.peer->leave();
+    place.leaving = true;
+    place.left = local;
+  }
+  if (config_.relevance) adapt_thresholds();
+}
+
+void CrowdPeer::say_whether_going(Place& place, bool go) {
+  const node::Node& n = place.peer->node();
+  if (n.orders() > 0 || n.agreed().predicted_state().members[n.self()].going == go) return;
+  sync::Bundle b;
+  b.going = go;
+  place.peer->order(b);
+}
+
+// Whoever wants to leave says so, and leaves once all agree that it does and that somebody is there who does not. That
+// one has to say so too before it leaves, and nobody is left then to whom it could leave the region: so the last one
+// never goes, in whatever order words arrive. Who has been let in but has not said where its avatar is may not know of
+// it yet, and does not count.
+bool CrowdPeer::may_leave(const node::Node& n) {
+  const std::vector<sync::Member>& members = n.agreed().confirmed().members;
+  const std::vector<sync::AvatarModel>& avatars = n.agreed().confirmed().avatars;
+  if (!members[n.self()].going) return false;
+  for (PeerId p = 0; p < members.size(); ++p)
+    if (p != n.self() && avatars[p].present && !members[p].going && n.other(p).there()) return true;
+  return false;
+}
+
+void CrowdPeer::adapt_thresholds() {
+  for (auto& [region, place] : places_)
+    if (region != *home_ && place.peer->playing())
+      place.peer->set_coarseness(coarseness_of(config_.plane, region, place.peer->node()));
+}
+
+void CrowdPeer::retire(Place& place) {
+  if (!place.peer->playing()) return;
+  const node::NodeStats& s = place.peer->node().stats();
+  for (const std::uint64_t n : s.updates_by_cause) past_updates_ += n;
+}
+
+void CrowdPeer::end_places(Micros local) {
+  for (auto it = places_.begin(); it != places_.end();) {
+    Place& p = it->second;
+    const bool failed = p.peer->failed();
+    const bool gone = p.leaving && (p.peer->node().delivered() || local - p.left > kLinger);
+    if (!failed && !gone) {
+      ++it;
+      continue;
+    }
+    if (failed) ++stats_.failed;
+    retry_[it->first] = local + (failed ? kRetry : 0);
+    for (node::Parcel& parcel : p.peer->take_outgoing()) last_words_.push_back(std::move(parcel));
+    retire(p);
+    it = places_.erase(it);
+  }
+}
+
+std::vector<node::Parcel> CrowdPeer::take_outgoing() {
+  std::vector<node::Parcel> all = std::exchange(last_words_, {});
+  for (auto& [region, place] : places_) {
+    std::vector<node::Parcel> some = place.peer->take_outgoing();
+    std::move(some.begin(), some.end(), std::back_inserter(all));
+    place.peer->take_notes();
+    place.peer->take_changes();
+  }
+  stats_.datagrams += all.size();
+  for (const node::Parcel& p : all) stats_.wire_bytes += p.bytes.size() + node::kIpUdpBytes;
+  return all;
+}
+
+std::vector<Post> CrowdPeer::posts() const {
+  std::vector<Post> all;
+  for (const auto& [region, place] : places_)
+    if (place.peer->playing() && !place.leaving && place.peer->node().member())
+      all.push_back({region, place.peer.get()});
+  return all;
+}
+
+std::uint64_t CrowdPeer::updates() const {
+  std::uint64_t n = past_updates_;
+  for (const auto& [region, place] : places_)
+    if (place.peer->playing())
+      for (const std::uint64_t u : place.peer->node().stats().updates_by_cause) n += u;
+  return n;
+}
+
+float coarseness_of(const Plane& plane, Region r, const node::Node& n) {
+  constexpr float kNear = 4;  // m
+  constexpr float kRise = 2;  // m for once the usual threshold more
+  constexpr float kMost = 8;
+  const sync::FoldState& s = n.agreed().predicted_state();
+  const Vec2 self = n.live().world().position(n.live().avatar());
+  float nearest = kNear + kRise * kMost;
+  for (EntityId e = 0; e < s.world.entities.size(); ++e) {
+    const Vec2 at = s.world.entities[e].position;
+    if (e == n.live().avatar()) continue;
+    const bool avatar = n.live().world().is_avatar(e);
+    const bool counts = avatar ? s.avatars[e - s.authority.size()].present && outside(plane, r, at) <= plane.threshold
+                               : s.world.entities[e].awake;
+    if (counts) nearest = std::min(nearest, distance(self, at));
+  }
+  return std::clamp(1 + (nearest - kNear) / kRise, 1.0F, kMost);
+}
+
+}  // namespace padr::crowd

@@ -1,0 +1,137 @@
+#include "common/crowd/customs.h"
+
+#include <algorithm>
+
+namespace padr::crowd {
+namespace {
+
+const Post* post_in(const std::vector<Post>& posts, Region r) {
+  const auto it = std::find_if(posts.begin(), posts.end(), [r](const Post& p) { return p.region == r; });
+  return it == posts.end() ? nullptr : &*it;
+}
+
+bool is_member(const node::Node& n, const Endpoint& at) {
+  for (PeerId p = 0; p < n.config().slots; ++p)
+    if (p != n.self() && n.other(p).there() && same_place(n.other(p).at, at)) return true;
+  return false;
+}
+
+/// How many of those who are in both regions come before this peer: the body's owner, then the lowest slots of `a`.
+int place_in_line(const node::Node& a, const node::Node& b, EntityId body) {
+  const PeerId owner = a.agreed().predicted_state().authority[body].holder();
+  if (owner == a.self()) return 0;
+  int before = 0;
+  for (PeerId p = 0; p < a.config().slots; ++p) {
+    if (p == a.self() || !a.other(p).there() || (p > a.self() && p != owner)) continue;
+    if (is_member(b, a.other(p).at)) ++before;
+  }
+  return before;
+}
+
+/// Nobody lower is in the region.
+bool is_lowest(const node::Node& n) {
+  for (PeerId p = 0; p < n.self(); ++p)
+    if (n.other(p).there()) return false;
+  return true;
+}
+
+/// Where it will be one tick on, which is when what is ordered now is published.
+BodyState one_tick_on(BodyState s) {
+  s.position = s.position + s.velocity * kTickSeconds;
+  s.angle += s.spin * kTickSeconds;
+  return s;
+}
+
+}  // namespace
+
+void Customs::work(const std::vector<Post>& posts) {
+  errands_.clear();
+  seen_.clear();
+  declared_.clear();
+  for (const Post& from : posts) {
+    const auto& slots = from.peer->node().agreed().predicted_state().residents.slots;
+    for (EntityId b = 0; b < slots.size(); ++b) {
+      if (!slots[b].present) continue;
+      if (slots[b].bound == 0) {
+        consider_binding(from, b);
+      } else {
+        consider_exit(from, b, posts);
+        consider_entry(from, b, posts);
+      }
+    }
+  }
+  for (auto& [region, bundle] : declared_) post_in(posts, region)->peer->order(bundle);
+  std::erase_if(due_, [this](const auto& d) { return !seen_.contains(d.first); });
+}
+
+bool Customs::falls_to_me(const Duty& duty, int place, Tick now) {
+  seen_.insert(duty);
+  Tick& since = due_.try_emplace(duty, now).first->second;
+  if (now - since < place * kNextInLine) return false;
+  since = now + kNextInLine;  // and if it has been in vain, not at once again
+  return true;
+}
+
+void Customs::declare(const Post& at, const sync::Passage& p) {
+  sync::Bundle& b = declared_[at.region];
+  if (b.passages.size() == sync::kMaxPassages) return;  // next time
+  b.passages.push_back(p);
+  if (p.kind == sync::Passage::Kind::kIn) ++entries_;
+  if (p.kind == sync::Passage::Kind::kOut) ++exits_;
+}
+
+// First the old region agrees where it goes: two who see it on different sides of a corner must not bring it into two.
+void Customs::consider_binding(const Post& from, EntityId b) {
+  const node::Node& node = from.peer->node();
+  const Vec2 at = node.live().world().position(b);
+  if (outside(plane_, from.region, at) < plane_.body_past) return;
+  const sync::Resident& who = node.agreed().predicted_state().residents.slots[b];
+  sync::Passage p;
+  p.name = who.name;
+  p.crossings = who.crossings + 1;
+  p.to = id_of(region_at(plane_, at));
+  const PeerId owner = node.agreed().predicted_state().authority[b].holder();
+  const bool mine = owner == node.self() || (owner == kNoPeer && is_lowest(node));
+  if (falls_to_me({p.name, {p.kind, p.crossings}}, mine ? 0 : 1 + node.self(), node.now())) declare(from, p);
+}
+
+void Customs::consider_entry(const Post& from, EntityId b, const std::vector<Post>& posts) {
+  const node::Node& node = from.peer->node();
+  const sync::Resident& who = node.agreed().predicted_state().residents.slots[b];
+  const auto sure = node.agreed().confirmed().residents.find(who.name);
+  if (!sure || node.agreed().confirmed().residents.slots[*sure] != who) return;
+  const Region to = region_of(who.bound);
+  const Post* there = post_in(posts, to);
+  if (is_lowest(node)) errands_.insert({from.region, to});
+  if (there == nullptr) return;
+  const node::Node& other = there->peer->node();
+  sync::Passage p;
+  p.kind = sync::Passage::Kind::kIn;
+  p.name = who.name;
+  p.crossings = who.crossings + 1;
+  p.build = node.agreed().predicted().world().scene().region->builds[b];
+  p.state = one_tick_on(node.live().world().state(b));
+  p.owned = node.agreed().predicted_state().authority[b].holder() == node.self();
+  const auto& known = other.agreed().predicted_state().residents;
+  if (!known.slot_for(p, *other.agreed().predicted().world().scene().region)) return;
+  errands_.insert({from.region, to});
+  if (falls_to_me({p.name, {p.kind, p.crossings}}, place_in_line(node, other, b), node.now())) declare(*there, p);
+}
+
+void Customs::consider_exit(const Post& from, EntityId b, const std::vector<Post>& posts) {
+  const node::Node& node = from.peer->node();
+  const sync::Resident& who = node.agreed().predicted_state().residents.slots[b];
+  const Post* there = post_in(posts, region_of(who.bound));
+  if (there == nullptr) return;
+  const node::Node& other = there->peer->node();
+  if (other.agreed().predicted_state().residents.newest(who.name) <= who.crossings) return;
+  errands_.insert({from.region, there->region});
+  sync::Passage p;
+  p.kind = sync::Passage::Kind::kOut;
+  p.name = who.name;
+  p.crossings = other.agreed().confirmed().residents.newest(who.name);
+  if (p.crossings <= who.crossings) return;
+  if (falls_to_me({p.name, {p.kind, p.crossings}}, place_in_line(node, other, b), node.now())) declare(from, p);
+}
+
+}  // namespace padr::crowd

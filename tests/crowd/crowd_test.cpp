@@ -1,0 +1,222 @@
+// Whole peers of a crowd on virtual time and network.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/seed.h"
+#include "tools/lab/crowd/census.h"
+#include "tools/lab/crowd/inventory.h"
+
+namespace padr::lab {
+namespace {
+
+CrowdRunConfig config(int peers, const char* netem) {
+  CrowdRunConfig c;
+  c.peers = peers;
+  c.netem = link::parse_netem(netem);
+  c.seed = test::seed();
+  c.plane.seed = c.seed;
+  return c;
+}
+
+void run_for(CrowdRun& run, double seconds) {
+  const Tick end = run.now() + static_cast<Tick>(std::lround(seconds * kTicksPerSecond));
+  while (run.now() < end) run.advance();
+}
+
+const node::Node* node_of(const CrowdRun& run, int person, crowd::Region r) {
+  for (const crowd::Post& p : run.peer(person).posts())
+    if (p.region == r) return &p.peer->node();
+  return nullptr;
+}
+
+/// There and back across the border between the regions 0,0 and 1,0, at x = 24.
+Vec2 across(Tick t, float y) {
+  const float phase = static_cast<float>(t % 600) / 600;
+  return {phase < 0.5F ? 12 + 48 * phase : 60 - 48 * phase, y};
+}
+
+TEST(Crowd, WhoCrossesABorderIsAtHomeOnTheOtherSideAndNeverJumps) {
+  CrowdRunConfig c = config(2, "delay 100ms loss 2%");
+  c.plane.bodies = 0;
+  c.starts = {{12, 12}, {36, 12}};
+  c.drive = [](int person, Tick t) { return person == 0 ? across(t, 12) : Vec2{36, 16}; };
+  CrowdRun run(c);
+  run_for(run, 3);
+  ASSERT_EQ(run.peer(0).home(), (crowd::Region{0, 0}));
+  Vec2 last = run.peer(0).avatar().position;
+  Tick at = run.now();
+  while (run.now() < 12 * kTicksPerSecond) {
+    run.advance();
+    const Vec2 now = run.peer(0).avatar().position;
+    EXPECT_LT(distance(last, now), 6.1F * kTickSeconds * static_cast<float>(run.now() - at)) << "at " << run.now();
+    last = now;
+    at = run.now();
+  }
+  EXPECT_GE(run.peer(0).stats().handovers, 2U);
+  EXPECT_EQ(run.peer(0).stats().late, 0U);
+  EXPECT_GT(run.compared(), 100U);
+  EXPECT_EQ(run.different(), 0U);
+}
+
+TEST(Crowd, WhoStandsBeyondABorderIsSeenAsExactlyAsWhoStandsHere) {
+  CrowdRunConfig c = config(2, "delay 100ms loss 2%");
+  c.plane.bodies = 0;
+  c.starts = {{22, 12}, {26, 12}};
+  c.drive = [](int person, Tick) { return person == 0 ? Vec2{22.5F, 12} : Vec2{25.5F, 12}; };
+  CrowdRun run(c);
+  run_for(run, 8);
+  ASSERT_EQ(run.peer(0).home(), (crowd::Region{0, 0}));
+  ASSERT_EQ(run.peer(1).home(), (crowd::Region{1, 0}));
+  Census census(5);
+  census.look(run);
+  EXPECT_EQ(census.neighbours(), 1);
+  EXPECT_EQ(census.unseen(), 0);
+  EXPECT_LT(census.avatars(), 0.005);
+}
+
+TEST(Crowd, ABodyPushedAcrossABorderIsHandedOver) {
+  CrowdRunConfig c = config(3, "delay 100ms loss 5%");
+  c.plane.bodies = 1;
+  const Vec2 body = crowd::scene_of(c.plane, {0, 0}).bodies[0].position;
+  // One pushes it to the right, from its left; the others look on from both sides of the border.
+  c.starts = {{body.x - 3, body.y}, {20, body.y + 4}, {28, body.y + 4}};
+  c.drive = [&](int person, Tick t) {
+    const float x = body.x - 3 + 2 * static_cast<float>(std::max(0, t - 180)) * kTickSeconds;
+    return person == 0 ? Vec2{std::min(x, 27.0F), body.y} : c.starts[static_cast<std::size_t>(person)];
+  };
+  CrowdRun run(c);
+  const sync::BodyName name{crowd::id_of({0, 0}), 0};
+  run_for(run, 25);
+  run.stop_input();
+  run_for(run, 8);
+  const node::Node* there = node_of(run, 2, {1, 0});
+  const node::Node* here = node_of(run, 1, {0, 0});
+  ASSERT_TRUE(there != nullptr && here != nullptr);
+  const auto slot = there->agreed().confirmed().residents.find(name);
+  ASSERT_TRUE(slot) << "it is in the region that it was pushed to";
+  EXPECT_GT(there->agreed().confirmed().world.entities[*slot].position.x, 24);
+  EXPECT_FALSE(here->agreed().confirmed().residents.find(name)) << "and in no other";
+  EXPECT_EQ(there->agreed().confirmed().residents.slots[*slot].crossings, 1U);
+  EXPECT_EQ(run.different(), 0U);
+}
+
+TEST(Crowd, NoBodyIsLostOrDoubledUnderLossWhateverIsPushedWhere) {
+  CrowdRunConfig c = config(12, "delay 60ms 20ms loss 10%");
+  c.shoves = 1;
+  // Everybody sweeps to and fro over two regions, one beside the other.
+  const auto row = [](int person) { return 1 + 3.8F * static_cast<float>(person); };
+  for (int i = 0; i < c.peers; ++i) c.starts.push_back({i % 2 == 0 ? 4.0F : 44.0F, row(i)});
+  c.drive = [&](int person, Tick t) {
+    const float phase = static_cast<float>((t + 600 * (person % 2)) % 1200) / 600;
+    return Vec2{phase < 1 ? 4 + 40 * phase : 84 - 40 * phase, row(person)};
+  };
+  CrowdRun run(c);
+  run_for(run, 30);
+  std::uint64_t entries = 0;
+  std::uint64_t founded = 0;
+  for (int i = 0; i < run.persons(); ++i) {
+    entries += run.peer(i).customs().entries();
+    founded += run.peer(i).stats().founded;
+  }
+  EXPECT_GT(entries, 10U) << "nothing was pushed across a border: this shows nothing";
+  run.stop_input();
+  run_for(run, 10);
+  const Inventory inv = inventory_of(run, c.plane);
+  EXPECT_EQ(inv.regions, founded) << "every region that was ever founded has been kept by somebody";
+  EXPECT_EQ(inv.bodies, inv.regions * static_cast<std::size_t>(c.plane.bodies));
+  EXPECT_EQ(inv.lost, 0U);
+  EXPECT_EQ(inv.doubled, 0U);
+  EXPECT_GT(inv.abroad, 0U);
+  EXPECT_GT(run.compared(), 10000U);
+  EXPECT_EQ(run.different(), 0U);
+}
+
+TEST(Crowd, ARegionThatAllHaveLeftIsKeptAsItWas) {
+  CrowdRunConfig c = config(1, "delay 20ms");
+  c.plane.bodies = 1;
+  const Vec2 body = crowd::scene_of(c.plane, {0, 0}).bodies[0].position;
+  const float way = body.x < 12 ? 1.0F : -1.0F;
+  c.starts = {{body.x - 1.2F * way, body.y}};
+  // Pushes the body a little, goes three regions away, and comes back.
+  c.drive = [&](int, Tick t) {
+    if (t < 240) return Vec2{body.x + way, body.y};
+    return t < 1500 ? Vec2{84, body.y > 12 ? 2.0F : 22.0F} : Vec2{12, body.y > 12 ? 2.0F : 22.0F};
+  };
+  CrowdRun run(c);
+  run_for(run, 5);
+  const auto where = [&] { return node_of(run, 0, {0, 0})->live().world().position(0); };
+  EXPECT_GT(distance(where(), body), 0.5F) << "it was not pushed: this shows nothing";
+  run_for(run, 18);
+  ASSERT_EQ(run.peer(0).home(), (crowd::Region{3, 0}));
+  const Vec2 left_at = where();
+  run_for(run, 20);
+  ASSERT_EQ(run.peer(0).home(), (crowd::Region{0, 0}));
+  EXPECT_EQ(where(), left_at);
+  EXPECT_EQ(run.peer(0).stats().entered, run.regions()) << "it was never out of a region, nor founded one twice";
+}
+
+TEST(Crowd, TheSameSeedGivesTheSameRunOnAnyNumberOfThreads) {
+  std::vector<Vec2> ends;
+  for (const int threads : {1, 2}) {
+    CrowdRunConfig c = config(12, "delay 100ms loss 2%");
+    c.threads = threads;
+    CrowdRun run(c);
+    run_for(run, 8);
+    for (int i = 0; i < run.persons(); ++i) {
+      const Vec2 at = run.peer(i).avatar().position;
+      if (threads == 1) {
+        ends.push_back(at);
+      } else {
+        EXPECT_EQ(at, ends[static_cast<std::size_t>(i)]) << i;
+      }
+    }
+  }
+}
+
+TEST(Crowd, ThresholdsRiseWithDistanceBeyondABorderOnly) {
+  CrowdRunConfig c = config(2, "delay 50ms");
+  c.plane.bodies = 0;
+  c.starts = {{20, 12}, {26, 12}};
+  c.drive = [](int person, Tick t) { return person == 0 ? Vec2{20, 12} : t < 300 ? Vec2{26, 12} : Vec2{46, 12}; };
+  CrowdRun run(c);
+  run_for(run, 4.5);
+  const node::Node* guest = node_of(run, 0, {1, 0});
+  ASSERT_NE(guest, nullptr);
+  EXPECT_NEAR(crowd::coarseness_of(c.plane, {1, 0}, *guest), 2, 0.2) << "6 m: once more for 2 m beyond 4";
+  run_for(run, 6);
+  guest = node_of(run, 0, {1, 0});
+  ASSERT_NE(guest, nullptr);
+  EXPECT_FLOAT_EQ(crowd::coarseness_of(c.plane, {1, 0}, *guest), 8);
+  EXPECT_FLOAT_EQ(guest->threshold() / node_of(run, 0, {0, 0})->threshold(), 8) << "at home it is the usual one";
+}
+
+// What the whole is for: that what a peer costs does not grow with the crowd. The work is counted in what has no clock.
+TEST(Crowd, WhatAPeerTellsDoesNotGrowWithTheCrowd) {
+  std::vector<double> bytes;
+  std::vector<double> steps;
+  for (const int peers : {30, 120}) {
+    CrowdRunConfig c = config(peers, "delay 100ms loss 2%");
+    CrowdRun run(c);
+    run_for(run, 4);
+    const auto sum = [&] {
+      double b = 0;
+      double s = 0;
+      for (int i = 0; i < run.persons(); ++i) {
+        b += static_cast<double>(run.peer(i).stats().wire_bytes);
+        s += static_cast<double>(run.peer(i).stats().node_ticks);
+      }
+      return std::pair(b / peers, s / peers);
+    };
+    const auto before = sum();
+    run_for(run, 8);
+    bytes.push_back(sum().first - before.first);
+    steps.push_back(sum().second - before.second);
+    EXPECT_EQ(run.different(), 0U);
+  }
+  EXPECT_LT(bytes[1], 1.25 * bytes[0]);
+  EXPECT_LT(steps[1], 1.2 * steps[0]);
+}
+
+}  // namespace
+}  // namespace padr::lab

@@ -1,0 +1,38 @@
+#include "tools/lab/crowd/gang.h"
+
+#include "common/world/world.h"
+
+namespace padr::lab {
+
+Gang::Gang(int threads) : threads_(static_cast<std::size_t>(threads)), start_(threads), end_(threads) {
+  // Box2D fills a table of its own at its first contact and does not guard it: that is over before there are threads.
+  world::physics_fingerprint();
+  for (std::size_t t = 1; t < threads_; ++t)
+    others_.emplace_back([this, t] {
+      for (;;) {
+        start_.arrive_and_wait();
+        if (over_) return;
+        work(t);
+        end_.arrive_and_wait();
+      }
+    });
+}
+
+Gang::~Gang() {
+  over_ = true;
+  start_.arrive_and_wait();
+}
+
+void Gang::run(std::size_t n, const std::function<void(std::size_t)>& job) {
+  n_ = n;
+  job_ = &job;
+  start_.arrive_and_wait();
+  work(0);
+  end_.arrive_and_wait();
+}
+
+void Gang::work(std::size_t self) {
+  for (std::size_t i = self; i < n_; i += threads_) (*job_)(i);
+}
+
+}  // namespace padr::lab
