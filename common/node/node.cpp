@@ -96,8 +96,7 @@ void Node::step_led(const BodyState& from, const BodyState& to, Vec2 target) {
 
 void Node::go_on(Vec2 target, Vec2 velocity_before) {
   if (member_ && now() > in_since_ && !gone_ && !publish_order()) report(target, velocity_before);
-  agreed_.catch_up();
-  adopt();
+  adopt(!agreed_.catch_up());
   shown_.advance(live_.world().kinematics(), own_);
   agreed_.confirm();
   settle_checks();
@@ -109,9 +108,9 @@ bool Node::delivered() const {
   return through_ticks_ >= kLastAcks;
 }
 
-void Node::adopt() {
+void Node::adopt(bool as_stepped) {
   refresh_own();
-  live_.adopt(agreed_.predicted_state(), kept_from_live(), own_is_predicted());
+  live_.adopt(agreed_.predicted_state(), kept_from_live(), own_is_predicted(), as_stepped);
   joined_ = member_;
   for (const sync::LiveWorld::Jump& j : live_.jumps()) shown_.correct(j.entity, j.from);
 }
@@ -130,8 +129,7 @@ const std::vector<bool>& Node::kept_from_live() {
 // and drift apart only when something new happens here.
 bool Node::own_is_predicted() const {
   const sync::FoldState& p = agreed_.predicted_state();
-  for (EntityId e = 0; e < own_.size(); ++e) {
-    if (!own_[e]) continue;
+  for (const EntityId e : mine_) {
     const world::Kinematics& k = p.world.entities[e];
     if (live_.world().state(e) != BodyState{k.position, k.angle, k.velocity, k.spin, k.awake}) return false;
   }
@@ -141,9 +139,12 @@ bool Node::own_is_predicted() const {
 void Node::refresh_own() {
   const sync::FoldState& p = agreed_.predicted_state();
   own_.assign(static_cast<std::size_t>(live_.world().entities()), false);
+  mine_.clear();
   for (std::size_t b = 0; b < p.authority.size(); ++b)
-    own_[b] = !config_.technique.authority || p.authority[b].holder() == config_.self;
-  own_[live_.avatar()] = joined_ && !gone_;
+    if (!config_.technique.authority || p.authority[b].holder() == config_.self)
+      mine_.push_back(static_cast<EntityId>(b));
+  if (joined_ && !gone_) mine_.push_back(live_.avatar());
+  for (const EntityId e : mine_) own_[e] = true;
 }
 
 void Node::report(Vec2 target, Vec2 velocity_before) {
@@ -342,8 +343,7 @@ Micros Node::clock_lead() const {
 float Node::own_error() const {
   const sync::FoldState& predicted = agreed_.predicted_state();
   float sum = 0;
-  for (EntityId e = 0; e < own_.size(); ++e)
-    if (own_[e]) sum += distance(live_.world().position(e), predicted.world.entities[e].position);
+  for (const EntityId e : mine_) sum += distance(live_.world().position(e), predicted.world.entities[e].position);
   return sum;
 }
 

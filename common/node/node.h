@@ -221,7 +221,8 @@ class Node {
   bool publish_order();
   void keep_logs(std::uint32_t everyone);
   bool all_through() const;
-  void adopt();
+  /// `as_stepped`: as in LiveWorld::adopt.
+  void adopt(bool as_stepped = false);
   void report(Vec2 target, Vec2 velocity_before);
   void look_ahead(Vec2 target);
   std::vector<EntityId> push_bodies();
@@ -254,7 +255,8 @@ class Node {
   std::deque<sync::Bundle> orders_;
   std::map<EntityId, Vec2> pushes_;  ///< to be made with the next report, m/s
   std::vector<MemberChange> changes_;
-  std::vector<bool> own_;
+  std::vector<EntityId> mine_;      ///< own entities, ascending
+  std::vector<bool> own_;           ///< the same by entity id
   std::vector<bool> kept_;          ///< scratch
   std::vector<Outgoing> outgoing_;  ///< with room from earlier ticks
   std::size_t sent_ = 0;            ///< of outgoing_, this tick

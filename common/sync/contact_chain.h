@@ -23,11 +23,14 @@ class ContactChain {
   void retune(Tick patience) { patience_ = patience; }
 
   /// `contacts`: all touching entities of the tick, sorted.
-  ChainChanges update(const std::vector<Contact>& contacts, Tick now);
+  /// What it gives is valid until the next one.
+  const ChainChanges& update(const std::vector<Contact>& contacts, Tick now);
 
   bool held(EntityId body) const { return direct_[body] != kNever; }
   bool touching_now(EntityId body, Tick now) const { return direct_[body] == now; }
   bool member(EntityId body) const { return chain_[body] != kNever; }
+  /// Bodies that are held or members, ascending.
+  const std::vector<EntityId>& linked() const { return linked_; }
 
  private:
   static constexpr Tick kNever = -1;
@@ -37,10 +40,13 @@ class ContactChain {
   std::vector<Tick> direct_;  ///< by body: last tick the avatar touched it, while held
   std::vector<Tick> chain_;   ///< by body: last tick it was in the chain, while a member
   std::vector<char> reached_;
+  std::vector<EntityId> linked_;
+  std::vector<EntityId> looked_at_;
+  ChainChanges changes_;
 };
 
-/// Bodies that can be reached through contacts from any seed, seeds included; `seed` and the result are by entity id.
-/// Avatars other than the seeds end a path: their own peers report them.
-void reach(const std::vector<Contact>& contacts, int bodies, std::vector<char>& seeds_and_result);
+/// Marks the bodies that can be reached through contacts from any that is marked, and adds them to `found`; `marked` is
+/// by entity id. Avatars that are not marked end a path: their own peers report them.
+void reach(const std::vector<Contact>& contacts, int bodies, std::vector<char>& marked, std::vector<EntityId>& found);
 
 }  // namespace padr::sync

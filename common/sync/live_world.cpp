@@ -36,22 +36,32 @@ void LiveWorld::take_tables(const FoldState& predicted) {
   }
 }
 
-void LiveWorld::adopt(const FoldState& predicted, const std::vector<bool>& own, bool same) {
+void LiveWorld::adopt(const FoldState& predicted, const std::vector<bool>& own, bool same, bool as_stepped) {
   take_tables(predicted);
   same_ = same;
   own_.clear();
   jumps_.clear();
-  world::Snapshot& what = view_.change();
-  for (EntityId e = 0; e < own.size(); ++e) {
+  for (EntityId e = 0; e < own.size(); ++e)
     if (own[e]) own_.push_back(e);
-    if (own[e] && !same) continue;
-    world::Kinematics& here = what.entities[e];
-    const world::Kinematics& there = predicted.world.entities[e];
-    if (here.position != there.position) jumps_.push_back({e, here.position - there.position});
-    here = there;
+  const auto is_taken_over = [&](EntityId e) { return same || !own[e]; };
+  if (as_stepped) {
+    for (const std::vector<EntityId>* some : {&stepped_, &changed_})
+      for (const EntityId e : *some)
+        if (is_taken_over(e)) adopt_entity(e, predicted.world.entities[e]);
+  } else {
+    for (EntityId e = 0; e < own.size(); ++e)
+      if (is_taken_over(e)) adopt_entity(e, predicted.world.entities[e]);
   }
+  changed_.clear();
+  world::Snapshot& what = view_.change();
   what.contacts = predicted.world.contacts;
   what.parted = predicted.world.parted;
+}
+
+void LiveWorld::adopt_entity(EntityId e, const world::Kinematics& there) {
+  world::Kinematics& here = view_.change().entities[e];
+  if (here.position != there.position) jumps_.push_back({e, here.position - there.position});
+  here = there;
 }
 
 void LiveWorld::take(EntityId e) {
@@ -67,24 +77,16 @@ bool LiveWorld::may_touch(EntityId own, EntityId other) const {
 }
 
 bool LiveWorld::is_near(EntityId own, EntityId other) const {
-  const Vec2 gap = view_.position(other) - view_.position(own);
-  const float reach = reach_[own] + reach_[other];
-  return dot(gap, gap) <= reach * reach && may_touch(own, other);
+  return within_reach(view_.position(own), reach_[own], view_.position(other), reach_[other]) && may_touch(own, other);
 }
 
 void LiveWorld::gather_near() {
-  constexpr float kFarOff = 1e9F;  // m
-  Vec2 lower{kFarOff, kFarOff};
-  Vec2 upper{-kFarOff, -kFarOff};
-  for (const EntityId e : own_) {
-    const Vec2 at = view_.position(e);
-    lower = {std::min(lower.x, at.x - reach_[e]), std::min(lower.y, at.y - reach_[e])};
-    upper = {std::max(upper.x, at.x + reach_[e]), std::max(upper.y, at.y + reach_[e])};
-  }
-  for (EntityId e = 0; e < out_.size(); ++e) {
-    const Vec2 at = view_.position(e);
-    const float reach = reach_[e];
-    if (at.x + reach < lower.x || at.x - reach > upper.x || at.y + reach < lower.y || at.y - reach > upper.y) continue;
+  ReachBox box;
+  for (const EntityId e : own_) box.enclose(view_.position(e), reach_[e]);
+  const std::vector<world::Kinematics>& all = view_.kinematics();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (box.is_clear_of(all[i].position, reach_[i])) continue;
+    const auto e = static_cast<EntityId>(i);
     if (out_[e] && std::any_of(own_.begin(), own_.end(), [&](EntityId own) { return is_near(own, e); })) take(e);
   }
 }
@@ -141,6 +143,7 @@ void LiveWorld::step_led(const FoldState& predicted) {
 }
 
 void LiveWorld::place(const BodyState& s) {
+  changed_.push_back(avatar());
   world::Kinematics& k = view_.change().entities[avatar()];
   k = {s.position, s.angle, s.velocity, s.spin, s.awake ? 0 : k.sleep_time, s.awake};
   if (world_.present(avatar())) world_.set_state(avatar(), s);
@@ -182,6 +185,7 @@ void LiveWorld::push(EntityId b, Vec2 velocity) {
 }
 
 void LiveWorld::place_moving(EntityId b, Vec2 v) {
+  changed_.push_back(b);
   world::Kinematics& k = view_.change().entities[b];
   k.velocity = v;
   if (v == Vec2{}) return;
@@ -191,6 +195,7 @@ void LiveWorld::place_moving(EntityId b, Vec2 v) {
 }
 
 void LiveWorld::rest(EntityId e, const BodyState& s) {
+  changed_.push_back(e);
   if (world_.present(e)) {
     world_.set_state(e, s);
     view_.change().entities[e] = world_.kinematics(e);

@@ -20,7 +20,8 @@ class LiveWorld {
 
   /// Takes over the predicted state of all that is not this peer's own. `own` is by entity id; `same`: the own ones are
   /// as predicted, and the memory of their contacts is taken over, too.
-  void adopt(const FoldState& predicted, const std::vector<bool>& own, bool same);
+  /// `as_stepped`: nothing has changed in `predicted` since the last step was given it.
+  void adopt(const FoldState& predicted, const std::vector<bool>& own, bool same, bool as_stepped = false);
   /// Where an entity has been moved from by the last adopt, as seen from where it is now, m.
   struct Jump {
     EntityId entity = 0;
@@ -48,13 +49,12 @@ class LiveWorld {
   const world::View& world() const { return view_; }
   PeerId self() const { return self_; }
   EntityId avatar() const { return view_.avatar(self_); }
-  /// Entities stepped by the last step.
-  std::size_t stepped() const { return stepped_.size(); }
   /// As adopted last.
   const Residents& residents() const { return residents_; }
 
  private:
   void take_tables(const FoldState& predicted);
+  void adopt_entity(EntityId e, const world::Kinematics& there);
   void advance(std::optional<Vec2> target, const FoldState& predicted);
   void place_moving(EntityId b, Vec2 v);
   void gather(const FoldState& predicted);
@@ -80,6 +80,7 @@ class LiveWorld {
   std::vector<EntityId> own_;
   bool same_ = true;
   std::vector<EntityId> stepped_;
+  std::vector<EntityId> changed_;  ///< what has been done to it since, not by a step
   std::vector<EntityId> before_;
   std::vector<EntityId> taken_;  ///< of stepped_: as predicted
   std::vector<bool> out_;        ///< by entity: not in stepped_

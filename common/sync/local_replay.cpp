@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "common/sync/reach.h"
-
 namespace padr::sync {
 namespace {
 
@@ -11,7 +9,6 @@ namespace {
 constexpr std::size_t kMostOf = 2;
 // So often it begins anew with whom it has met.
 constexpr int kMostAttempts = 4;
-constexpr float kFarOff = 1e9F;  // m
 
 bool is_order(const Bundle& b) {
   return b.leave || b.going || b.admission || !b.removals.empty() || !b.passed_on.empty() || !b.passages.empty();
@@ -77,37 +74,23 @@ bool LocalReplay::may_touch(EntityId a, EntityId b) const {
   return fold_.holds(static_cast<PeerId>(b - w.bodies()), a);
 }
 
-void LocalReplay::find_bounds() {
-  lower_ = {kFarOff, kFarOff};
-  upper_ = {-kFarOff, -kFarOff};
-  for (const EntityId e : concerned_) {
-    const Vec2 at = fold_.world().position(e);
-    lower_ = {std::min(lower_.x, at.x - reach_[e]), std::min(lower_.y, at.y - reach_[e])};
-    upper_ = {std::max(upper_.x, at.x + reach_[e]), std::max(upper_.y, at.y + reach_[e])};
-  }
-}
-
 bool LocalReplay::meets(EntityId other, Vec2 there) const {
-  if (!left_out_[other]) return false;
-  const float reach = reach_[other];
-  if (there.x + reach < lower_.x || there.x - reach > upper_.x || there.y + reach < lower_.y ||
-      there.y - reach > upper_.y)
-    return false;
-  return std::any_of(concerned_.begin(), concerned_.end(), [&](EntityId mine) {
-    const Vec2 gap = fold_.world().position(mine) - there;
-    const float both = reach_[mine] + reach;
-    return dot(gap, gap) <= both * both && may_touch(mine, other);
-  });
+  return left_out_[other] && std::any_of(concerned_.begin(), concerned_.end(), [&](EntityId mine) {
+           return within_reach(fold_.world().position(mine), reach_[mine], there, reach_[other]) &&
+                  may_touch(mine, other);
+         });
 }
 
 // Whoever is met is another one of those concerned.
 bool LocalReplay::meets_others(const FoldState& others, const std::vector<Bundle>& told) {
-  find_bounds();
+  box_.clear();
+  for (const EntityId e : concerned_) box_.enclose(fold_.world().position(e), reach_[e]);
   const std::size_t before = concerned_.size();
   const auto look = [&](EntityId e, Vec2 there) {
-    if (meets(e, there)) take(e);
+    if (!box_.is_clear_of(there, reach_[e]) && meets(e, there)) take(e);
   };
-  for (EntityId e = 0; e < left_out_.size(); ++e) look(e, others.world.entities[e].position);
+  const std::vector<world::Kinematics>& they = others.world.entities;
+  for (std::size_t e = 0; e < they.size(); ++e) look(static_cast<EntityId>(e), they[e].position);
   for (const Bundle& b : told) {
     if (b.avatar) look(fold_.world().avatar(b.peer), b.avatar->position);
     for (const BodyUpdate& u : b.bodies)

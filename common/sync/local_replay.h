@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/sync/history.h"
+#include "common/sync/reach.h"
 #include "common/sync/update_log.h"
 
 namespace padr::sync {
@@ -43,16 +44,14 @@ class LocalReplay {
   bool play(History& history, const UpdateLog& log, Tick from, Tick now);
   bool meets_others(const FoldState& others, const std::vector<Bundle>& told);
   bool meets(EntityId other, Vec2 there) const;
-  void find_bounds();
   bool merge(FoldState& into);
 
   Fold fold_;
   bool never_;                       ///< the scene is not one for this
   std::vector<float> reach_;         ///< by entity, m: nothing of it is farther from its centre
   std::vector<EntityId> concerned_;  ///< in the order in which they were found
-  Vec2 lower_;                       ///< m: where they are in fold_, with their reach
-  Vec2 upper_;
-  std::vector<bool> left_out_;  ///< by entity: not concerned
+  ReachBox box_;                     ///< around them, where they are in fold_
+  std::vector<bool> left_out_;       ///< by entity: not concerned
   bool all_ = false;
   Tick latest_ = -1;  ///< of the updates that have come late
   world::Snapshot mine_;

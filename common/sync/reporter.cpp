@@ -71,11 +71,11 @@ Bundle Reporter::report(const Situation& s) {
   avatar_.reset();
   exact_ = false;
   aim_.follow(s.target);
-  changes_ = chain_.update(s.live->world().contacts(), s.predicted->tick);
-  holding_ = false;
-  for (EntityId b = 0; b < s.live->world().bodies(); ++b) holding_ = holding_ || chain_.held(b);
+  changes_ = &chain_.update(s.live->world().contacts(), s.predicted->tick);
+  const auto held = [this](EntityId b) { return chain_.held(b); };
+  holding_ = std::any_of(chain_.linked().begin(), chain_.linked().end(), held);
   if (technique_.authority) {
-    note_lost_contests(s);
+    note_owned(s);
     report_contacts(s);
     report_pushes(s);
     report_proxies(s);
@@ -90,9 +90,13 @@ Bundle Reporter::report(const Situation& s) {
   return finish(s);
 }
 
-void Reporter::note_lost_contests(const Situation& s) {
+void Reporter::note_owned(const Situation& s) {
+  mine_.clear();
   for (EntityId b = 0; b < owned_.size(); ++b) {
     const bool now = owns(s, b);
+    if (now) mine_.push_back(b);
+    if (!now && owned_[b] == 0 && claiming_[b] == 0) continue;
+    if (now && owned_[b] == 0) still_since_[b] = s.predicted->tick - 1;
     const PeerId holder = s.predicted->authority[b].holder();
     // Of a claim made last tick nothing is owned yet: it may have been lost before it was seen to be won.
     if ((owned_[b] != 0 || claiming_[b] != 0) && !now && holder != kNoPeer) {
@@ -140,14 +144,14 @@ void Reporter::claim(const Situation& s, EntityId b, Cause cause) {
 }
 
 void Reporter::report_contacts(const Situation& s) {
-  for (const EntityId b : changes_.begun) {
+  for (const EntityId b : changes_->begun) {
     report_touch(s, b);
     tell_avatar(s, Cause::kContactBegin);
   }
   // Still touching something that could not be claimed when the touch began.
-  for (EntityId b = 0; b < owned_.size(); ++b)
+  for (const EntityId b : chain_.linked())
     if (chain_.touching_now(b, s.predicted->tick) && may_claim(s, b)) claim(s, b, Cause::kContactBegin);
-  for (const EntityId b : changes_.ended) {
+  for (const EntityId b : changes_->ended) {
     entry(b, Cause::kContactEnd);
     if (!technique_.end_update) continue;
     if (owns(s, b) && (technique_.update_every_contact || error_of(s, b).ahead_metres > kAlongMetres))
@@ -176,11 +180,11 @@ void Reporter::report_pushes(const Situation& s) {
 void Reporter::report_proxies(const Situation& s) {
   if (!technique_.proxy_update) return;
   if (technique_.update_every_contact) {
-    for (const EntityId b : changes_.joined) {
+    for (const EntityId b : changes_->joined) {
       if (owns(s, b)) tell_state(s, b, Cause::kProxy);
       if (may_claim(s, b)) claim(s, b, Cause::kProxy);
     }
-    for (const EntityId b : changes_.left)
+    for (const EntityId b : changes_->left)
       if (owns(s, b)) tell_state(s, b, Cause::kProxy);
     return;
   }
@@ -188,10 +192,11 @@ void Reporter::report_proxies(const Situation& s) {
   const world::View& live = s.live->world();
   reached_.assign(static_cast<std::size_t>(live.entities()), 0);
   reached_[s.live->avatar()] = 1;
-  for (EntityId b = 0; b < owned_.size(); ++b) reached_[b] = owned_[b];
-  reach(live.contacts(), live.bodies(), reached_);
-  for (EntityId b = 0; b < owned_.size(); ++b) {
-    if (reached_[b] == 0 || owned_[b] != 0 || bodies_.contains(b) || !may_claim(s, b)) continue;
+  for (const EntityId b : mine_) reached_[b] = 1;
+  found_.clear();
+  reach(live.contacts(), live.bodies(), reached_, found_);
+  for (const EntityId b : found_) {
+    if (bodies_.contains(b) || !may_claim(s, b)) continue;
     const world::Kinematics& believed = s.predicted->world.entities[b];
     const bool shifted = distance(live.position(b), believed.position) > kProxyShift;
     if (shifted || distance(live.velocity(b), believed.velocity) > kProxySpeed) claim(s, b, Cause::kProxy);
@@ -215,7 +220,7 @@ Reporter::BodyError Reporter::error_of(const Situation& s, EntityId b) const {
 bool Reporter::at_rest(const Situation& s, EntityId b) {
   const BodyState now = s.live->world().state(b);
   const bool still = !now.awake || (length(now.velocity) < kStillSpeed && std::abs(now.spin) < kStillSpin);
-  if (!still || owned_[b] == 0) still_since_[b] = s.predicted->tick;
+  if (!still) still_since_[b] = s.predicted->tick;
   return !now.awake || s.predicted->tick - still_since_[b] >= kStillTicks;
 }
 
@@ -230,9 +235,8 @@ void Reporter::report_rest(const Situation& s, EntityId b, bool differs) {
 }
 
 void Reporter::report_bodies(const Situation& s) {
-  for (EntityId b = 0; b < owned_.size(); ++b) {
+  for (const EntityId b : mine_) {
     const bool rests = at_rest(s, b);
-    if (owned_[b] == 0) continue;
     const BodyError e = error_of(s, b);
     const bool always = technique_.every_tick && s.live->world().state(b).awake;
     const bool off = technique_.body_threshold > 0 && std::max(e.metres, e.ahead_metres) > technique_.body_threshold;
@@ -285,8 +289,8 @@ bool Reporter::anything_differs(const Situation& s) const {
   const EntityId avatar = s.live->avatar();
   const world::Kinematics& k = s.predicted->world.entities[avatar];
   if (s.live->world().state(avatar) != BodyState{k.position, k.angle, k.velocity, k.spin, k.awake}) return true;
-  for (EntityId b = 0; b < owned_.size(); ++b)
-    if (owned_[b] != 0 && error_of(s, b).differs) return true;
+  for (const EntityId b : mine_)
+    if (error_of(s, b).differs) return true;
   return false;
 }
 
@@ -333,14 +337,14 @@ void Reporter::bound_the_sum(const Situation& s) {
   const Vec2 drift = s.live->world().velocity(avatar) - believed.velocity;
   const float avatar_error = avatar_ ? 0 : length(shift + drift * kSoon);
   float sum = avatar_error;
-  for (EntityId b = 0; b < owned_.size(); ++b) {
+  for (const EntityId b : mine_) {
     const auto told = bodies_.find(b);
-    if (owned_[b] != 0 && (told == bodies_.end() || !told->second.has_state)) sum += error_of(s, b).soon_metres;
+    if (told == bodies_.end() || !told->second.has_state) sum += error_of(s, b).soon_metres;
   }
   if (sum <= technique_.threshold_high + technique_.body_threshold) return;
   if (avatar_error > kAlongMetres) tell_avatar(s, Cause::kThreshold);
-  for (EntityId b = 0; b < owned_.size(); ++b)
-    if (owned_[b] != 0 && error_of(s, b).ahead_metres > kAlongMetres) tell_state(s, b, Cause::kBodyThreshold);
+  for (const EntityId b : mine_)
+    if (error_of(s, b).ahead_metres > kAlongMetres) tell_state(s, b, Cause::kBodyThreshold);
 }
 
 // An avatar that is put right while the body it pushes is not would be inside it, and the solver would fling them
@@ -353,9 +357,8 @@ void Reporter::complete_cluster(const Situation& s) {
   for (const auto& [b, u] : bodies_) body_told = body_told || (u.has_state && u.held);
   if (body_told && distance(truth, believed.position) > kAlongMetres) tell_avatar(s, Cause::kBodyThreshold);
   if (!avatar_) return;
-  for (EntityId b = 0; b < owned_.size(); ++b)
-    if (owned_[b] != 0 &&
-        ((chain_.member(b) && error_of(s, b).metres > kAlongMetres) || (exact_ && error_of(s, b).differs)))
+  for (const EntityId b : mine_)
+    if ((chain_.member(b) && error_of(s, b).metres > kAlongMetres) || (exact_ && error_of(s, b).differs))
       tell_state(s, b, exact_ ? Cause::kBodyThreshold : avatar_->cause);
 }
 

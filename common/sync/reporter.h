@@ -62,7 +62,7 @@ class Reporter {
     float ahead_metres = 0;  ///< the same after the difference in velocity has acted for kErrorHorizon
     bool differs = false;    ///< in any bit
   };
-  void note_lost_contests(const Situation& s);
+  void note_owned(const Situation& s);
   void report_contacts(const Situation& s);
   void report_touch(const Situation& s, EntityId b);
   void report_pushes(const Situation& s);
@@ -99,10 +99,12 @@ class Reporter {
   std::vector<Tick> claim_told_;   ///< by body: tick of this peer's last claim
   std::vector<Tick> still_since_;  ///< by body: last tick it moved
   std::vector<Tick> rest_told_;    ///< by body: when it was last told to rest while held
+  std::vector<EntityId> mine_;     ///< bodies that are owned, ascending
   std::vector<char> reached_;
+  std::vector<EntityId> found_;
   std::map<EntityId, BodyUpdate> bodies_;  ///< being collected; what does not fit one bundle waits for the next tick
   std::optional<AvatarUpdate> avatar_;
-  ChainChanges changes_;
+  const ChainChanges* changes_ = nullptr;  ///< of this tick
   Vec2 last_target_;
   Tick target_since_ = 0;   ///< since when the input has been the same
   Tick avatar_driven_ = 0;  ///< last tick anything drove the avatar
