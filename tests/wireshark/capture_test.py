@@ -19,7 +19,7 @@ import pcap  # noqa: E402
 import play  # noqa: E402
 import tshark  # noqa: E402
 from decoder import decode  # noqa: E402
-from expected import fields, is_claimed, of_transfer  # noqa: E402
+from expected import fields, is_claimed, is_handshake, is_sealed, of_transfer  # noqa: E402
 
 MANY = 20000  # datagrams from which on more peers play, most of them telling everything at every tick
 # What must be in a capture of the session that is played; a fetch happens only if the founder lacks what others have.
@@ -46,6 +46,8 @@ class Seen:
 
     def transfer(self, datagram):
         """The fields of a transfer that this datagram completes; none otherwise."""
+        if is_sealed(datagram) or is_handshake(datagram):
+            return []  # what nobody has sent in this session: the network has damaged the kind
         decoded = decode(datagram)
         name, piece = decoded.get("message", (None, None))
         if name != "piece":
