@@ -100,7 +100,7 @@ bool LiveWorld::join(EntityId a, EntityId b) {
 
 bool LiveWorld::gather_touching(const std::vector<world::ContactState>& contacts) {
   bool found = false;
-  for (const world::ContactState& c : contacts) found = join(first_of(c.key), second_of(c.key)) || found;
+  for (const world::ContactState& c : contacts) found = join(world::first_of(c.key), world::second_of(c.key)) || found;
   return found;
 }
 
@@ -114,7 +114,7 @@ void LiveWorld::gather(const FoldState& predicted) {
   for (bool found = true; found;) {
     found = gather_touching(view_.snapshot().contacts);
     found = gather_touching(predicted.world.contacts) || found;
-    for (const std::uint32_t key : predicted.world.parted) found = join(first_of(key), second_of(key)) || found;
+    for (const std::uint32_t key : predicted.world.parted) found = join(world::first_of(key), world::second_of(key)) || found;
     for (const Contact& c : world_.contacts()) found = join(c.first, c.second) || found;
   }
 }

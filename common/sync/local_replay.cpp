@@ -52,8 +52,8 @@ bool LocalReplay::gather(const History& history, const UpdateLog& log, Tick from
   for (bool found = true; found;) {
     found = false;
     const auto join = [&](std::uint32_t key) {
-      const EntityId a = first_of(key);
-      const EntityId b = second_of(key);
+      const EntityId a = world::first_of(key);
+      const EntityId b = world::second_of(key);
       if (b >= left_out_.size() || left_out_[a] == left_out_[b]) return;  // fixed, or both or neither
       take(left_out_[a] ? a : b);
       found = true;

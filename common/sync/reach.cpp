@@ -24,7 +24,7 @@ std::vector<float> reaches(const Scene& scene, int slots) {
 void replace_contacts(world::Snapshot& into, const world::Snapshot& part, const std::vector<bool>& left_out) {
   const auto is_replaced = [&left_out](std::uint32_t key) {
     const auto is_in = [&left_out](EntityId e) { return e < left_out.size() && !left_out[e]; };
-    return is_in(first_of(key)) || is_in(second_of(key));
+    return is_in(world::first_of(key)) || is_in(world::second_of(key));
   };
   std::erase_if(into.contacts, [&](const world::ContactState& c) { return is_replaced(c.key); });
   std::erase_if(into.parted, is_replaced);

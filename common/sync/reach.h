@@ -15,14 +15,6 @@ namespace padr::sync {
 /// By entity id, m: nothing of it is farther from its centre, nor touches anything that is. Bodies, then avatar slots.
 std::vector<float> reaches(const Scene& scene, int slots);
 
-inline EntityId first_of(std::uint32_t contact_key) {
-  return static_cast<EntityId>(contact_key >> 16U);
-}
-/// Beyond the entities for something fixed.
-inline EntityId second_of(std::uint32_t contact_key) {
-  return static_cast<EntityId>(contact_key & 0xFFFFU);
-}
-
 /// A box around some entities with all that is theirs, m.
 class ReachBox {
  public:

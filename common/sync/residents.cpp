@@ -48,16 +48,12 @@ Residents residents_of(const Scene& scene) {
   return r;
 }
 
-void add_to_hash(Hasher& h, const Residents& r) {
-  for (const Resident& s : r.slots) {
-    h.add(static_cast<std::uint64_t>(s.name.region) << 32U | s.name.number);
-    h.add(static_cast<std::uint64_t>(s.crossings) << 1U | static_cast<std::uint64_t>(s.present));
-    h.add(static_cast<std::uint64_t>(s.bound));
-  }
-  for (const Residents::Gone& g : r.gone) {
-    h.add(static_cast<std::uint64_t>(g.name.region) << 32U | g.name.number);
-    h.add(static_cast<std::uint64_t>(g.crossings) << 32U | static_cast<std::uint64_t>(g.at));
-  }
+void add_to_hash(WideHasher& h, const Residents& r) {
+  const auto word = [](BodyName n) { return static_cast<std::uint64_t>(n.region) << 32U | n.number; };
+  h.add(r.slots.size(), r.gone.size(), 0, 0);
+  for (const Resident& s : r.slots)
+    h.add(word(s.name), s.crossings, static_cast<std::uint64_t>(s.present), static_cast<std::uint64_t>(s.bound));
+  for (const Residents::Gone& g : r.gone) h.add(word(g.name), g.crossings, static_cast<std::uint64_t>(g.at), 0);
 }
 
 }  // namespace padr::sync

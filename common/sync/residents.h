@@ -50,6 +50,6 @@ struct Residents {
 /// As the scene says.
 Residents residents_of(const Scene& scene);
 
-void add_to_hash(Hasher& h, const Residents& r);
+void add_to_hash(WideHasher& h, const Residents& r);
 
 }  // namespace padr::sync

@@ -7,21 +7,21 @@
 
 extern "C" {
 
-float sinf(float x) {
+float sinf(float x) noexcept {
   return static_cast<float>(padr::sin_cos(static_cast<double>(x)).sin);
 }
 
-float cosf(float x) {
+float cosf(float x) noexcept {
   return static_cast<float>(padr::sin_cos(static_cast<double>(x)).cos);
 }
 
-void sincosf(float x, float* sine, float* cosine) {
+void sincosf(float x, float* sine, float* cosine) noexcept {
   const padr::SinCos both = padr::sin_cos(static_cast<double>(x));
   *sine = static_cast<float>(both.sin);
   *cosine = static_cast<float>(both.cos);
 }
 
-float atan2f(float y, float x) {
+float atan2f(float y, float x) noexcept {
   return static_cast<float>(padr::arc_tangent(static_cast<double>(y), static_cast<double>(x)));
 }
 

@@ -43,7 +43,7 @@ Scene canned_scene() {
 
 std::uint64_t physics_fingerprint() {
   World world(canned_scene(), 0);
-  Hasher h;
+  WideHasher h;
   Snapshot snapshot;
   for (int t = 0; t < 240; ++t) {
     world.step();

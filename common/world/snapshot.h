@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/model/hash.h"
+#include "common/model/ids.h"
 #include "common/model/vec.h"
 
 namespace padr::world {
@@ -40,6 +41,15 @@ struct ContactState {
   friend bool operator==(const ContactState&, const ContactState&) = default;
 };
 
+/// Of a contact's key: the end with the lower slot.
+inline EntityId first_of(std::uint32_t contact_key) {
+  return static_cast<EntityId>(contact_key >> 16U);
+}
+/// The other one; beyond the entities for something fixed.
+inline EntityId second_of(std::uint32_t contact_key) {
+  return static_cast<EntityId>(contact_key & 0xFFFFU);
+}
+
 /// The exact state of a World: restoring it into any World built from the same scene plays out bit for bit alike.
 struct Snapshot {
   std::vector<Kinematics> entities;    ///< by entity id, avatar slots last
@@ -50,6 +60,6 @@ struct Snapshot {
 };
 
 /// Adds every bit of the snapshot, contact memory included.
-void add_to_hash(Hasher& h, const Snapshot& s);
+void add_to_hash(WideHasher& h, const Snapshot& s);
 
 }  // namespace padr::world

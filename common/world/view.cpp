@@ -6,9 +6,8 @@ const std::vector<Contact>& View::contacts() const {
   if (contacts_known_) return contacts_;
   contacts_.clear();
   for (const ContactState& c : what_.contacts) {
-    const std::uint32_t second = c.key & 0xFFFFU;
-    if (c.touching && second < what_.entities.size())
-      contacts_.push_back({static_cast<EntityId>(c.key >> 16U), static_cast<EntityId>(second)});
+    const EntityId second = second_of(c.key);
+    if (c.touching && second < what_.entities.size()) contacts_.push_back({first_of(c.key), second});
   }
   contacts_known_ = true;
   return contacts_;

@@ -18,8 +18,8 @@ namespace {
 
 /// Of a contact with one that is kept, the memory is kept.
 bool is_kept(const std::vector<bool>& keep, std::uint32_t key) {
-  const auto kept = [&keep](std::uint32_t slot) { return slot < keep.size() && keep[slot]; };
-  return kept(key >> 16U) || kept(key & 0xFFFFU);
+  const auto kept = [&keep](EntityId slot) { return slot < keep.size() && keep[slot]; };
+  return kept(first_of(key)) || kept(second_of(key));
 }
 
 // Room for so many at once: piece by piece it would be found anew for each of the many snapshots that are kept.
@@ -301,9 +301,9 @@ const std::vector<Contact>& World::contacts() const {
   for (b2Contact* c = w.world.GetContactList(); c != nullptr; c = c->GetNext()) {
     if (!c->IsTouching()) continue;
     const std::uint32_t key = contact_key(*c);
-    const std::uint32_t second = key & 0xFFFFU;
+    const EntityId second = second_of(key);
     if (second >= w.bodies.size()) continue;
-    w.contacts.push_back({static_cast<EntityId>(key >> 16U), static_cast<EntityId>(second)});
+    w.contacts.push_back({first_of(key), second});
   }
   std::sort(w.contacts.begin(), w.contacts.end());
   w.contacts_known = true;
@@ -346,8 +346,8 @@ void World::Box2d::restore_entity(std::size_t e, const Kinematics& k) {
 }
 
 b2Contact* World::Box2d::find(std::uint32_t key) const {
-  const std::size_t first = key >> 16U;
-  const std::size_t second = key & 0xFFFFU;
+  const EntityId first = first_of(key);
+  const EntityId second = second_of(key);
   for (b2ContactEdge* e = bodies[first]->GetContactList(); e != nullptr; e = e->next)
     if (e->other->GetUserData().pointer == second) return e->contact;
   return nullptr;
@@ -384,27 +384,6 @@ void World::restore_only(const Snapshot& s, const std::vector<EntityId>& which, 
       if (remembers(*c->contact)) w.forget_unless(keep, *c->contact);
   }
   w.restore_contacts(s, keep);
-}
-
-void add_to_hash(Hasher& h, const Snapshot& s) {
-  for (const Kinematics& k : s.entities) {
-    h.add(k.position.x, k.position.y);
-    h.add(k.velocity.x, k.velocity.y);
-    h.add(k.angle, k.spin);
-    h.add(k.awake ? 1.0F : 0.0F, k.sleep_time);
-  }
-  for (const ContactState& c : s.contacts) {
-    h.add((static_cast<std::uint64_t>(c.key) << 32U) | (static_cast<std::uint64_t>(c.type) << 16U) |
-          (static_cast<std::uint64_t>(c.count) << 8U) | static_cast<std::uint64_t>(c.touching));
-    h.add(c.local_normal.x, c.local_normal.y);
-    h.add(c.local_point.x, c.local_point.y);
-    for (std::size_t i = 0; i < c.count; ++i) {
-      const ContactState::Point& p = c.points[i];
-      h.add(p.local.x, p.local.y);
-      h.add(p.normal_impulse, p.tangent_impulse);
-      h.add(static_cast<std::uint64_t>(p.id));
-    }
-  }
 }
 
 }  // namespace padr::world

@@ -13,7 +13,7 @@ namespace {
 std::uint64_t hash_of(const World& w) {
   Snapshot s;
   w.save(s);
-  Hasher h;
+  WideHasher h;
   add_to_hash(h, s);
   return h.value();
 }
