@@ -3,11 +3,21 @@
 #include <algorithm>
 #include <cassert>
 #include <limits>
+#include <utility>
 
 namespace padr::sync {
 namespace {
 
 constexpr Tick kClean = std::numeric_limits<Tick>::max();
+// What a step costs however little there is to it, in steps of one body.
+constexpr std::size_t kLeastCost = 16;
+// So many steps are made in a tick whatever they cost: more than one, or a replay would never catch up, and enough to
+// have done with what comes late at every tick by the delay of a link.
+constexpr int kLeastSteps = 4;
+
+std::size_t cost_of(const Fold& fold) {
+  return std::max(kLeastCost, fold.world().listed());
+}
 
 }  // namespace
 
@@ -41,6 +51,8 @@ AgreedWorld::AgreedWorld(const Scene& scene, const AgreedConfig& config, const T
 }
 
 void AgreedWorld::begin() {
+  begin_tick();
+  follows_confirmed_ = !config_.replay;
   predicted_.save(current_);
   confirmed_ = current_;
   if (config_.replay) {
@@ -66,7 +78,10 @@ void AgreedWorld::know_nothing_newest() {
 
 void AgreedWorld::set_replay(bool on) {
   if (on == config_.replay) return;
-  catch_up();
+  do {
+    left_ = std::numeric_limits<std::size_t>::max();
+    catch_up();
+  } while (behind_ || dirty_ != kClean);
   config_.replay = on;
   if (on)
     begin_replay();
@@ -76,7 +91,7 @@ void AgreedWorld::set_replay(bool on) {
 }
 
 void AgreedWorld::begin_replay() {
-  follower_.reset();
+  follows_confirmed_ = false;
   begin_history();
   history_.at(confirmed_.tick) = confirmed_;
   rewind_to(confirmed_.tick);
@@ -86,9 +101,8 @@ void AgreedWorld::begin_replay() {
 void AgreedWorld::end_replay() {
   history_.resize(0);
   local_.reset();
-  const Scene& scene = predicted_.world().scene();
-  follower_ = std::make_unique<Fold>(scene, config_.slots, 0, config_.authority);
-  follower_->restore(confirmed_);
+  follower().restore(confirmed_);
+  follows_confirmed_ = true;
   know_nothing_newest();
   for (const Bundle& b : log_.since(confirmed_.tick)) {
     if (b.tick > now()) {
@@ -107,8 +121,7 @@ bool AgreedWorld::insert(const Bundle& bundle) {
   } else if (comes_next(bundle)) {
     refused_ += static_cast<std::uint64_t>(predicted_.apply(bundle));
     told_now_ = true;
-  } else if (bundle.tick <= now()) {
-    dirty_ = std::min(dirty_, bundle.tick);
+  } else if (note_late(bundle.tick)) {
     local_->concerns(bundle);
   }
   return true;
@@ -116,7 +129,14 @@ bool AgreedWorld::insert(const Bundle& bundle) {
 
 // Of this tick, and after all that has been applied of it: nothing has to be done again.
 bool AgreedWorld::comes_next(const Bundle& bundle) const {
-  return bundle.tick == now() && dirty_ == kClean && log_.at(now()).back().peer == bundle.peer;
+  return bundle.tick == now() && (behind_ || dirty_ == kClean) && log_.at(now()).back().peer == bundle.peer;
+}
+
+// What is replaying comes to the rest by itself.
+bool AgreedWorld::note_late(Tick t) {
+  if (t > now() || (behind_ && t >= follower_->tick())) return false;
+  dirty_ = std::min(dirty_, t);
+  return true;
 }
 
 void AgreedWorld::close(PeerId peer, std::uint32_t count) {
@@ -130,10 +150,7 @@ std::vector<Bundle> AgreedWorld::hold(PeerId peer) {
 }
 
 void AgreedWorld::undo(PeerId peer, std::uint32_t from, Tick earliest) {
-  if (config_.replay && earliest <= now()) {
-    dirty_ = std::min(dirty_, earliest);
-    local_->concerns_all();
-  }
+  if (config_.replay && note_late(earliest)) local_->concerns_all();
   std::erase_if(arrived_, [&](const Bundle& b) { return b.peer == peer && b.index >= from; });
 }
 
@@ -146,48 +163,128 @@ const FoldState* AgreedWorld::confirmed_at(Tick t) const {
   return t <= confirmed_.tick && history_.has(t) ? &history_.at(t) : nullptr;
 }
 
-void AgreedWorld::apply_known(Tick t) {
-  if (t == config_.fault.tick) predicted_.disturb(config_.fault.entity, config_.fault.by);
-  for (const Bundle& b : log_.at(t)) refused_ += static_cast<std::uint64_t>(predicted_.apply(b));
+void AgreedWorld::apply_known(Fold& fold) {
+  const Tick t = fold.tick();
+  if (t == config_.fault.tick) fold.disturb(config_.fault.entity, config_.fault.by);
+  for (const Bundle& b : log_.at(t)) refused_ += static_cast<std::uint64_t>(fold.apply(b));
 }
 
 void AgreedWorld::advance_predicted() {
   predicted_.step();
   if (!config_.replay) return;
   predicted_.save(history_.at(now()));
-  apply_known(now());
+  apply_known(predicted_);
 }
 
 void AgreedWorld::rewind_to(Tick t) {
   const Tick target = now();
   predicted_.restore(history_.has(t) ? history_.at(t) : confirmed_);
   if (!history_.has(now())) predicted_.save(history_.at(now()));
-  apply_known(now());
+  apply_known(predicted_);
   while (now() < target) {
     advance_predicted();
+    spend(cost_of(predicted_));
     ++replayed_steps_;
   }
 }
 
+void AgreedWorld::spend(std::size_t cost) {
+  left_ -= std::min(left_, cost);
+}
+
+bool AgreedWorld::may_step() {
+  return left_ > 0 || least_-- > 0;
+}
+
+Fold& AgreedWorld::follower() {
+  if (!follower_) follower_ = std::make_unique<Fold>(predicted_.world().scene(), config_.slots, 0, config_.authority);
+  return *follower_;
+}
+
+void AgreedWorld::fall_behind() {
+  follower().restore(history_.has(dirty_) ? history_.at(dirty_) : confirmed_);
+  settle();
+  behind_ = true;
+  follows_confirmed_ = false;
+  look();  // a local replay that gave up has left its traces in the history
+}
+
+void AgreedWorld::step_behind() {
+  Fold& f = *follower_;
+  apply_known(f);
+  f.step();
+  spend(cost_of(f));
+  ++replayed_steps_;
+  const bool kept = now() - f.tick() < static_cast<Tick>(config_.kept_ticks);
+  if (kept) f.save(history_.at(f.tick()));
+  // Older than what is kept: who confirms it has to do so now.
+  if (f.tick() != confirmed_.tick + 1 || f.tick() > std::min(confirmable(), dirty_)) return;
+  if (kept)
+    confirmed_ = history_.at(f.tick());
+  else
+    f.save(confirmed_);
+  announce(confirmed_);
+}
+
+// True once it has caught up.
+bool AgreedWorld::catch_up_behind() {
+  while (follower_->tick() < now()) {
+    if (!may_step()) return false;
+    step_behind();
+  }
+  behind_ = false;
+  predicted_.restore(history_.at(now()));
+  apply_known(predicted_);
+  return true;
+}
+
+bool AgreedWorld::is_too_long() const {
+  const Tick steps = now() - (history_.has(dirty_) ? dirty_ : confirmed_.tick);
+  return steps > kLeastSteps && static_cast<std::size_t>(steps) * cost_of(predicted_) > left_;
+}
+
+bool AgreedWorld::replay() {
+  bool changed = false;
+  while (behind_ || dirty_ != kClean) {
+    if (behind_) {
+      if (!catch_up_behind()) break;
+    } else if (replay_locally()) {
+      settle();
+    } else if (is_too_long()) {
+      fall_behind();
+      continue;
+    } else {
+      rewind_to(dirty_);
+      settle();
+    }
+    changed = true;
+  }
+  return changed;
+}
+
+void AgreedWorld::settle() {
+  local_->clear();
+  dirty_ = kClean;
+}
+
 // The fault lies in the ticks of the fold itself, so everything has to be folded for it.
 bool AgreedWorld::replay_locally() {
-  if (config_.fault.tick >= dirty_ || !local_->run(history_, log_, dirty_, now())) return false;
+  if (config_.fault.tick >= dirty_ || !local_->run(history_, log_, dirty_, now(), left_)) return false;
+  spend(local_->changed().size() * static_cast<std::size_t>(now() - dirty_));
   if (log_.at(now()).empty()) {
     predicted_.restore_only(history_.at(now()), local_->changed(), local_->unchanged());
   } else {
     predicted_.restore(history_.at(now()));
-    apply_known(now());
+    apply_known(predicted_);
   }
   return true;
 }
 
 bool AgreedWorld::catch_up() {
   if (config_.replay) {
-    if (dirty_ == kClean && !told_now_) return false;
-    if (dirty_ != kClean && !replay_locally()) rewind_to(dirty_);
-    local_->clear();
-    dirty_ = kClean;
-    told_now_ = false;
+    if (dirty_ == kClean && !behind_ && !told_now_) return false;
+    const bool told = std::exchange(told_now_, false);
+    if (!replay() && !told) return false;
   } else {
     if (arrived_.empty()) return false;
     for (const Bundle& b : arrived_) arrive(b);
@@ -222,11 +319,17 @@ void AgreedWorld::step() {
   catch_up();
   advance_predicted();
   look();
+  begin_tick();
+}
+
+void AgreedWorld::begin_tick() {
+  left_ = config_.replay_budget;
+  least_ = kLeastSteps;
 }
 
 // Where this tick has no updates the history has it already.
 void AgreedWorld::look() {
-  in_history_ = config_.replay && log_.at(now()).empty();
+  in_history_ = config_.replay && !behind_ && log_.at(now()).empty();
   if (!in_history_) predicted_.save(current_);
 }
 
@@ -237,40 +340,40 @@ Tick AgreedWorld::complete_tick() const {
   return t;
 }
 
+// The state at the begin of tick t rests on the updates of all ticks below t.
+Tick AgreedWorld::confirmable() const {
+  return std::min(complete_tick(), now() - 1) + 1;
+}
+
+Tick AgreedWorld::replayed_to() const {
+  return behind_ ? std::min(dirty_, follower_->tick()) : dirty_;
+}
+
 void AgreedWorld::confirm() {
-  assert(dirty_ == kClean);
-  // The state at the begin of tick t rests on the updates of all ticks below t.
-  const Tick upto = std::min(complete_tick(), now() - 1) + 1;
-  if (upto <= confirmed_.tick) return;
-  if (config_.replay && history_.has(confirmed_.tick + 1)) {
-    confirm_from_kept(upto);
-  } else {
-    confirm_by_folding(upto);
-  }
+  const Tick upto = std::min(confirmable(), replayed_to());
+  if (confirmed_.tick < upto && !history_.has(confirmed_.tick + 1) && !behind_) confirm_by_folding(upto);
+  if (confirmed_.tick < upto && history_.has(confirmed_.tick + 1)) confirm_from_kept(upto);
   log_.prune(confirmed_.tick, keep_);
 }
 
 void AgreedWorld::confirm_from_kept(Tick upto) {
+  follows_confirmed_ = false;
   for (Tick t = confirmed_.tick + 1; t <= upto; ++t) announce(history_.at(t));
   confirmed_ = history_.at(upto);
 }
 
-// Without replay: the follower. With it: confirmed lags by more than is kept, so its ticks are folded once more.
+// Without replay. With it: confirmed lags by more than is kept, so its ticks are folded once more.
 void AgreedWorld::confirm_by_folding(Tick upto) {
-  Fold& fold = config_.replay ? predicted_ : *follower_;
-  const Tick present = now();
-  if (config_.replay) fold.restore(confirmed_);
-  while (fold.tick() < upto) {
+  Fold& fold = follower();
+  if (!follows_confirmed_) fold.restore(confirmed_);
+  follows_confirmed_ = true;
+  while (fold.tick() < upto && !history_.has(fold.tick() + 1) && may_step()) {
+    if (config_.replay && fold.tick() == config_.fault.tick) fold.disturb(config_.fault.entity, config_.fault.by);
     for (const Bundle& b : log_.at(fold.tick())) fold.apply(b);
     fold.step();
+    spend(cost_of(fold));
     fold.save(confirmed_);
     announce(confirmed_);
-  }
-  if (!config_.replay) return;
-  apply_known(fold.tick());
-  while (fold.tick() < present) {
-    advance_predicted();
-    ++replayed_steps_;
   }
 }
 

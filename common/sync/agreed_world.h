@@ -31,18 +31,22 @@ struct AgreedConfig {
   /// States of so many past ticks are kept for rewinding: 8.5 s, well past any delay of a link that is worth playing
   /// over. Older updates are served by folding anew from confirmed, which costs more and loses nothing.
   std::size_t kept_ticks = 512;
+  /// How much may be replayed in a tick at once, in steps of one body: about 3 ms. What is left is done in the next
+  /// ticks.
+  std::size_t replay_budget = 10'000;
 };
 
 /// The two views of the agreed world that a peer keeps.
 ///
 /// *Predicted* is the fold up to now with every update known so far. With replay, an update that arrives late rewinds
 /// it to the tick it belongs to and replays; since a step depends on nothing but the state that is kept of every tick,
-/// what comes out is what would have come out had the update never been late. Without replay (the paper) updates are
-/// applied when they arrive, as if true now.
+/// what comes out is what would have come out had the update never been late. A replay that is too long for one tick
+/// goes on behind predicted, which knows nothing of what is late until it has been caught up with. Without replay (the
+/// paper) updates are applied when they arrive, as if true now.
 ///
 /// *Confirmed* is the fold up to the newest tick for which everybody's updates are complete; it never goes back and is
 /// the same on every peer. With replay it is not a world of its own but the state kept of that tick, which is final
-/// from then on; without replay it is a second fold that follows behind.
+/// from then on; without replay, or if it lags by more than is kept, it is a second fold that follows behind.
 class AgreedWorld {
  public:
   /// Called once for every tick that becomes confirmed, in order, beginning with tick 0.
@@ -70,11 +74,13 @@ class AgreedWorld {
   /// stays what it is.
   void set_replay(bool on);
 
-  /// Brings predicted up to date with all that has been filed; false if it was already.
+  /// Brings predicted up to date with all that has been filed, as far as this tick's budget goes; false if it stays as
+  /// it was.
   bool catch_up();
   /// Advances predicted by one tick.
   void step();
-  /// Advances confirmed as far as the log is complete; own updates are complete up to the present tick.
+  /// Advances confirmed as far as the log is complete and has been replayed; own updates are complete up to the present
+  /// tick.
   void confirm();
 
   Tick now() const { return predicted_.tick(); }
@@ -88,7 +94,9 @@ class AgreedWorld {
 
   /// Steps made again for updates that came late.
   std::uint64_t replayed_steps() const { return replayed_steps_ + locally_replayed_steps(); }
-  /// Of these, steps of only what such an update had to do with.
+  /// A replay has been left for the ticks to come.
+  bool replaying() const { return behind_; }
+  /// Of the replayed ones, steps of only what such an update had to do with.
   std::uint64_t locally_replayed_steps() const { return local_ ? local_->steps() : 0; }
   std::uint64_t refused_bodies() const { return refused_; }
 
@@ -96,13 +104,27 @@ class AgreedWorld {
   void begin();
   void begin_history();
   void look();
+  void begin_tick();
   bool comes_next(const Bundle& bundle) const;
   /// Updates of the slot numbered `from` and up are not in the log any more, the first of them of tick `earliest`.
   void undo(PeerId peer, std::uint32_t from, Tick earliest);
-  void apply_known(Tick t);
+  void apply_known(Fold& fold);
   void advance_predicted();
   void rewind_to(Tick t);
+  bool replay();
   bool replay_locally();
+  void fall_behind();
+  bool catch_up_behind();
+  void step_behind();
+  void spend(std::size_t cost);
+  bool may_step();
+  bool is_too_long() const;
+  void settle();
+  /// Updates of this tick have changed. Returns whether something has been folded with them already.
+  bool note_late(Tick t);
+  /// The newest tick whose kept state is what the log says.
+  Tick replayed_to() const;
+  Tick confirmable() const;
   void arrive(const Bundle& bundle);
   void begin_replay();
   void end_replay();
@@ -113,6 +135,7 @@ class AgreedWorld {
   void announce(const FoldState& s);
   void confirm_from_kept(Tick upto);
   void confirm_by_folding(Tick upto);
+  Fold& follower();
 
   AgreedConfig config_;
   ConfirmedSink on_confirmed_;
@@ -127,7 +150,12 @@ class AgreedWorld {
   std::vector<Bundle> arrived_;         ///< without replay: not yet applied
   std::vector<Tick> newest_avatar_;     ///< without replay: by peer
   std::vector<std::vector<Tick>> newest_body_;  ///< without replay: by peer, then body
-  std::unique_ptr<Fold> follower_;              ///< without replay: confirmed's own world
+  /// Without replay confirmed's own world; with it the one of what is too long for a tick, made when it is needed.
+  std::unique_ptr<Fold> follower_;
+  bool behind_ = false;             ///< the follower is replaying, to catch up with predicted
+  bool follows_confirmed_ = false;  ///< the follower is where confirmed is
+  std::size_t left_ = 0;            ///< of this tick's budget
+  int least_ = 0;                   ///< steps that this tick may make beyond it
   FoldState confirmed_;
   std::uint64_t replayed_steps_ = 0;
   std::uint64_t refused_ = 0;

@@ -99,10 +99,11 @@ bool LocalReplay::meets_others(const FoldState& others, const std::vector<Bundle
   return concerned_.size() > before;
 }
 
-bool LocalReplay::run(History& history, const UpdateLog& log, Tick from, Tick now) {
+bool LocalReplay::run(History& history, const UpdateLog& log, Tick from, Tick now, std::size_t most) {
   if (all_) return false;
   for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
-    if (!gather(history, log, from, now)) return false;
+    if (!gather(history, log, from, now) || concerned_.size() * static_cast<std::size_t>(now - from) > most)
+      return false;
     if (play(history, log, from, now)) return true;
   }
   return false;

@@ -28,9 +28,9 @@ class LocalReplay {
   void clear();
 
   /// Makes the history of the ticks from+1 .. now what it is with all that the log has, given that nothing but what has
-  /// been told with `concerns` has changed in it, all of it from tick `from` on. False: it gives up; then the history
-  /// beyond `from` is not to be used.
-  bool run(History& history, const UpdateLog& log, Tick from, Tick now);
+  /// been told with `concerns` has changed in it, all of it from tick `from` on. False: it gives up, as it does if it
+  /// would take more than `most` steps of one entity; then the history beyond `from` is not to be used.
+  bool run(History& history, const UpdateLog& log, Tick from, Tick now, std::size_t most);
   /// After run: those that may have changed; and by entity id, false for them.
   const std::vector<EntityId>& changed() const { return concerned_; }
   const std::vector<bool>& unchanged() const { return left_out_; }

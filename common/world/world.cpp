@@ -246,6 +246,10 @@ void World::apply_force(EntityId e, Vec2 force) {
   if (!impl_->seen[e].awake) impl_->changed(e);
 }
 
+std::size_t World::listed() const {
+  return impl_->list.listed().size();
+}
+
 void World::step() {
   Box2d& w = *impl_;
   w.parted.clear();

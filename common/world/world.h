@@ -44,6 +44,8 @@ class World {
   Vec2 position(EntityId e) const;
   Vec2 velocity(EntityId e) const;
   bool awake(EntityId e) const;
+  /// How many things the last step had to look at: what is awake, and what that may wake.
+  std::size_t listed() const;
   /// Overwrites transform, then velocity, then sleep flag. Skipped when equal: overwriting with the same is not a
   /// no-op.
   void set_state(EntityId e, const BodyState& s);

@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kPeers = 3;
 constexpr Tick kTicks = 400;
+constexpr std::size_t kKept = 512;
 
 /// A made-up log: avatars that jump about, claims that contend, holds that come and go.
 std::vector<Bundle> random_log(std::uint64_t seed, int bodies) {
@@ -56,16 +57,20 @@ std::vector<Bundle> random_log(std::uint64_t seed, int bodies) {
 struct Heard {
   std::vector<std::uint64_t> hashes;
   std::vector<Tick> ticks;
+  std::uint64_t most_replayed = 0;  ///< steps, in one tick
+  int behind = 0;                   ///< ticks that left something to be replayed
 };
 
 /// Plays the log into one AgreedWorld, every bundle `delay` ticks late as drawn from `seed`, and returns what it
 /// confirmed.
-Heard play(const Scene& scene, const std::vector<Bundle>& log, bool replay, std::uint64_t seed, Tick longest_delay) {
+Heard play(const Scene& scene, const std::vector<Bundle>& log, bool replay, std::uint64_t seed, Tick longest_delay,
+           std::size_t budget = 10'000) {
   Heard heard;
-  AgreedWorld world(scene, {kPeers, kPeers, 0, true, replay, {}}, [&heard](const FoldState& s, std::uint64_t hash) {
-    heard.hashes.push_back(hash);
-    heard.ticks.push_back(s.tick);
-  });
+  AgreedWorld world(scene, {kPeers, kPeers, 0, true, replay, {}, kKept, budget},
+                    [&heard](const FoldState& s, std::uint64_t hash) {
+                      heard.hashes.push_back(hash);
+                      heard.ticks.push_back(s.tick);
+                    });
   Rng rng(seed);
   std::vector<std::pair<Tick, const Bundle*>> arrivals;
   for (const Bundle& b : log) {
@@ -83,10 +88,33 @@ Heard play(const Scene& scene, const std::vector<Bundle>& log, bool replay, std:
           std::count_if(log.begin(), log.end(), [&](const Bundle& b) { return b.peer == p && b.tick <= marked; });
       if (marked >= 0) world.mark(p, marked, static_cast<std::uint32_t>(count));
     }
+    const std::uint64_t before = world.replayed_steps();
     world.catch_up();
     world.confirm();
+    heard.most_replayed = std::max(heard.most_replayed, world.replayed_steps() - before);
+    heard.behind += world.replaying() ? 1 : 0;
   }
   return heard;
+}
+
+// A replay that is too long for a tick is spread over many, and what comes late meanwhile over more.
+TEST(AgreedWorld, ReplaysThatAreLeftForLaterComeOutTheSame) {
+  const std::uint64_t seed = test::seed();
+  for (std::uint64_t round = 0; round < 4; ++round) {
+    const Scene scene = test::busy_scene(seed + round, 30);
+    const auto log = random_log(derive_seed(seed, round), 30);
+    const Heard punctual = play(scene, log, true, 1, 150);
+    const Heard slow = play(scene, log, true, 1, 150, 0);
+    const Heard slower = play(scene, log, true, 1, 150, 40);
+    EXPECT_GT(slow.behind, 30) << "then nothing was tested";
+    EXPECT_LE(slow.most_replayed, 4U);
+    EXPECT_GT(punctual.most_replayed, 40U);
+    for (const Heard* h : {&slow, &slower}) {
+      ASSERT_GT(h->hashes.size(), 350U);
+      for (std::size_t i = 0; i < std::min(h->hashes.size(), punctual.hashes.size()); ++i)
+        ASSERT_EQ(h->hashes[i], punctual.hashes[i]) << "tick " << i << ", seed " << seed + round;
+    }
+  }
 }
 
 TEST(AgreedWorld, ConfirmedIsTheSameWhateverTheOrderOfArrival) {
@@ -110,12 +138,14 @@ TEST(AgreedWorld, ConfirmedIsTheSameWhateverTheOrderOfArrival) {
   }
 }
 
-// Longer than states are kept for: confirmed is then folded anew, with the same result.
+// Longer than states are kept for: confirmed is then folded anew, with the same result, and some of it in every tick.
 TEST(AgreedWorld, AStallBeyondWhatIsKeptChangesNothing) {
   const Scene scene = test::busy_scene(5, 20);
-  std::vector<std::vector<std::uint64_t>> hashes(2);
-  for (std::size_t variant = 0; variant < 2; ++variant) {
-    AgreedWorld world(scene, {2, 2, 0, true, true, {}},
+  constexpr Tick kEnd = 1900;
+  std::vector<std::vector<std::uint64_t>> hashes(3);
+  std::vector<std::uint64_t> predicted;
+  for (std::size_t variant = 0; variant < 3; ++variant) {
+    AgreedWorld world(scene, {2, 2, 0, true, true, {}, kKept, variant == 2 ? std::size_t{100} : 10'000},
                       [&](const FoldState&, std::uint64_t hash) { hashes[variant].push_back(hash); });
     Bundle late;
     late.peer = 1;
@@ -123,18 +153,55 @@ TEST(AgreedWorld, AStallBeyondWhatIsKeptChangesNothing) {
     late.avatar = AvatarUpdate{};
     late.avatar->position = {5, 4};
     late.avatar->velocity = {1, 0};
-    for (Tick t = 1; t <= 1500; ++t) {
+    for (Tick t = 1; t <= kEnd; ++t) {
       world.step();
-      const bool stalled = variant == 1 && t < 1400;
+      const bool stalled = variant > 0 && t < 1400;
       if (!stalled) {
         if (t >= 20) world.insert(late);
         world.mark(1, t, t >= 20 ? 1 : 0);
       }
+      const std::size_t before = hashes[variant].size();
       world.catch_up();
+      world.confirm();
+      if (variant == 2) {
+        EXPECT_LE(hashes[variant].size() - before, 600U) << "what is kept, and a few";
+      }
+    }
+    EXPECT_FALSE(world.replaying());
+    predicted.push_back(hash_of(world.predicted_state()));
+  }
+  for (const std::size_t late : {1U, 2U}) {
+    ASSERT_EQ(hashes[0].size(), hashes[late].size());
+    EXPECT_EQ(hashes[0], hashes[late]);
+    EXPECT_EQ(predicted[0], predicted[late]);
+  }
+}
+
+TEST(AgreedWorld, ReplayCanBeTurnedOffInTheMiddleOfOne) {
+  const Scene scene = test::busy_scene(9, 25);
+  std::vector<std::vector<std::uint64_t>> hashes(2);
+  for (std::size_t variant = 0; variant < 2; ++variant) {
+    AgreedWorld world(scene, {2, 2, 0, true, true, {}, kKept, variant == 1 ? std::size_t{0} : 10'000},
+                      [&](const FoldState&, std::uint64_t hash) { hashes[variant].push_back(hash); });
+    Bundle b;
+    b.peer = 1;
+    b.tick = 30;
+    b.avatar = AvatarUpdate{Cause::kThreshold, {3, 3}, {2, 1}, true, Model::kInput, {8, 6}};
+    for (Tick t = 1; t <= 300; ++t) {
+      world.step();
+      if (t == 200) world.insert(b);
+      if (t >= 200) world.mark(1, t, 1);
+      world.catch_up();
+      if (t == 205) {
+        EXPECT_EQ(world.replaying(), variant == 1);
+        world.set_replay(false);
+        EXPECT_FALSE(world.replaying());
+      }
+      if (t == 220) world.set_replay(true);
       world.confirm();
     }
   }
-  ASSERT_EQ(hashes[0].size(), hashes[1].size());
+  EXPECT_EQ(hashes[0].size(), 301U);
   EXPECT_EQ(hashes[0], hashes[1]);
 }
 
