@@ -269,8 +269,10 @@ void AgreedWorld::settle() {
 
 // The fault lies in the ticks of the fold itself, so everything has to be folded for it.
 bool AgreedWorld::replay_locally() {
-  if (config_.fault.tick >= dirty_ || !local_->run(history_, log_, dirty_, now(), left_)) return false;
-  spend(local_->changed().size() * static_cast<std::size_t>(now() - dirty_));
+  if (config_.fault.tick >= dirty_) return false;
+  const bool done = local_->run(history_, log_, dirty_, now(), left_);
+  left_ = local_->left();
+  if (!done) return false;
   if (log_.at(now()).empty()) {
     predicted_.restore_only(history_.at(now()), local_->changed(), local_->unchanged());
   } else {
@@ -316,13 +318,15 @@ void AgreedWorld::only_newest(Bundle& b) {
 }
 
 void AgreedWorld::step() {
+  if (begun_ < now()) begin_tick();  // nobody confirms
   catch_up();
   advance_predicted();
   look();
-  begin_tick();
 }
 
+// A tick's budget is for all that is done from one confirm to the next.
 void AgreedWorld::begin_tick() {
+  begun_ = now();
   left_ = config_.replay_budget;
   least_ = kLeastSteps;
 }
@@ -354,6 +358,7 @@ void AgreedWorld::confirm() {
   if (confirmed_.tick < upto && !history_.has(confirmed_.tick + 1) && !behind_) confirm_by_folding(upto);
   if (confirmed_.tick < upto && history_.has(confirmed_.tick + 1)) confirm_from_kept(upto);
   log_.prune(confirmed_.tick, keep_);
+  begin_tick();
 }
 
 void AgreedWorld::confirm_from_kept(Tick upto) {

@@ -154,6 +154,7 @@ class AgreedWorld {
   std::unique_ptr<Fold> follower_;
   bool behind_ = false;             ///< the follower is replaying, to catch up with predicted
   bool follows_confirmed_ = false;  ///< the follower is where confirmed is
+  Tick begun_ = 0;                  ///< when its budget has been given to this tick
   std::size_t left_ = 0;            ///< of this tick's budget
   int least_ = 0;                   ///< steps that this tick may make beyond it
   FoldState confirmed_;

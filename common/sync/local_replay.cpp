@@ -9,6 +9,8 @@ namespace {
 constexpr std::size_t kMostOf = 2;
 // So often it begins anew with whom it has met.
 constexpr int kMostAttempts = 4;
+// So many contacts are looked at in the time of a step of one entity.
+constexpr std::size_t kContactsOfAStep = 50;
 
 bool is_order(const Bundle& b) {
   return b.leave || b.going || b.admission || !b.removals.empty() || !b.passed_on.empty() || !b.passages.empty();
@@ -51,6 +53,7 @@ bool LocalReplay::gather(const History& history, const UpdateLog& log, Tick from
     if (!history.has(t) || std::any_of(log.at(t).begin(), log.at(t).end(), is_order)) return false;
   for (bool found = true; found;) {
     found = false;
+    std::size_t looks = 0;
     const auto join = [&](std::uint32_t key) {
       const EntityId a = world::first_of(key);
       const EntityId b = world::second_of(key);
@@ -61,9 +64,17 @@ bool LocalReplay::gather(const History& history, const UpdateLog& log, Tick from
     for (Tick t = from; t <= now; ++t) {
       for (const world::ContactState& c : history.at(t).world.contacts) join(c.key);
       for (const std::uint32_t key : history.at(t).world.parted) join(key);
+      looks += history.at(t).world.contacts.size();
     }
+    spend(looks / kContactsOfAStep);
+    if (concerned_.size() * kMostOf > left_out_.size()) return false;
+    if (concerned_.size() * static_cast<std::size_t>(now - from) > left_) return false;
   }
-  return concerned_.size() * kMostOf <= left_out_.size();
+  return true;
+}
+
+void LocalReplay::spend(std::size_t steps) {
+  left_ -= std::min(left_, steps);
 }
 
 bool LocalReplay::may_touch(EntityId a, EntityId b) const {
@@ -100,10 +111,10 @@ bool LocalReplay::meets_others(const FoldState& others, const std::vector<Bundle
 }
 
 bool LocalReplay::run(History& history, const UpdateLog& log, Tick from, Tick now, std::size_t most) {
+  left_ = most;
   if (all_) return false;
   for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
-    if (!gather(history, log, from, now) || concerned_.size() * static_cast<std::size_t>(now - from) > most)
-      return false;
+    if (!gather(history, log, from, now)) return false;
     if (play(history, log, from, now)) return true;
   }
   return false;
@@ -121,6 +132,7 @@ bool LocalReplay::play(History& history, const UpdateLog& log, Tick from, Tick n
       return false;
     }
     fold_.step();
+    spend(concerned_.size());
     ++steps_;
     // Where it comes out as it was, so does all that follows.
     if (!merge(next) && fold_.tick() > latest_) break;

@@ -31,6 +31,8 @@ class LocalReplay {
   /// been told with `concerns` has changed in it, all of it from tick `from` on. False: it gives up, as it does if it
   /// would take more than `most` steps of one entity; then the history beyond `from` is not to be used.
   bool run(History& history, const UpdateLog& log, Tick from, Tick now, std::size_t most);
+  /// After run: what it has left of `most`.
+  std::size_t left() const { return left_; }
   /// After run: those that may have changed; and by entity id, false for them.
   const std::vector<EntityId>& changed() const { return concerned_; }
   const std::vector<bool>& unchanged() const { return left_out_; }
@@ -45,6 +47,7 @@ class LocalReplay {
   bool meets_others(const FoldState& others, const std::vector<Bundle>& told);
   bool meets(EntityId other, Vec2 there) const;
   bool merge(FoldState& into);
+  void spend(std::size_t steps);
 
   Fold fold_;
   bool never_;                       ///< the scene is not one for this
@@ -53,7 +56,8 @@ class LocalReplay {
   ReachBox box_;                     ///< around them, where they are in fold_
   std::vector<bool> left_out_;       ///< by entity: not concerned
   bool all_ = false;
-  Tick latest_ = -1;  ///< of the updates that have come late
+  Tick latest_ = -1;      ///< of the updates that have come late
+  std::size_t left_ = 0;  ///< of what run may do, in steps of one entity
   world::Snapshot mine_;
   std::vector<world::ContactState> contacts_;
   std::uint64_t steps_ = 0;

@@ -1,12 +1,13 @@
 // What a frame costs: everything a node does in a tick, from the datagrams that have come in to those that go out,
 // beside one step of a bare Box2D world in the same state, measured after every frame. Network: 100 ms, 2 % lost;
-// `quiet`: perfect.
+// `outages`: links that lose everything for 33 datagrams after every 100, on average; `quiet`: perfect.
 //
 //   steps       a frame's mean over that of a step
 //   frame_us    mean; p99_us: 99 of 100 are shorter; most_us
 //   share_p99   p99 of the 16.7 ms that a frame has
 //   replays     steps of the whole world made again for updates that came late, a frame
 //   allocs      allocations a frame
+//   behind      share of the frames that left something to be replayed later
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -27,6 +28,7 @@ struct Measured {
   std::uint64_t allocations = 0;
   std::uint64_t replayed = 0;
   std::uint64_t whole = 0;
+  std::uint64_t behind = 0;
 };
 
 Measured measure(const Scene& scene, int peers, const std::string& input, const std::string& netem) {
@@ -40,6 +42,7 @@ Measured measure(const Scene& scene, int peers, const std::string& input, const 
     const Party::Frame f = party.tick();
     m.frames.push_back(f.seconds);
     m.allocations += f.allocations;
+    m.behind += party.first().agreed().replaying() ? 1U : 0U;
     bare.put(party.first().live().world().kinematics(), party.first().agreed().predicted_state().holds);
     m.bare += seconds_of([&bare] { bare.step(); });
   }
@@ -62,6 +65,7 @@ void report(benchmark::State& state, Measured m) {
   state.counters["share_p99"] = p99 * kTicksPerSecond;
   state.counters["replays"] = static_cast<double>(m.replayed) / n;
   state.counters["whole"] = static_cast<double>(m.whole) / n;
+  state.counters["behind"] = static_cast<double>(m.behind) / n;
   state.counters["allocs"] = static_cast<double>(m.allocations) / n;
 }
 
@@ -100,6 +104,10 @@ void once(benchmark::internal::Benchmark* b) {
 BENCHMARK_CAPTURE(frame, wander, room, "wander")->Apply(once)->Apply(by_bodies)->Apply(by_peers);
 BENCHMARK_CAPTURE(frame, asleep, room, "rest")->Apply(once)->Apply(by_bodies)->Apply(by_peers);
 BENCHMARK_CAPTURE(frame, awake, restless_room, "wander")->Apply(once)->Args({60, 4})->Args({200, 4})->Args({1000, 4});
+BENCHMARK_CAPTURE(frame, outages, restless_room, "wander", "delay 100ms loss gemodel 1% 3%")
+    ->Apply(once)
+    ->Args({60, 4})
+    ->Args({1000, 4});
 BENCHMARK_CAPTURE(frame, quiet, arena, "rest", "")->Apply(once)->Apply(by_real_peers);
 
 }  // namespace
