@@ -5,29 +5,21 @@
 #include <cmath>
 
 namespace padr::peer {
-namespace {
 
-constexpr unsigned kBits = 3;
-constexpr std::uint64_t kSteps = 1U << kBits;
-
-/// Below kSteps every number has a range of its own; from there on every doubling has kSteps ranges.
-std::size_t range_of(std::uint64_t us) {
+// Below kSteps every number has a range of its own; from there on every doubling has kSteps ranges.
+std::size_t Lateness::range_of(std::uint64_t us) {
   if (us < kSteps) return us;
-  const auto shift = static_cast<unsigned>(std::bit_width(us)) - kBits - 1;
-  return (shift << kBits) + (us >> shift);
+  const auto shift = static_cast<unsigned>(std::bit_width(us)) - kStepBits - 1;
+  return (shift << kStepBits) + (us >> shift);
 }
 
-/// The greatest number of a range.
-std::uint64_t top_of(std::size_t range) {
+std::uint64_t Lateness::top_of(std::size_t range) {
   if (range < kSteps) return range;
   const auto shift = static_cast<unsigned>(range / kSteps - 1);
   return ((range % kSteps + kSteps + 1) << shift) - 1;
 }
 
-}  // namespace
-
 void Lateness::add(Micros late) {
-  static_assert(kStepBits == kBits);
   late = std::max<Micros>(late, 0);
   worst_ = std::max(worst_, late);
   ++counts_[std::min(range_of(static_cast<std::uint64_t>(late)), counts_.size() - 1)];

@@ -23,7 +23,12 @@ class Lateness {
 
  private:
   static constexpr unsigned kStepBits = 3;
+  static constexpr std::uint64_t kSteps = 1U << kStepBits;
   static constexpr unsigned kDoublings = 26;  ///< 2^26 us
+  static std::size_t range_of(std::uint64_t us);
+  /// The greatest number of a range, us.
+  static std::uint64_t top_of(std::size_t range);
+
   std::array<std::uint64_t, kDoublings << kStepBits> counts_{};
   std::uint64_t count_ = 0;
   Micros worst_ = 0;

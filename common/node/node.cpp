@@ -32,7 +32,7 @@ void add(Hasher& h, Vec2 position, float angle, Vec2 velocity, float spin, bool 
 }  // namespace
 
 Node::ConfirmedSink Node::check_and(ConfirmedSink sink) {
-  return [this, sink = std::move(sink)](const sync::FoldState& s, sync::LazyHash hash) {
+  return [this, sink = std::move(sink)](const sync::FoldState& s, const sync::LazyHash& hash) {
     if (s.tick % kCheckEvery == 0) checks_.add_own(s.tick, static_cast<std::uint32_t>(std::uint64_t{hash}) | 1U);
     if (sink) sink(s, hash);
   };

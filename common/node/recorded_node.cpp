@@ -55,7 +55,7 @@ RecordedNode::RecordedNode(const Scene& scene, const NodeConfig& config, const s
 }
 
 Node::ConfirmedSink RecordedNode::traced(bool authority, Node::ConfirmedSink sink) {
-  return [this, authority, sink = std::move(sink)](const sync::FoldState& s, sync::LazyHash hash) {
+  return [this, authority, sink = std::move(sink)](const sync::FoldState& s, const sync::LazyHash& hash) {
     if (writer_) writer_->confirmed(s.tick, hash, trace::truth_of(s, authority));
     if (sink) sink(s, hash);
   };

@@ -50,7 +50,7 @@ struct AgreedConfig {
 class AgreedWorld {
  public:
   /// Called once for every tick that becomes confirmed, in order, beginning with tick 0.
-  using ConfirmedSink = std::function<void(const FoldState&, LazyHash hash)>;
+  using ConfirmedSink = std::function<void(const FoldState&, const LazyHash& hash)>;
 
   /// From tick 0 on.
   AgreedWorld(const Scene& scene, const AgreedConfig& config, ConfirmedSink on_confirmed);

@@ -101,6 +101,8 @@ void Shown::stop(std::size_t e) {
 }
 
 void Shown::count_snap(Vec2 stride, Vec2 last_stride, Vec2 velocity) {
+  const Vec2 off = stride - velocity * kTickSeconds;
+  if (dot(off, off) <= kSnap * kSnap) return;  // most strides
   const float beyond = distance_to_segment(stride, last_stride, velocity * kTickSeconds);
   if (beyond <= kSnap) return;
   ++snaps_;

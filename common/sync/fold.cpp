@@ -150,8 +150,10 @@ void Fold::take_tables(const FoldState& s) {
   avatars_ = s.avatars;
   authority_ = s.authority;
   residents_ = s.residents;
-  if (left_out_.empty())
-    for (EntityId b = 0; b < residents_.slots.size(); ++b) world_.set_present(b, residents_.slots[b].present);
+  if (left_out_.empty()) {
+    const EntityId first = residents_.slots.empty() ? world_.avatar(0) : EntityId{0};
+    for (EntityId e = first; e < world_.entities(); ++e) world_.set_present(e, is_there(e));
+  }
   if (holds_ == s.holds) return;
   for (EntityId b = 0; b < world_.bodies(); ++b) {
     if (holds_[b] == s.holds[b]) continue;
@@ -162,14 +164,11 @@ void Fold::take_tables(const FoldState& s) {
 
 void Fold::restore(const FoldState& s) {
   take_tables(s);
-  for (PeerId p = 0; p < world_.slots(); ++p) world_.set_present(world_.avatar(p), avatars_[p].present);
   world_.restore(s.world);
 }
 
 void Fold::restore_only(const FoldState& s, const std::vector<EntityId>& which, const std::vector<bool>& keep) {
   take_tables(s);
-  for (const EntityId e : which)
-    if (world_.is_avatar(e)) world_.set_present(e, is_there(e));  // an avatar may have come with its first update
   world_.restore_only(s.world, which, keep);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -33,15 +34,19 @@ struct FoldState {
 
 std::uint64_t hash_of(const FoldState& s);
 
-/// The hash of a state for whoever may not want it: worked out when it is read, as the number that it is.
+/// The hash of a state for whoever may not want it: worked out when it is first read, as the number that it is.
 class LazyHash {
  public:
   /// `s` must be there, and the same, for as long as this is.
   explicit LazyHash(const FoldState& s) : state_(&s) {}
-  operator std::uint64_t() const { return hash_of(*state_); }  // NOLINT(google-explicit-constructor): stands for it
+  operator std::uint64_t() const {  // NOLINT(google-explicit-constructor): stands for it
+    if (!known_) known_ = hash_of(*state_);
+    return *known_;
+  }
 
  private:
   const FoldState* state_;
+  mutable std::optional<std::uint64_t> known_;
 };
 
 /// The deterministic fold of a log of updates: bodies play out by physics, avatars follow their models, a modelled

@@ -114,7 +114,8 @@ void LiveWorld::gather(const FoldState& predicted) {
   for (bool found = true; found;) {
     found = gather_touching(view_.snapshot().contacts);
     found = gather_touching(predicted.world.contacts) || found;
-    for (const std::uint32_t key : predicted.world.parted) found = join(world::first_of(key), world::second_of(key)) || found;
+    for (const std::uint32_t key : predicted.world.parted)
+      found = join(world::first_of(key), world::second_of(key)) || found;
     for (const Contact& c : world_.contacts()) found = join(c.first, c.second) || found;
   }
 }

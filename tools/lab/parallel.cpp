@@ -53,9 +53,12 @@ std::size_t threads_of(const ParallelOptions& o, std::size_t n) {
 
 }  // namespace
 
-void run_parallel(std::size_t n, const std::function<void(std::size_t)>& job, const ParallelOptions& options) {
-  // Box2D fills a table of its own at its first contact and does not guard it: that is over before there are threads.
+void before_threads() {
   world::physics_fingerprint();
+}
+
+void run_parallel(std::size_t n, const std::function<void(std::size_t)>& job, const ParallelOptions& options) {
+  before_threads();
   Progress progress(n, options);
   std::atomic<std::size_t> next{0};
   std::atomic<bool> failed{false};

@@ -14,6 +14,10 @@ struct ParallelOptions {
   bool quiet = false;         ///< no such line, not even on a terminal
 };
 
+/// To be called before there are threads that step worlds: Box2D fills a table of its own at its first contact and does
+/// not guard it.
+void before_threads();
+
 /// Calls job(0) .. job(n - 1), each once, several at a time, and returns when all have ended. Jobs must not touch what
 /// others change. On a terminal a line on standard error says how many are done and how long the rest may take. If
 /// jobs throw, no further ones are begun, and the exception of the lowest number is thrown here.

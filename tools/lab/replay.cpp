@@ -142,7 +142,7 @@ class Replay::Again {
     return c;
   }
   node::Node::ConfirmedSink sink() {
-    return [this](const sync::FoldState& s, sync::LazyHash hash) {
+    return [this](const sync::FoldState& s, const sync::LazyHash& hash) {
       ours_.push_back({{s.tick, hash}, trace::truth_of(s, header_.technique.authority)});
       if (on_confirmed_) on_confirmed_(s, hash);
     };

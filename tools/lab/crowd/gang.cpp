@@ -1,12 +1,11 @@
 #include "tools/lab/crowd/gang.h"
 
-#include "common/world/world.h"
+#include "tools/lab/parallel.h"
 
 namespace padr::lab {
 
 Gang::Gang(int threads) : threads_(static_cast<std::size_t>(threads)), start_(threads), end_(threads) {
-  // Box2D fills a table of its own at its first contact and does not guard it: that is over before there are threads.
-  world::physics_fingerprint();
+  before_threads();
   for (std::size_t t = 1; t < threads_; ++t)
     others_.emplace_back([this, t] {
       for (;;) {
