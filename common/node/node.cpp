@@ -4,6 +4,7 @@
 #include <cassert>
 #include <utility>
 
+#include "common/model/precision.h"
 #include "common/wire/codec.h"
 
 namespace padr::node {
@@ -111,16 +112,21 @@ bool Node::delivered() const {
 
 void Node::adopt() {
   refresh_own();
-  live_.adopt(agreed_.predicted_state(), kept_from_live(), own_is_predicted());
+  const std::vector<bool>& kept = kept_from_live();
+  const bool same = own_is_predicted(kept);
+  live_.adopt(agreed_.predicted_state(), same ? own_ : kept, same);
   joined_ = member_;
   for (const sync::LiveWorld::Jump& j : live_.jumps()) shown_.correct(j.entity, j.from);
 }
 
-// Of a slot into which another body has come, what was in it is no truth any more.
+// Of a slot into which another body has come, what was in it is no truth any more. What has been told rounded is true
+// as it was told.
 const std::vector<bool>& Node::kept_from_live() {
-  const std::vector<sync::Resident>& predicted = agreed_.predicted_state().residents.slots;
-  if (predicted.empty()) return own_;
   kept_ = own_;
+  if (config_.technique.precision == Precision::kRounded && !own_log_.empty() && own_log_.back().tick == now())
+    for (const sync::BodyUpdate& u : own_log_.back().bodies)
+      if (u.has_state) kept_[u.body] = false;
+  const std::vector<sync::Resident>& predicted = agreed_.predicted_state().residents.slots;
   for (EntityId b = 0; b < predicted.size(); ++b)
     if (live_.residents().slots[b] != predicted[b]) kept_[b] = false;
   return kept_;
@@ -128,10 +134,10 @@ const std::vector<bool>& Node::kept_from_live() {
 
 // Where the own entities are as predicted, the memory of their contacts may be too: then live and predicted are one,
 // and drift apart only when something new happens here.
-bool Node::own_is_predicted() const {
+bool Node::own_is_predicted(const std::vector<bool>& own) const {
   const sync::FoldState& p = agreed_.predicted_state();
-  for (EntityId e = 0; e < own_.size(); ++e) {
-    if (!own_[e]) continue;
+  for (EntityId e = 0; e < own.size(); ++e) {
+    if (!own[e]) continue;
     const world::Kinematics& k = p.world.entities[e];
     if (live_.world().state(e) != BodyState{k.position, k.angle, k.velocity, k.spin, k.awake}) return false;
   }
@@ -179,9 +185,19 @@ void Node::report(Vec2 target, Vec2 velocity_before) {
   sync::Bundle bundle = reporter_.report(s);
   forget_pushes(bundle);
   live_.settle(bundle);
+  take_on_rounded(bundle);
   if (bundle.avatar) ++stats_.updates_by_cause[static_cast<std::size_t>(bundle.avatar->cause)];
   for (const sync::BodyUpdate& u : bundle.bodies) ++stats_.updates_by_cause[static_cast<std::size_t>(u.cause)];
   if (bundle.avatar || !bundle.bodies.empty()) publish(std::move(bundle));
+}
+
+// The avatar is where its owner has told everybody that it is. Bodies follow when what is predicted is taken over.
+void Node::take_on_rounded(const sync::Bundle& told) {
+  if (config_.technique.precision != Precision::kRounded || !told.avatar || !told.avatar->awake) return;
+  BodyState s = live_.world().state(live_.avatar());
+  s.position = told.avatar->position;
+  s.velocity = told.avatar->velocity;
+  live_.place(s);
 }
 
 // The paper predicts at every turn of its loop. Otherwise looks are taken when it depends on them whether something is

@@ -223,6 +223,7 @@ class Node {
   bool all_through() const;
   void adopt();
   void report(Vec2 target, Vec2 velocity_before);
+  void take_on_rounded(const sync::Bundle& told);
   void look_ahead(Vec2 target);
   std::vector<EntityId> push_bodies();
   void forget_pushes(const sync::Bundle& told);
@@ -230,7 +231,7 @@ class Node {
   void send();
   void fill(sync::StatePacket& packet, PeerId p);
   void refresh_own();
-  bool own_is_predicted() const;
+  bool own_is_predicted(const std::vector<bool>& own) const;
   const std::vector<bool>& kept_from_live();
   void go_on(Vec2 target, Vec2 velocity_before);
   void compare(Tick t, std::uint32_t theirs, PeerId from);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/model/precision.h"
 #include "common/world/avatar_control.h"
 
 namespace padr::sync {
@@ -255,6 +256,11 @@ void Reporter::tell_avatar(const Situation& s, Cause cause) {
   u.model = technique_.model;
   if (u.model == Model::kInput) u.control = aim_.ahead();
   if (u.model == Model::kSecond) u.control = s.acceleration;
+  if (technique_.precision == Precision::kRounded) {
+    u.position = rounded_place(u.position);
+    u.velocity = rounded_motion(u.velocity);
+    u.control = u.model == Model::kInput ? rounded_place(u.control) : rounded_motion(u.control);
+  }
   avatar_ = u;
 }
 
@@ -374,6 +380,7 @@ Bundle Reporter::finish(const Situation& s) {
       u.state.velocity = {};
       u.state.spin = 0;
     }
+    if (technique_.precision == Precision::kRounded) u.state = rounded(u.state);
     bundle.bodies.push_back(u);
   }
   return bundle;
