@@ -160,7 +160,7 @@ void Node::report(Vec2 target, Vec2 velocity_before) {
     last.leave = true;
     gone_ = true;
     ++stats_.updates_by_cause[static_cast<std::size_t>(sync::Cause::kLeave)];
-    publish(std::move(last));
+    publish(last);
     return;
   }
   sync::Reporter::Situation s;
@@ -182,13 +182,13 @@ void Node::report(Vec2 target, Vec2 velocity_before) {
                        : (everyone > own_first_ ? own_log_[everyone - own_first_ - 1].tick
                                                 : (own_log_.empty() ? now() - 1 : own_log_.front().tick - 1));
   s.pushed = push_bodies();
-  sync::Bundle bundle = reporter_.report(s);
+  const sync::Bundle& bundle = reporter_.report(s);
   forget_pushes(bundle);
   live_.settle(bundle);
   take_on_rounded(bundle);
   if (bundle.avatar) ++stats_.updates_by_cause[static_cast<std::size_t>(bundle.avatar->cause)];
   for (const sync::BodyUpdate& u : bundle.bodies) ++stats_.updates_by_cause[static_cast<std::size_t>(u.cause)];
-  if (bundle.avatar || !bundle.bodies.empty()) publish(std::move(bundle));
+  if (bundle.avatar || !bundle.bodies.empty()) publish(bundle);
 }
 
 // The avatar is where its owner has told everybody that it is. Bodies follow when what is predicted is taken over.
@@ -247,12 +247,13 @@ void Node::forget_pushes(const sync::Bundle& told) {
   });
 }
 
-void Node::publish(sync::Bundle bundle) {
-  bundle.index = own_end();
-  if (config_.sign) bundle.signature = config_.sign(bundle);
+void Node::publish(const sync::Bundle& bundle) {
+  sync::Bundle own = own_pool_.copy(bundle);
+  own.index = own_end();
+  if (config_.sign) own.signature = config_.sign(own);
   ++stats_.bundles;
-  file(bundle);
-  own_log_.push_back(std::move(bundle));
+  file(own);
+  own_log_.push_back(std::move(own));
 }
 
 bool Node::publish_order() {
@@ -261,7 +262,7 @@ bool Node::publish_order() {
   orders_.pop_front();
   bundle.peer = config_.self;
   bundle.tick = now();
-  publish(std::move(bundle));
+  publish(bundle);
   return true;
 }
 
@@ -288,10 +289,10 @@ void Node::send() {
     const bool quiet = now() - news_ > kQuiet && staying;
     const sync::OutLink::Context context{now(), log.have(p), log.have_beyond(p), to.promised > log.have(p),
                                          calm,  quiet};
-    auto packet =
+    sync::StatePacket* packet =
         to.link.compose(context, own_log_, own_first_, wire::encoded_size, wire::kMaxPayload - wire::kStateOverhead);
     everyone = std::min(everyone, to.link.acked());
-    if (!packet) continue;
+    if (packet == nullptr) continue;
     fill(*packet, p);
     if (sent_ == outgoing_.size()) outgoing_.emplace_back().bytes.reserve(wire::kMaxDatagram);
     Outgoing& o = outgoing_[sent_++];
@@ -307,7 +308,7 @@ void Node::send() {
 
 void Node::keep_logs(std::uint32_t everyone) {
   while (own_first_ < everyone && !own_log_.empty() && own_log_.front().tick < now() - kKept) {
-    own_log_.pop_front();
+    own_pool_.give_back(own_log_.pop_front());
     ++own_first_;
   }
   // Whoever falls silent may have told somebody what others lack. Nobody but a newcomer lacks what all have confirmed.

@@ -1,6 +1,7 @@
 #include "common/sync/agreed_world.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <limits>
 
@@ -41,7 +42,7 @@ AgreedWorld::AgreedWorld(const Scene& scene, const AgreedConfig& config, const T
 }
 
 void AgreedWorld::begin() {
-  predicted_.save(current_);
+  save_predicted(current_);
   confirmed_ = current_;
   if (config_.replay) {
     begin_history();
@@ -151,17 +152,31 @@ void AgreedWorld::apply_known(Tick t) {
   for (const Bundle& b : log_.at(t)) refused_ += static_cast<std::uint64_t>(predicted_.apply(b));
 }
 
+// As many contacts as there once were may be there again: every place that is kept has room for them at once, not when
+// its turn comes.
+void AgreedWorld::make_room(world::Snapshot& s) const {
+  s.contacts.reserve(most_contacts_);
+  s.parted.reserve(most_parted_);
+}
+
+void AgreedWorld::save_predicted(FoldState& out) {
+  make_room(out.world);
+  predicted_.save(out);
+  most_contacts_ = std::max(most_contacts_, std::bit_ceil(out.world.contacts.size()));
+  most_parted_ = std::max(most_parted_, std::bit_ceil(out.world.parted.size()));
+}
+
 void AgreedWorld::advance_predicted() {
   predicted_.step();
   if (!config_.replay) return;
-  predicted_.save(history_.at(now()));
+  save_predicted(history_.at(now()));
   apply_known(now());
 }
 
 void AgreedWorld::rewind_to(Tick t) {
   const Tick target = now();
   predicted_.restore(history_.has(t) ? history_.at(t) : confirmed_);
-  if (!history_.has(now())) predicted_.save(history_.at(now()));
+  if (!history_.has(now())) save_predicted(history_.at(now()));
   apply_known(now());
   while (now() < target) {
     advance_predicted();
@@ -227,7 +242,7 @@ void AgreedWorld::step() {
 // Where this tick has no updates the history has it already.
 void AgreedWorld::look() {
   in_history_ = config_.replay && log_.at(now()).empty();
-  if (!in_history_) predicted_.save(current_);
+  if (!in_history_) save_predicted(current_);
 }
 
 Tick AgreedWorld::complete_tick() const {
@@ -252,6 +267,7 @@ void AgreedWorld::confirm() {
 
 void AgreedWorld::confirm_from_kept(Tick upto) {
   for (Tick t = confirmed_.tick + 1; t <= upto; ++t) announce(history_.at(t));
+  make_room(confirmed_.world);
   confirmed_ = history_.at(upto);
 }
 

@@ -101,6 +101,8 @@ class AgreedWorld {
   void undo(PeerId peer, std::uint32_t from, Tick earliest);
   void apply_known(Tick t);
   void advance_predicted();
+  void make_room(world::Snapshot& s) const;
+  void save_predicted(FoldState& out);
   void rewind_to(Tick t);
   bool replay_locally();
   void arrive(const Bundle& bundle);
@@ -129,6 +131,8 @@ class AgreedWorld {
   std::vector<std::vector<Tick>> newest_body_;  ///< without replay: by peer, then body
   std::unique_ptr<Fold> follower_;              ///< without replay: confirmed's own world
   FoldState confirmed_;
+  std::size_t most_parted_ = 16;
+  std::size_t most_contacts_ = 0;  ///< that every kept state is to have room for
   std::uint64_t replayed_steps_ = 0;
   std::uint64_t refused_ = 0;
   Tick keep_ = 0;

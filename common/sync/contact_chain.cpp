@@ -23,8 +23,9 @@ void reach(const std::vector<Contact>& contacts, int bodies, std::vector<char>& 
   }
 }
 
-ChainChanges ContactChain::update(const std::vector<Contact>& contacts, Tick now) {
-  ChainChanges changes;
+const ChainChanges& ContactChain::update(const std::vector<Contact>& contacts, Tick now) {
+  for (std::vector<EntityId>* list : {&changes_.begun, &changes_.ended, &changes_.joined, &changes_.left})
+    list->clear();
   const auto bodies = static_cast<int>(direct_.size());
   reached_.assign(direct_.size() + 64, 0);
   reached_[avatar_] = 1;
@@ -35,22 +36,22 @@ ChainChanges ContactChain::update(const std::vector<Contact>& contacts, Tick now
   for (EntityId b = 0; b < bodies; ++b) {
     Tick& direct = direct_[b];
     if (reached_[b] != 0 && touches(b)) {
-      if (direct == kNever) changes.begun.push_back(b);
+      if (direct == kNever) changes_.begun.push_back(b);
       direct = now;
     } else if (direct != kNever && now - direct > patience_) {
       direct = kNever;
-      changes.ended.push_back(b);
+      changes_.ended.push_back(b);
     }
     Tick& link = chain_[b];
     if (reached_[b] != 0) {
-      if (link == kNever && direct == kNever) changes.joined.push_back(b);
+      if (link == kNever && direct == kNever) changes_.joined.push_back(b);
       link = now;
     } else if (link != kNever && now - link > patience_) {
       link = kNever;
-      changes.left.push_back(b);
+      changes_.left.push_back(b);
     }
   }
-  return changes;
+  return changes_;
 }
 
 }  // namespace padr::sync

@@ -22,8 +22,8 @@ class ContactChain {
   ContactChain(int bodies, EntityId avatar, Tick patience);
   void retune(Tick patience) { patience_ = patience; }
 
-  /// `contacts`: all touching entities of the tick, sorted.
-  ChainChanges update(const std::vector<Contact>& contacts, Tick now);
+  /// `contacts`: all touching entities of the tick, sorted. Good until the next call.
+  const ChainChanges& update(const std::vector<Contact>& contacts, Tick now);
 
   bool held(EntityId body) const { return direct_[body] != kNever; }
   bool touching_now(EntityId body, Tick now) const { return direct_[body] == now; }
@@ -37,6 +37,7 @@ class ContactChain {
   std::vector<Tick> direct_;  ///< by body: last tick the avatar touched it, while held
   std::vector<Tick> chain_;   ///< by body: last tick it was in the chain, while a member
   std::vector<char> reached_;
+  ChainChanges changes_;
 };
 
 /// Bodies that can be reached through contacts from any seed, seeds included; `seed` and the result are by entity id.

@@ -248,7 +248,7 @@ double bytes_of_a_body(const Technique& technique) {
         bodies += static_cast<double>(b.bodies.size() - without.updates[0].bodies.size());
       });
   }
-  EXPECT_GT(bodies, 100);
+  EXPECT_GT(bodies, 50);
   return bytes / bodies;
 }
 
