@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/model/precision.h"
+
 namespace padr::crowd {
 namespace {
 
@@ -111,6 +113,7 @@ void Customs::consider_entry(const Post& from, EntityId b, const std::vector<Pos
   p.crossings = who.crossings + 1;
   p.build = node.agreed().predicted().world().scene().region->builds[b];
   p.state = one_tick_on(node.live().world().state(b));
+  if (other.config().technique.precision == Precision::kRounded) p.state = rounded(p.state);
   p.owned = node.agreed().predicted_state().authority[b].holder() == node.self();
   const auto& known = other.agreed().predicted_state().residents;
   if (!known.slot_for(p, *other.agreed().predicted().world().scene().region)) return;

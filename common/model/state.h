@@ -5,7 +5,7 @@
 
 namespace padr {
 
-/// What an update tells of an entity: its exact state at a session tick. Every bit matters: play-out depends on it.
+/// What an update tells of an entity: its state at a session tick. Every bit matters: play-out depends on it.
 struct BodyState {
   Vec2 position;      ///< m
   float angle = 0;    ///< rad, unbounded; always 0 for avatars

@@ -25,6 +25,7 @@ constexpr Names<ThresholdLaw, 2> kLaws{
     {{"two-level", ThresholdLaw::kTwoLevel}, {"continuous", ThresholdLaw::kContinuous}}};
 constexpr Names<Convergence, 3> kConvergences{
     {{"snap", Convergence::kSnap}, {"blend", Convergence::kBlend}, {"pvb", Convergence::kPvb}}};
+constexpr Names<Precision, 2> kPrecisions{{{"exact", Precision::kExact}, {"rounded", Precision::kRounded}}};
 constexpr Names<bool, 2> kSwitch{{{"on", true}, {"off", false}}};
 
 [[noreturn]] void refuse(std::string_view flag, std::string_view text, const std::string& allowed) {
@@ -77,6 +78,8 @@ Technique technique_by_name(std::string_view name) {
   Technique t;
   t.name = std::string(name);
   if (name == "full") return t;
+  // What others are measured against is told to the bit.
+  t.precision = Precision::kExact;
   if (name == "everything") {
     t.predictor = Predictor::kNone;  // no threshold waits for it
     t.every_tick = true;
@@ -153,6 +156,9 @@ void set_rest_state(Technique& t, std::string_view text) {
 void set_pcc_bound(Technique& t, std::string_view text) {
   t.pcc_bound = in_range("--pcc-bound", text, 0.0F, 1000.0F, "metres");
 }
+void set_precision(Technique& t, std::string_view text) {
+  t.precision = by_name("--precision", text, kPrecisions);
+}
 
 std::string describe(const Technique& t) {
   std::string s = t.name;
@@ -167,6 +173,7 @@ std::string describe(const Technique& t) {
   if (!t.end_update) s += " --end-update off";
   if (!t.proxy_update) s += " --proxy-update off";
   if (!t.rest_state) s += " --rest-state off";
+  s += " --precision " + name_of(t.precision, kPrecisions);
   s += " --steps " + number(t.steps) + " --count " + number(t.count) + " --pcc-bound " + number(t.pcc_bound);
   return s;
 }

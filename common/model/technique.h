@@ -27,6 +27,12 @@ enum class Predictor : std::uint8_t {
 enum class ThresholdLaw : std::uint8_t { kTwoLevel, kContinuous };
 enum class Convergence : std::uint8_t { kSnap, kBlend, kPvb };
 
+/// How states are told.
+enum class Precision : std::uint8_t {
+  kExact,    ///< every bit
+  kRounded,  ///< in steps of 2^-14 m and rad and 2^-12 m/s and rad/s; who tells them takes them on, too
+};
+
 /// Everything that makes one synchronisation technique differ from another. All fields but `authority` are a peer's
 /// own affair; peers of one session must agree on `authority`.
 struct Technique {
@@ -52,6 +58,7 @@ struct Technique {
   bool end_update = true;    ///< the end of a contact carries the states it leaves; off: only that it has ended
   bool proxy_update = true;  ///< what is reached through other bodies is claimed and told too
   bool rest_state = true;    ///< what comes to rest is told exactly where; off: only that authority is given up
+  Precision precision = Precision::kRounded;
 };
 
 /// `avatar-only`, `fixed`, `adaptive`, `full` or `everything`; UserError names them on anything else.
@@ -75,6 +82,7 @@ void set_end_update(Technique& t, std::string_view text);      ///< on|off
 void set_proxy_update(Technique& t, std::string_view text);    ///< on|off
 void set_rest_state(Technique& t, std::string_view text);      ///< on|off
 void set_pcc_bound(Technique& t, std::string_view text);       ///< metres, 0 .. 1000
+void set_precision(Technique& t, std::string_view text);       ///< exact|rounded
 
 /// One line: the name and every knob, in the form the flags take.
 std::string describe(const Technique& t);

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <utility>
 
+#include "common/model/precision.h"
 #include "common/wire/codec.h"
 
 namespace padr::node {
@@ -110,16 +111,21 @@ bool Node::delivered() const {
 
 void Node::adopt(bool as_stepped) {
   refresh_own();
-  live_.adopt(agreed_.predicted_state(), kept_from_live(), own_is_predicted(), as_stepped);
+  const std::vector<bool>& kept = kept_from_live();
+  const bool same = own_is_predicted(kept);
+  live_.adopt(agreed_.predicted_state(), same ? own_ : kept, same, as_stepped);
   joined_ = member_;
   for (const sync::LiveWorld::Jump& j : live_.jumps()) shown_.correct(j.entity, j.from);
 }
 
-// Of a slot into which another body has come, what was in it is no truth any more.
+// Of a slot into which another body has come, what was in it is no truth any more. What has been told rounded is true
+// as it was told.
 const std::vector<bool>& Node::kept_from_live() {
-  const std::vector<sync::Resident>& predicted = agreed_.predicted_state().residents.slots;
-  if (predicted.empty()) return own_;
   kept_ = own_;
+  if (config_.technique.precision == Precision::kRounded && !own_log_.empty() && own_log_.back().tick == now())
+    for (const sync::BodyUpdate& u : own_log_.back().bodies)
+      if (u.has_state) kept_[u.body] = false;
+  const std::vector<sync::Resident>& predicted = agreed_.predicted_state().residents.slots;
   for (EntityId b = 0; b < predicted.size(); ++b)
     if (live_.residents().slots[b] != predicted[b]) kept_[b] = false;
   return kept_;
@@ -127,9 +133,10 @@ const std::vector<bool>& Node::kept_from_live() {
 
 // Where the own entities are as predicted, the memory of their contacts may be too: then live and predicted are one,
 // and drift apart only when something new happens here.
-bool Node::own_is_predicted() const {
+bool Node::own_is_predicted(const std::vector<bool>& own) const {
   const sync::FoldState& p = agreed_.predicted_state();
   for (const EntityId e : mine_) {
+    if (!own[e]) continue;
     const world::Kinematics& k = p.world.entities[e];
     if (live_.world().state(e) != BodyState{k.position, k.angle, k.velocity, k.spin, k.awake}) return false;
   }
@@ -155,7 +162,7 @@ void Node::report(Vec2 target, Vec2 velocity_before) {
     last.leave = true;
     gone_ = true;
     ++stats_.updates_by_cause[static_cast<std::size_t>(sync::Cause::kLeave)];
-    publish(std::move(last));
+    publish(last);
     return;
   }
   sync::Reporter::Situation s;
@@ -177,12 +184,22 @@ void Node::report(Vec2 target, Vec2 velocity_before) {
                        : (everyone > own_first_ ? own_log_[everyone - own_first_ - 1].tick
                                                 : (own_log_.empty() ? now() - 1 : own_log_.front().tick - 1));
   s.pushed = push_bodies();
-  sync::Bundle bundle = reporter_.report(s);
+  const sync::Bundle& bundle = reporter_.report(s);
   forget_pushes(bundle);
   live_.settle(bundle);
+  take_on_rounded(bundle);
   if (bundle.avatar) ++stats_.updates_by_cause[static_cast<std::size_t>(bundle.avatar->cause)];
   for (const sync::BodyUpdate& u : bundle.bodies) ++stats_.updates_by_cause[static_cast<std::size_t>(u.cause)];
-  if (bundle.avatar || !bundle.bodies.empty()) publish(std::move(bundle));
+  if (bundle.avatar || !bundle.bodies.empty()) publish(bundle);
+}
+
+// The avatar is where its owner has told everybody that it is. Bodies follow when what is predicted is taken over.
+void Node::take_on_rounded(const sync::Bundle& told) {
+  if (config_.technique.precision != Precision::kRounded || !told.avatar || !told.avatar->awake) return;
+  BodyState s = live_.world().state(live_.avatar());
+  s.position = told.avatar->position;
+  s.velocity = told.avatar->velocity;
+  live_.place(s);
 }
 
 // The paper predicts at every turn of its loop. Otherwise looks are taken when it depends on them whether something is
@@ -232,12 +249,13 @@ void Node::forget_pushes(const sync::Bundle& told) {
   });
 }
 
-void Node::publish(sync::Bundle bundle) {
-  bundle.index = own_end();
-  if (config_.sign) bundle.signature = config_.sign(bundle);
+void Node::publish(const sync::Bundle& bundle) {
+  sync::Bundle own = own_pool_.copy(bundle);
+  own.index = own_end();
+  if (config_.sign) own.signature = config_.sign(own);
   ++stats_.bundles;
-  file(bundle);
-  own_log_.push_back(std::move(bundle));
+  file(own);
+  own_log_.push_back(std::move(own));
 }
 
 bool Node::publish_order() {
@@ -246,7 +264,7 @@ bool Node::publish_order() {
   orders_.pop_front();
   bundle.peer = config_.self;
   bundle.tick = now();
-  publish(std::move(bundle));
+  publish(bundle);
   return true;
 }
 
@@ -273,10 +291,10 @@ void Node::send() {
     const bool quiet = now() - news_ > kQuiet && staying;
     const sync::OutLink::Context context{now(), log.have(p), log.have_beyond(p), to.promised > log.have(p),
                                          calm,  quiet};
-    auto packet =
+    sync::StatePacket* packet =
         to.link.compose(context, own_log_, own_first_, wire::encoded_size, wire::kMaxPayload - wire::kStateOverhead);
     everyone = std::min(everyone, to.link.acked());
-    if (!packet) continue;
+    if (packet == nullptr) continue;
     fill(*packet, p);
     if (sent_ == outgoing_.size()) outgoing_.emplace_back().bytes.reserve(wire::kMaxDatagram);
     Outgoing& o = outgoing_[sent_++];
@@ -292,7 +310,7 @@ void Node::send() {
 
 void Node::keep_logs(std::uint32_t everyone) {
   while (own_first_ < everyone && !own_log_.empty() && own_log_.front().tick < now() - kKept) {
-    own_log_.pop_front();
+    own_pool_.give_back(own_log_.pop_front());
     ++own_first_;
   }
   // Whoever falls silent may have told somebody what others lack. Nobody but a newcomer lacks what all have confirmed.

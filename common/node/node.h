@@ -224,14 +224,15 @@ class Node {
   /// `as_stepped`: as in LiveWorld::adopt.
   void adopt(bool as_stepped = false);
   void report(Vec2 target, Vec2 velocity_before);
+  void take_on_rounded(const sync::Bundle& told);
   void look_ahead(Vec2 target);
   std::vector<EntityId> push_bodies();
   void forget_pushes(const sync::Bundle& told);
-  void publish(sync::Bundle bundle);
+  void publish(const sync::Bundle& bundle);
   void send();
   void fill(sync::StatePacket& packet, PeerId p);
   void refresh_own();
-  bool own_is_predicted() const;
+  bool own_is_predicted(const std::vector<bool>& own) const;
   const std::vector<bool>& kept_from_live();
   void go_on(Vec2 target, Vec2 velocity_before);
   void compare(Tick t, std::uint32_t theirs, PeerId from);
@@ -249,9 +250,10 @@ class Node {
   sync::Prediction prediction_;
   Tick looked_ = -1000;  ///< when the last look ahead was taken
   sync::Shown shown_;
-  std::deque<sync::Bundle> own_log_;  ///< not yet acknowledged by everybody, or recent
-  std::uint32_t own_first_ = 0;       ///< index of own_log_.front()
-  std::vector<Neighbour> others_;     ///< by slot; the own one is only a place
+  Ring<sync::Bundle> own_log_;     ///< not yet acknowledged by everybody, or recent
+  sync::BundlePool own_pool_;      ///< for own_log_
+  std::uint32_t own_first_ = 0;    ///< index of own_log_.front()
+  std::vector<Neighbour> others_;  ///< by slot; the own one is only a place
   std::deque<sync::Bundle> orders_;
   std::map<EntityId, Vec2> pushes_;  ///< to be made with the next report, m/s
   std::vector<MemberChange> changes_;

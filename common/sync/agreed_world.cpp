@@ -1,6 +1,7 @@
 #include "common/sync/agreed_world.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <limits>
 #include <utility>
@@ -53,7 +54,7 @@ AgreedWorld::AgreedWorld(const Scene& scene, const AgreedConfig& config, const T
 void AgreedWorld::begin() {
   begin_tick();
   follows_confirmed_ = !config_.replay;
-  predicted_.save(current_);
+  save_predicted(current_);
   confirmed_ = current_;
   if (config_.replay) {
     begin_history();
@@ -127,9 +128,10 @@ bool AgreedWorld::insert(const Bundle& bundle) {
   return true;
 }
 
-// Of this tick, and after all that has been applied of it: nothing has to be done again.
+// Of this tick, and after all that has been applied of it: nothing has to be done again. While a replay is behind,
+// predicted will be put right anyway.
 bool AgreedWorld::comes_next(const Bundle& bundle) const {
-  return bundle.tick == now() && (behind_ || dirty_ == kClean) && log_.at(now()).back().peer == bundle.peer;
+  return bundle.tick == now() && (behind_ || (dirty_ == kClean && log_.at(now()).back().peer == bundle.peer));
 }
 
 // What is replaying comes to the rest by itself.
@@ -169,17 +171,31 @@ void AgreedWorld::apply_known(Fold& fold) {
   for (const Bundle& b : log_.at(t)) refused_ += static_cast<std::uint64_t>(fold.apply(b));
 }
 
+// As many contacts as there once were may be there again: every place that is kept has room for them at once, not when
+// its turn comes.
+void AgreedWorld::make_room(world::Snapshot& s) const {
+  s.contacts.reserve(most_contacts_);
+  s.parted.reserve(most_parted_);
+}
+
+void AgreedWorld::save_predicted(FoldState& out) {
+  make_room(out.world);
+  predicted_.save(out);
+  most_contacts_ = std::max(most_contacts_, std::bit_ceil(out.world.contacts.size()));
+  most_parted_ = std::max(most_parted_, std::bit_ceil(out.world.parted.size()));
+}
+
 void AgreedWorld::advance_predicted() {
   predicted_.step();
   if (!config_.replay) return;
-  predicted_.save(history_.at(now()));
+  save_predicted(history_.at(now()));
   apply_known(predicted_);
 }
 
 void AgreedWorld::rewind_to(Tick t) {
   const Tick target = now();
   predicted_.restore(history_.has(t) ? history_.at(t) : confirmed_);
-  if (!history_.has(now())) predicted_.save(history_.at(now()));
+  if (!history_.has(now())) save_predicted(history_.at(now()));
   apply_known(predicted_);
   while (now() < target) {
     advance_predicted();
@@ -334,7 +350,7 @@ void AgreedWorld::begin_tick() {
 // Where this tick has no updates the history has it already.
 void AgreedWorld::look() {
   in_history_ = config_.replay && !behind_ && log_.at(now()).empty();
-  if (!in_history_) predicted_.save(current_);
+  if (!in_history_) save_predicted(current_);
 }
 
 Tick AgreedWorld::complete_tick() const {
@@ -364,6 +380,7 @@ void AgreedWorld::confirm() {
 void AgreedWorld::confirm_from_kept(Tick upto) {
   follows_confirmed_ = false;
   for (Tick t = confirmed_.tick + 1; t <= upto; ++t) announce(history_.at(t));
+  make_room(confirmed_.world);
   confirmed_ = history_.at(upto);
 }
 

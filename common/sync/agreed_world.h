@@ -110,6 +110,8 @@ class AgreedWorld {
   void undo(PeerId peer, std::uint32_t from, Tick earliest);
   void apply_known(Fold& fold);
   void advance_predicted();
+  void make_room(world::Snapshot& s) const;
+  void save_predicted(FoldState& out);
   void rewind_to(Tick t);
   bool replay();
   bool replay_locally();
@@ -158,6 +160,8 @@ class AgreedWorld {
   std::size_t left_ = 0;            ///< of this tick's budget
   int least_ = 0;                   ///< steps that this tick may make beyond it
   FoldState confirmed_;
+  std::size_t most_parted_ = 16;
+  std::size_t most_contacts_ = 0;  ///< that every kept state is to have room for
   std::uint64_t replayed_steps_ = 0;
   std::uint64_t refused_ = 0;
   Tick keep_ = 0;

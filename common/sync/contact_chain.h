@@ -22,8 +22,7 @@ class ContactChain {
   ContactChain(int bodies, EntityId avatar, Tick patience);
   void retune(Tick patience) { patience_ = patience; }
 
-  /// `contacts`: all touching entities of the tick, sorted.
-  /// What it gives is valid until the next one.
+  /// `contacts`: all touching entities of the tick, sorted. What it gives is good until the next call.
   const ChainChanges& update(const std::vector<Contact>& contacts, Tick now);
 
   bool held(EntityId body) const { return direct_[body] != kNever; }

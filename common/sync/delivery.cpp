@@ -16,8 +16,6 @@ constexpr Tick kQuietMarkInterval = 36;  // 600 ms
 constexpr std::uint32_t kUnquiet = 5;    // per cent lost
 // A promised update that has not come is asked for after this long: jitter reorders, and asking costs a datagram.
 constexpr Tick kGapPatience = 3;
-// Datagrams whose time of sending is remembered for round trips: 4 s at one a tick.
-constexpr std::size_t kRemembered = 256;
 // An update goes along with the next datagram if it is unacknowledged after this long, once.
 constexpr Tick kEcho = 2;
 // But only where at least this many per cent get lost: elsewhere it is waste.
@@ -41,7 +39,7 @@ bool OutLink::arrived(std::uint32_t index) const {
 
 OutLink::Flight& OutLink::flight(std::uint32_t index) {
   const std::size_t i = index - acked_;
-  while (flights_.size() <= i) flights_.emplace_back();
+  while (flights_.size() <= i) flights_.push_back({});
   return flights_[i];
 }
 
@@ -59,14 +57,21 @@ Tick OutLink::interval(const Context& c, std::uint32_t end) const {
   return c.quiet && acked_ >= end && loss_ < kUnquiet ? kQuietMarkInterval : kMarkInterval;
 }
 
-std::optional<StatePacket> OutLink::compose(const Context& c, const std::deque<Bundle>& own, std::uint32_t first,
-                                            const std::function<std::size_t(const Bundle&)>& size_of,
-                                            std::size_t room) {
+void OutLink::empty_packet() {
+  std::vector<Bundle> updates = std::move(packet_.updates);
+  for (Bundle& b : updates) pool_.give_back(std::move(b));
+  updates.clear();
+  packet_ = {};
+  packet_.updates = std::move(updates);
+}
+
+StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::uint32_t first,
+                              const std::function<std::size_t(const Bundle&)>& size_of, std::size_t room) {
   const auto end = first + static_cast<std::uint32_t>(own.size());
   interval_ = interval(c, end);
   bool urgent = false;
-  std::vector<std::uint32_t> repeats;
-  std::vector<std::uint32_t> chosen;
+  repeated_.clear();
+  chosen_.clear();
   std::size_t used = 0;
   const auto fits = [&](std::uint32_t i) {
     const std::size_t n = size_of(own[i - first]);
@@ -81,18 +86,19 @@ std::optional<StatePacket> OutLink::compose(const Context& c, const std::deque<B
     const bool must = f.times == 0 || alone || lost(f, c.now);
     if (must && fits(i)) {
       urgent = true;
-      chosen.push_back(i);
+      chosen_.push_back(i);
     } else if (!must && loss_ >= kLossy && f.times == 1 && c.now - f.sent >= kEcho) {
-      repeats.push_back(i);
+      repeated_.push_back(i);
     }
   }
   gap_since_ = c.gap ? (gap_since_ < 0 ? c.now : gap_since_) : -1;
   const bool ask = gap_since_ >= 0 && c.now - gap_since_ >= kGapPatience && c.now - last_sent_ >= kGapPatience;
-  if (!urgent && !ask && c.now - last_sent_ < interval_) return std::nullopt;
+  if (!urgent && !ask && c.now - last_sent_ < interval_) return nullptr;
 
-  for (const std::uint32_t i : repeats)
-    if (fits(i)) chosen.push_back(i);
-  StatePacket p;
+  for (const std::uint32_t i : repeated_)
+    if (fits(i)) chosen_.push_back(i);
+  empty_packet();
+  StatePacket& p = packet_;
   p.seq = ++seq_;
   p.mark_tick = c.now;
   p.mark_count = end;
@@ -100,18 +106,18 @@ std::optional<StatePacket> OutLink::compose(const Context& c, const std::deque<B
   p.have_beyond = c.have_beyond;
   p.seen_seq = heard_seq_;
   p.seen_age = static_cast<std::uint32_t>(std::max(0, c.now - heard_at_));
-  std::sort(chosen.begin(), chosen.end());
-  for (const std::uint32_t i : chosen) {
+  std::sort(chosen_.begin(), chosen_.end());
+  for (const std::uint32_t i : chosen_) {
     Flight& f = flight(i);
     if (f.times > 0) ++repeats_;
     f.sent = c.now;
     ++f.times;
-    p.updates.push_back(own[i - first]);
+    p.updates.push_back(pool_.copy(own[i - first]));
   }
   sent_at_.push_back(c.now);
   if (sent_at_.size() > kRemembered) sent_at_.pop_front();
   last_sent_ = c.now;
-  return p;
+  return &p;
 }
 
 void OutLink::on_packet(const StatePacket& p, Tick now) {

@@ -1,13 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <functional>
-#include <optional>
 #include <vector>
 
+#include "common/model/ring.h"
+#include "common/sync/bundle_pool.h"
 #include "common/sync/packet.h"
-#include "common/sync/update_log.h"
 
 namespace padr::sync {
 
@@ -30,10 +29,11 @@ class OutLink {
     bool quiet = false;  ///< nobody has had anything to tell lately, and neither end waits for last words
   };
 
-  /// The packet to send this tick, if any, updates and marks filled in. `own`: this peer's log, `own.front()` numbered
-  /// `first`. `size_of` gives the bytes an update takes, `room` those that updates may take in all.
-  std::optional<StatePacket> compose(const Context& c, const std::deque<Bundle>& own, std::uint32_t first,
-                                     const std::function<std::size_t(const Bundle&)>& size_of, std::size_t room);
+  /// The packet to send this tick, good until the next call, updates and marks filled in; null: none. `own`: this
+  /// peer's log, `own.front()` numbered `first`. `size_of` gives the bytes an update takes, `room` those that updates
+  /// may take in all.
+  StatePacket* compose(const Context& c, const Ring<Bundle>& own, std::uint32_t first,
+                       const std::function<std::size_t(const Bundle&)>& size_of, std::size_t room);
   /// Takes in what a datagram from the receiver says about ours.
   void on_packet(const StatePacket& p, Tick now);
 
@@ -46,6 +46,8 @@ class OutLink {
   std::uint64_t repeats() const { return repeats_; }
 
  private:
+  // Datagrams whose time of sending is remembered for round trips: 4 s at one a tick.
+  static constexpr std::size_t kRemembered = 256;
   struct Flight {
     Tick sent = -1;  ///< tick of the last transmission, -1 before the first
     int times = 0;
@@ -54,15 +56,20 @@ class OutLink {
   bool lost(const Flight& f, Tick now) const;
   Tick interval(const Context& c, std::uint32_t end) const;
   Flight& flight(std::uint32_t index);
+  void empty_packet();
   void sample(float rtt);
 
   std::uint32_t seq_ = 0;
-  std::deque<Tick> sent_at_;  ///< tick of datagram seq_ - size + 1 + i
+  StatePacket packet_;
+  BundlePool pool_;                      ///< for packet_
+  std::vector<std::uint32_t> repeated_;  ///< scratch
+  std::vector<std::uint32_t> chosen_;    ///< scratch
+  Ring<Tick> sent_at_{kRemembered + 1};  ///< tick of datagram seq_ - size + 1 + i
   std::uint32_t acked_ = 0;
   std::uint32_t acked_beyond_ = 0;
   Tick newest_seen_sent_ = -1;  ///< when the newest datagram known to have arrived was sent
   std::uint32_t newest_seen_ = 0;
-  std::deque<Flight> flights_;  ///< updates acked_ + i
+  Ring<Flight> flights_{32};  ///< updates acked_ + i
   Tick last_sent_ = -1000;
   Tick interval_ = 15;  ///< between marks
   Tick gap_since_ = -1;

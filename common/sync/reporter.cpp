@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/model/precision.h"
 #include "common/world/avatar_control.h"
 
 namespace padr::sync {
@@ -38,6 +39,11 @@ Tick patience_of(const Technique& t) {
   return t.update_every_contact ? 0 : kPatience;
 }
 
+auto first_from(const std::vector<BodyUpdate>& bodies, EntityId b) {
+  return std::lower_bound(bodies.begin(), bodies.end(), b,
+                          [](const BodyUpdate& u, EntityId id) { return u.body < id; });
+}
+
 float rim_of(const BodyDef& d) {
   return d.shape == ShapeKind::kCircle ? 0 : length(d.half);
 }
@@ -67,7 +73,7 @@ void Reporter::retune(const Technique& technique) {
   model_error_.retune(technique.time_space);
 }
 
-Bundle Reporter::report(const Situation& s) {
+const Bundle& Reporter::report(const Situation& s) {
   avatar_.reset();
   exact_ = false;
   aim_.follow(s.target);
@@ -103,7 +109,7 @@ void Reporter::note_owned(const Situation& s) {
       no_claim_before_[b] = s.predicted->tick + s.round_trip;
       ++contests_lost_;
     }
-    const bool waits = claiming_[b] != 0 && bodies_.contains(b);  // did not fit last tick's bundle
+    const bool waits = claiming_[b] != 0 && collected(b) != nullptr;  // did not fit last tick's bundle
     claiming_[b] = waits && !now && holder == kNoPeer ? 1 : 0;
     owned_[b] = now ? 1 : 0;
   }
@@ -116,12 +122,19 @@ bool Reporter::may_claim(const FoldState& predicted, EntityId b) const {
 }
 
 BodyUpdate& Reporter::entry(EntityId b, Cause cause) {
-  const auto [found, fresh] = bodies_.try_emplace(b);
-  BodyUpdate& u = found->second;
-  if (fresh) u.cause = cause;
-  u.body = b;
-  u.held = chain_.held(b);
-  return u;
+  auto place = bodies_.begin() + (first_from(bodies_, b) - bodies_.cbegin());
+  if (place == bodies_.end() || place->body != b) {
+    place = bodies_.insert(place, BodyUpdate{});
+    place->cause = cause;
+  }
+  place->body = b;
+  place->held = chain_.held(b);
+  return *place;
+}
+
+const BodyUpdate* Reporter::collected(EntityId b) const {
+  const auto place = first_from(bodies_, b);
+  return place != bodies_.end() && place->body == b ? &*place : nullptr;
 }
 
 void Reporter::tell_state(const Situation& s, EntityId b, Cause cause) {
@@ -196,7 +209,7 @@ void Reporter::report_proxies(const Situation& s) {
   found_.clear();
   reach(live.contacts(), live.bodies(), reached_, found_);
   for (const EntityId b : found_) {
-    if (bodies_.contains(b) || !may_claim(s, b)) continue;
+    if (collected(b) != nullptr || !may_claim(s, b)) continue;
     const world::Kinematics& believed = s.predicted->world.entities[b];
     const bool shifted = distance(live.position(b), believed.position) > kProxyShift;
     if (shifted || distance(live.velocity(b), believed.velocity) > kProxySpeed) claim(s, b, Cause::kProxy);
@@ -259,6 +272,11 @@ void Reporter::tell_avatar(const Situation& s, Cause cause) {
   u.model = technique_.model;
   if (u.model == Model::kInput) u.control = aim_.ahead();
   if (u.model == Model::kSecond) u.control = s.acceleration;
+  if (technique_.precision == Precision::kRounded) {
+    u.position = rounded_place(u.position);
+    u.velocity = rounded_motion(u.velocity);
+    u.control = u.model == Model::kInput ? rounded_place(u.control) : rounded_motion(u.control);
+  }
   avatar_ = u;
 }
 
@@ -338,8 +356,8 @@ void Reporter::bound_the_sum(const Situation& s) {
   const float avatar_error = avatar_ ? 0 : length(shift + drift * kSoon);
   float sum = avatar_error;
   for (const EntityId b : mine_) {
-    const auto told = bodies_.find(b);
-    if (told == bodies_.end() || !told->second.has_state) sum += error_of(s, b).soon_metres;
+    const BodyUpdate* told = collected(b);
+    if (told == nullptr || !told->has_state) sum += error_of(s, b).soon_metres;
   }
   if (sum <= technique_.threshold_high + technique_.body_threshold) return;
   if (avatar_error > kAlongMetres) tell_avatar(s, Cause::kThreshold);
@@ -354,7 +372,7 @@ void Reporter::complete_cluster(const Situation& s) {
   const world::Kinematics& believed = s.predicted->world.entities[s.live->avatar()];
   const Vec2 truth = s.live->world().position(s.live->avatar());
   bool body_told = false;
-  for (const auto& [b, u] : bodies_) body_told = body_told || (u.has_state && u.held);
+  for (const BodyUpdate& u : bodies_) body_told = body_told || (u.has_state && u.held);
   if (body_told && distance(truth, believed.position) > kAlongMetres) tell_avatar(s, Cause::kBodyThreshold);
   if (!avatar_) return;
   for (const EntityId b : mine_)
@@ -362,14 +380,14 @@ void Reporter::complete_cluster(const Situation& s) {
       tell_state(s, b, exact_ ? Cause::kBodyThreshold : avatar_->cause);
 }
 
-Bundle Reporter::finish(const Situation& s) {
-  Bundle bundle;
-  bundle.peer = self_;
-  bundle.tick = s.predicted->tick;
-  bundle.avatar = avatar_;
-  while (!bodies_.empty() && bundle.bodies.size() < most_bodies_) {
-    BodyUpdate u = bodies_.begin()->second;
-    bodies_.erase(bodies_.begin());
+const Bundle& Reporter::finish(const Situation& s) {
+  told_.peer = self_;
+  told_.tick = s.predicted->tick;
+  told_.avatar = avatar_;
+  const auto end = bodies_.begin() + static_cast<std::ptrdiff_t>(std::min(bodies_.size(), most_bodies_));
+  told_.bodies.assign(bodies_.begin(), end);
+  bodies_.erase(bodies_.begin(), end);
+  for (BodyUpdate& u : told_.bodies) {
     u.held = chain_.held(u.body);
     if (u.has_state) u.state = s.live->world().state(u.body);
     if (u.has_state && u.cause == Cause::kAtRest) {  // at rest is exactly at rest
@@ -377,9 +395,9 @@ Bundle Reporter::finish(const Situation& s) {
       u.state.velocity = {};
       u.state.spin = 0;
     }
-    bundle.bodies.push_back(u);
+    if (technique_.precision == Precision::kRounded) u.state = rounded(u.state);
   }
-  return bundle;
+  return told_;
 }
 
 }  // namespace padr::sync

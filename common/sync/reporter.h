@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <map>
 #include <vector>
 
 #include "common/sync/aim.h"
@@ -40,9 +39,9 @@ class Reporter {
     return model_error_.exceeds(technique_.threshold_low) &&
            !model_error_.exceeds(technique_.threshold_high * coarseness);
   }
-  /// The updates of this tick: an empty bundle (no avatar, no bodies) if the others' beliefs are right. Peer and tick
-  /// are filled in, the index is the caller's.
-  Bundle report(const Situation& s);
+  /// The updates of this tick, good until the next call: an empty bundle (no avatar, no bodies) if the others' beliefs
+  /// are right. Peer and tick are filled in, the index is the caller's.
+  const Bundle& report(const Situation& s);
 
   /// Whether the avatar touches a body right now.
   bool holding() const { return holding_; }
@@ -81,10 +80,12 @@ class Reporter {
   bool owns(const Situation& s, EntityId b) const { return s.predicted->authority[b].holder() == self_; }
   BodyError error_of(const Situation& s, EntityId b) const;
   BodyUpdate& entry(EntityId b, Cause cause);
+  /// What is being collected of the body; null: nothing.
+  const BodyUpdate* collected(EntityId b) const;
   void tell_state(const Situation& s, EntityId b, Cause cause);
   void claim(const Situation& s, EntityId b, Cause cause);
   void tell_avatar(const Situation& s, Cause cause);
-  Bundle finish(const Situation& s);
+  const Bundle& finish(const Situation& s);
 
   PeerId self_;
   Technique technique_;
@@ -102,9 +103,10 @@ class Reporter {
   std::vector<EntityId> mine_;     ///< bodies that are owned, ascending
   std::vector<char> reached_;
   std::vector<EntityId> found_;
-  std::map<EntityId, BodyUpdate> bodies_;  ///< being collected; what does not fit one bundle waits for the next tick
+  std::vector<BodyUpdate> bodies_;  ///< being collected, by body; what does not fit one bundle waits for the next tick
   std::optional<AvatarUpdate> avatar_;
   const ChainChanges* changes_ = nullptr;  ///< of this tick
+  Bundle told_;
   Vec2 last_target_;
   Tick target_since_ = 0;   ///< since when the input has been the same
   Tick avatar_driven_ = 0;  ///< last tick anything drove the avatar

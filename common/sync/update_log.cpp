@@ -24,29 +24,60 @@ void UpdateLog::begin(PeerId peer, std::uint32_t first, Tick complete) {
   peers_[peer].end = complete == kForever ? first : kOpen;
 }
 
-bool UpdateLog::insert(Bundle bundle) {
+void UpdateLog::Peer::arrives(std::uint32_t index) {
+  if (index != have) {
+    beyond.insert(std::lower_bound(beyond.begin(), beyond.end(), index), index);
+    return;
+  }
+  ++have;
+  auto filled = beyond.begin();
+  for (; filled != beyond.end() && *filled == have; ++filled) ++have;
+  beyond.erase(beyond.begin(), filled);
+}
+
+// By halves, as bundles are.
+void UpdateLog::make_ticks() {
+  constexpr std::size_t kLeast = 16;
+  constexpr std::size_t kOfTheSameTick = 8;
+  const std::size_t more = std::max(kLeast, ticks_made_ / 2);
+  ticks_made_ += more;
+  spare_ticks_.reserve(ticks_made_);
+  for (std::size_t i = 0; i < more; ++i) {
+    ByTick one;
+    one[0].reserve(std::min(peers_.size(), kOfTheSameTick));
+    spare_ticks_.push_back(one.extract(one.begin()));
+  }
+}
+
+std::vector<Bundle>& UpdateLog::list_of(Tick tick) {
+  const auto found = by_tick_.find(tick);
+  if (found != by_tick_.end()) return found->second;
+  if (spare_ticks_.empty()) make_ticks();
+  ByTick::node_type node = std::move(spare_ticks_.back());
+  spare_ticks_.pop_back();
+  node.key() = tick;
+  return by_tick_.insert(std::move(node)).position->second;
+}
+
+bool UpdateLog::insert(const Bundle& bundle) {
   Peer& p = peers_[bundle.peer];
-  if (bundle.index < p.have || bundle.index >= p.end || p.beyond.contains(bundle.index) ||
+  if (bundle.index < p.have || bundle.index >= p.end || p.is_beyond(bundle.index) ||
       bundle.index - p.have > kMostBeyond || bundle.tick < final_)
     return false;
-  std::vector<Bundle>& same_tick = by_tick_[bundle.tick];
+  std::vector<Bundle>& same_tick = list_of(bundle.tick);
   for (const Bundle& b : same_tick)
     if (b.peer == bundle.peer) return false;  // one a tick: two would be folded in order of arrival
-  p.beyond.insert(bundle.index);
-  while (!p.beyond.empty() && *p.beyond.begin() == p.have) {
-    p.beyond.erase(p.beyond.begin());
-    ++p.have;
-  }
+  p.arrives(bundle.index);
   const auto place =
       std::find_if(same_tick.begin(), same_tick.end(), [&bundle](const Bundle& b) { return b.peer > bundle.peer; });
-  same_tick.insert(place, std::move(bundle));
+  same_tick.insert(place, pool_.copy(bundle));
   settle(p);
   return true;
 }
 
 bool UpdateLog::contradicts(PeerId peer, Tick tick, std::uint32_t count) const {
   const Peer& p = peers_[peer];
-  if (p.beyond.empty() || *p.beyond.rbegin() < count) return false;
+  if (p.beyond.empty() || p.beyond.back() < count) return false;
   for (auto it = by_tick_.begin(); it != by_tick_.end() && it->first <= tick; ++it)
     for (const Bundle& b : it->second)
       if (b.peer == peer && b.index >= count && b.index > p.have) return true;
@@ -63,7 +94,7 @@ void UpdateLog::mark(PeerId peer, Tick tick, std::uint32_t count) {
 
 std::vector<Bundle> UpdateLog::take_out(PeerId peer, std::uint32_t from) {
   Peer& p = peers_[peer];
-  p.beyond.erase(p.beyond.lower_bound(from), p.beyond.end());
+  p.beyond.erase(std::lower_bound(p.beyond.begin(), p.beyond.end(), from), p.beyond.end());
   std::vector<Bundle> out;
   for (auto& [tick, bundles] : by_tick_) {
     const auto beyond = [&](const Bundle& b) { return b.peer == peer && b.index >= from; };
@@ -134,7 +165,12 @@ std::vector<Bundle> UpdateLog::since(Tick tick) const {
 
 void UpdateLog::prune(Tick final, Tick keep) {
   final_ = std::max(final_, final);
-  by_tick_.erase(by_tick_.begin(), by_tick_.lower_bound(std::min(final, keep)));
+  while (!by_tick_.empty() && by_tick_.begin()->first < std::min(final, keep)) {
+    ByTick::node_type node = by_tick_.extract(by_tick_.begin());
+    for (Bundle& b : node.mapped()) pool_.give_back(std::move(b));
+    node.mapped().clear();
+    spare_ticks_.push_back(std::move(node));
+  }
 }
 
 }  // namespace padr::sync

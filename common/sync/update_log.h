@@ -1,15 +1,16 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
-#include <set>
 #include <vector>
 
-#include "common/sync/updates.h"
+#include "common/sync/bundle_pool.h"
 
 namespace padr::sync {
 
-/// What has been heard of every peer's updates: the bundles, and up to which tick they are known to be complete.
+/// What has been heard of every peer's updates: the bundles, and up to which tick they are known to be complete. What
+/// is forgotten leaves its memory to what comes.
 class UpdateLog {
  public:
   /// Nobody is there yet: all slots are closed at 0.
@@ -21,7 +22,7 @@ class UpdateLog {
 
   /// Files a bundle; false if it was known already, is of a final tick or beyond its slot's end, or its peer has
   /// another of its tick.
-  bool insert(Bundle bundle);
+  bool insert(const Bundle& bundle);
   /// Whether the same promise, that no bundle of a tick up to `tick` is numbered `count` or higher, is not true of what
   /// is here.
   bool contradicts(PeerId peer, Tick tick, std::uint32_t count) const;
@@ -44,7 +45,7 @@ class UpdateLog {
   Tick complete(PeerId peer) const;
   /// The bundle has come, whether it is still kept or not.
   bool knows(PeerId peer, std::uint32_t index) const {
-    return index < peers_[peer].have || peers_[peer].beyond.contains(index);
+    return index < peers_[peer].have || peers_[peer].is_beyond(index);
   }
   /// The peer's bundles 0 .. have-1 are here.
   std::uint32_t have(PeerId peer) const { return peers_[peer].have; }
@@ -72,16 +73,26 @@ class UpdateLog {
   };
   struct Peer {
     std::uint32_t have = 0;
-    std::set<std::uint32_t> beyond;  // indices above `have` that are here
+    std::vector<std::uint32_t> beyond;  // indices above `have` that are here, ascending
     Tick complete = -1;
     std::vector<Mark> waiting;  // marks that promise more than is here
     std::uint32_t end = 0;      // closed: no bundle is numbered this or higher
+
+    bool is_beyond(std::uint32_t index) const { return std::binary_search(beyond.begin(), beyond.end(), index); }
+    /// Of an index that is not here yet.
+    void arrives(std::uint32_t index);
   };
+  using ByTick = std::map<Tick, std::vector<Bundle>>;
   void settle(Peer& p);
+  std::vector<Bundle>& list_of(Tick tick);
+  void make_ticks();
   /// Bundles numbered `from` and up, by tick.
   std::vector<Bundle> take_out(PeerId peer, std::uint32_t from);
 
-  std::map<Tick, std::vector<Bundle>> by_tick_;
+  ByTick by_tick_;
+  BundlePool pool_;
+  std::vector<ByTick::node_type> spare_ticks_;  ///< with empty lists
+  std::size_t ticks_made_ = 0;
   std::vector<Peer> peers_;
   Tick final_ = 0;
 };

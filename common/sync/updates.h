@@ -27,7 +27,7 @@ inline constexpr std::size_t kCauses = 7;
 inline constexpr std::array<std::string_view, kCauses> kCauseNames{
     "threshold", "contact_begin", "contact_end", "proxy", "body_threshold", "at_rest", "leave"};
 
-/// An avatar's exact state and what its model needs besides.
+/// An avatar's state, the same for all to the bit, and what its model needs besides.
 struct AvatarUpdate {
   Cause cause = Cause::kThreshold;
   Vec2 position;  ///< m
@@ -38,7 +38,7 @@ struct AvatarUpdate {
   friend bool operator==(const AvatarUpdate&, const AvatarUpdate&) = default;
 };
 
-/// What a peer says of one body: that its avatar holds it or no longer does, and, as its owner, its exact state.
+/// What a peer says of one body: that its avatar holds it or no longer does, and, as its owner, its state.
 struct BodyUpdate {
   EntityId body = 0;
   Cause cause = Cause::kThreshold;

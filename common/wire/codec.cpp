@@ -6,6 +6,7 @@
 
 #include "common/wire/endpoint_codec.h"
 #include "common/wire/update_codec.h"
+#include "common/wire/value_column.h"
 #include "proto/wire.pb.h"
 
 namespace padr::wire {
@@ -134,8 +135,19 @@ std::size_t size_of(const sync::Admission& a) {
          number(a.at.port) + with_length(have);
 }
 
+/// Of the column that its values are told in.
+template <typename States>
+std::size_t size_of_values(const States& of) {
+  std::size_t in_all = 0;
+  const bool steps = all_in_steps(of);
+  each_value(of, [&](float v, float step) {
+    const auto n = steps ? static_cast<std::uint32_t>(to_steps(v, step)) : 0;
+    in_all += steps ? varint(n << 1U ^ (n >> 31U == 0 ? 0 : ~0U)) : sizeof(float);
+  });
+  return with_length(in_all);
+}
+
 std::size_t size_of_entities(const Bundle& b) {
-  std::size_t floats = b.avatar ? 6 : 0;
   std::size_t numbers = 0;
   unsigned next = 0;
   for (const sync::BodyUpdate& u : b.bodies) {
@@ -143,14 +155,13 @@ std::size_t size_of_entities(const Bundle& b) {
     next = u.body + 1U;
     if (!u.has_state) continue;
     numbers += varint(u.epoch) + varint(static_cast<std::uint32_t>(b.tick - u.claimed));
-    floats += u.state.awake ? 6 : 3;
   }
-  return (b.avatar ? number(0) : 0) + with_length(numbers) + with_length(floats * sizeof(float));
+  return (b.avatar ? number(0) : 0) + with_length(numbers) + size_of_values(b);
 }
 
 std::size_t size_of(const sync::Passage& p) {
   constexpr std::uint32_t kMostFlags = 0xFFFF;
-  const std::size_t state = p.kind == sync::Passage::Kind::kIn ? with_length(6 * sizeof(float)) : 0;
+  const std::size_t state = p.kind == sync::Passage::Kind::kIn ? size_of_values(p.state) : 0;
   return number(p.name.region) + number(p.name.number) + number(p.crossings) + number(p.to) + number(kMostFlags) +
          state;
 }

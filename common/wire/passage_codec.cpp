@@ -3,6 +3,7 @@
 #include <limits>
 #include <set>
 
+#include "common/wire/value_column.h"
 #include "proto/wire.pb.h"
 
 namespace padr::wire {
@@ -21,13 +22,8 @@ constexpr std::uint32_t kMostCrossings = 1U << 30U;
 
 bool take_state(const Passage& in, sync::Passage& out) {
   out.state.awake = (in.flags() & kAwake) != 0;
-  if (in.state_size() != (out.state.awake ? 6 : 3)) return false;
-  out.state.position = {in.state(0), in.state(1)};
-  out.state.angle = in.state(2);
-  if (!out.state.awake) return true;
-  out.state.velocity = {in.state(3), in.state(4)};
-  out.state.spin = in.state(5);
-  return true;
+  ValueColumn<Passage> values(in);
+  return values.take(out.state) && values.used_up();
 }
 
 bool take_passage(const Passage& in, sync::Passage& out) {
@@ -40,7 +36,7 @@ bool take_passage(const Passage& in, sync::Passage& out) {
   out.kind = static_cast<Kind>(flags & kKinds);
   out.to = in.to();
   if (out.kind != Kind::kBound && out.to != 0) return false;
-  if (out.kind != Kind::kIn) return flags <= kKinds && in.state().empty();
+  if (out.kind != Kind::kIn) return flags <= kKinds && in.state().empty() && in.rounded().empty();
   out.owned = (flags & kOwned) != 0;
   out.build = static_cast<std::uint8_t>(flags >> kBuildShift);
   return take_state(in, out);
@@ -60,9 +56,7 @@ void put_passages(const sync::Bundle& b, Update& out) {
     if (p.kind != Kind::kIn) continue;
     to.set_flags(static_cast<unsigned>(p.kind) | (p.owned ? kOwned : 0) | (p.state.awake ? kAwake : 0) |
                  unsigned{p.build} << kBuildShift);
-    for (const float v : {p.state.position.x, p.state.position.y, p.state.angle}) to.add_state(v);
-    if (!p.state.awake) continue;
-    for (const float v : {p.state.velocity.x, p.state.velocity.y, p.state.spin}) to.add_state(v);
+    put_values(p.state, to);
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "common/wire/endpoint_codec.h"
 #include "common/wire/passage_codec.h"
+#include "common/wire/value_column.h"
 #include "proto/wire.pb.h"
 
 namespace padr::wire {
@@ -34,10 +35,6 @@ bool has_control(Model m) {
 void put_avatar(const AvatarUpdate& u, Update& out) {
   out.set_avatar(static_cast<unsigned>(u.cause) | static_cast<unsigned>(u.model) << 3U | (u.awake ? kAvatarAwake : 0) |
                  kAvatarSet);
-  for (const float v : {u.position.x, u.position.y, u.velocity.x, u.velocity.y}) out.add_state(v);
-  if (!has_control(u.model)) return;
-  out.add_state(u.control.x);
-  out.add_state(u.control.y);
 }
 
 /// `next`: the lowest id that it may have.
@@ -49,15 +46,12 @@ void put_body(const BodyUpdate& u, unsigned next, Tick tick, Update& out) {
   if (!u.has_state) return;
   out.add_bodies(u.epoch);
   out.add_bodies(static_cast<std::uint32_t>(tick - u.claimed));
-  for (const float v : {u.state.position.x, u.state.position.y, u.state.angle}) out.add_state(v);
-  if (!u.state.awake) return;
-  for (const float v : {u.state.velocity.x, u.state.velocity.y, u.state.spin}) out.add_state(v);
 }
 
-/// Reads the two columns side by side, to their ends.
+/// Reads the columns side by side, to their ends.
 class Columns {
  public:
-  Columns(const Update& in, Tick tick) : in_(in), tick_(tick) {}
+  Columns(const Update& in, Tick tick) : in_(in), tick_(tick), values_(in) {}
 
   bool take_avatar(AvatarUpdate& u) {
     const unsigned flags = in_.avatar();
@@ -67,10 +61,10 @@ class Columns {
     u.model = static_cast<Model>((flags >> 3U) & 3U);
     u.awake = (flags & kAvatarAwake) != 0;
     const bool control = has_control(u.model);
-    if (floats_left() < (control ? 6 : 4)) return false;
-    u.position = next_vec();
-    u.velocity = next_vec();
-    if (control) u.control = next_vec();
+    if (values_.left() < (control ? 6 : 4)) return false;
+    u.position = values_.next_vec(kPlaceStep);
+    u.velocity = values_.next_vec(kMotionStep);
+    if (control) u.control = values_.next_vec(u.model == Model::kInput ? kPlaceStep : kMotionStep);
     return true;
   }
   bool more_bodies() const { return at_ < in_.bodies_size(); }
@@ -87,17 +81,11 @@ class Columns {
     const bool awake = (flags & kBodyAwake) != 0;
     if (!u.has_state) return !awake;
     u.state.awake = awake;
-    return take_claim(u) && take_state(u.state);
+    return take_claim(u) && values_.take(u.state);
   }
-  bool used_up() const { return !more_bodies() && floats_left() == 0; }
+  bool used_up() const { return !more_bodies() && values_.used_up(); }
 
  private:
-  int floats_left() const { return in_.state_size() - next_float_; }
-  float next() { return in_.state(next_float_++); }
-  Vec2 next_vec() {
-    const float x = next();
-    return {x, next()};
-  }
   bool take_claim(BodyUpdate& u) {
     if (in_.bodies_size() - at_ < 2) return false;
     u.epoch = in_.bodies(at_++);
@@ -106,20 +94,11 @@ class Columns {
     u.claimed = tick_ - static_cast<Tick>(age);
     return true;
   }
-  bool take_state(BodyState& s) {
-    if (floats_left() < (s.awake ? 6 : 3)) return false;
-    s.position = next_vec();
-    s.angle = next();
-    if (!s.awake) return true;
-    s.velocity = next_vec();
-    s.spin = next();
-    return true;
-  }
 
   const Update& in_;
   Tick tick_;
+  ValueColumn<Update> values_;
   int at_ = 0;
-  int next_float_ = 0;
   std::uint32_t next_id_ = 0;
 };
 
@@ -237,6 +216,7 @@ void put_update(const Bundle& b, Tick mark_tick, std::uint32_t mark_count, Updat
     put_body(body, next, b.tick, out);
     next = body.body + 1U;
   }
+  put_values(b, out);
   put_orders(b, out);
   put_passages(b, out);
   if (b.signature) out.set_signature(b.signature->data(), b.signature->size());

@@ -9,6 +9,7 @@
 
 #include "common/link/netem_spec.h"
 #include "common/link/shim.h"
+#include "common/model/precision.h"
 #include "common/model/rng.h"
 #include "common/sync/admit.h"
 #include "common/wire/codec.h"
@@ -27,7 +28,7 @@ float any(Rng& rng, double low, double high) {
 }
 
 /// What an avatar tells when it begins to push so many bodies.
-sync::StatePacket packet(const Scene& scene, int bodies) {
+sync::StatePacket packet(const Scene& scene, int bodies, Precision precision = Precision::kRounded) {
   Rng rng(1);
   sync::StatePacket p;
   p.seq = 5000;
@@ -42,6 +43,8 @@ sync::StatePacket packet(const Scene& scene, int bodies) {
   a.position = {any(rng, 1, 9), any(rng, 1, 5)};
   a.velocity = {any(rng, -6, 6), any(rng, -6, 6)};
   a.control = {any(rng, 1, 9), any(rng, 1, 5)};
+  if (precision == Precision::kRounded)
+    a = {a.cause, rounded_place(a.position), rounded_motion(a.velocity), a.awake, a.model, rounded_place(a.control)};
   b.avatar = a;
   for (int i = 0; i < bodies; ++i) {
     sync::BodyUpdate u;
@@ -52,6 +55,7 @@ sync::StatePacket packet(const Scene& scene, int bodies) {
     u.claimed = 71990;
     u.state = {
         {any(rng, 1, 9), any(rng, 1, 5)}, any(rng, -3, 3), {any(rng, -4, 4), any(rng, -4, 4)}, any(rng, -9, 9), true};
+    if (precision == Precision::kRounded) u.state = rounded(u.state);
     b.bodies.push_back(u);
   }
   p.updates.push_back(b);
@@ -75,9 +79,9 @@ void run(benchmark::State& state, const auto& work) {
   state.counters["allocs"] = static_cast<double>(allocated) / n;
 }
 
-void encode(benchmark::State& state) {
+void encode_as(benchmark::State& state, Precision precision) {
   const auto bodies = static_cast<int>(state.range(0));
-  const sync::StatePacket p = packet(room(60, 4), bodies);
+  const sync::StatePacket p = packet(room(60, 4), bodies, precision);
   wire::StateEncoder encoder;
   encoder.encode(p);
   run(state, [&] { benchmark::DoNotOptimize(encoder.encode(p)); });
@@ -88,6 +92,13 @@ void encode(benchmark::State& state) {
   state.counters["bytes"] = bytes;
   state.counters["of_raw"] = bytes / kRawBytes;
   state.counters["of_dis"] = bytes / kDisBytes;
+}
+
+void encode(benchmark::State& state) {
+  encode_as(state, Precision::kRounded);
+}
+void encode_exact(benchmark::State& state) {
+  encode_as(state, Precision::kExact);
 }
 
 void decode(benchmark::State& state) {
@@ -117,6 +128,7 @@ void shim(benchmark::State& state) {
 }
 
 BENCHMARK(encode)->ArgName("bodies")->Arg(0)->Arg(1)->Arg(4)->Arg(16);
+BENCHMARK(encode_exact)->ArgName("bodies")->Arg(1)->Arg(4)->Arg(16);
 BENCHMARK(decode)->ArgName("bodies")->Arg(0)->Arg(1)->Arg(4)->Arg(16);
 BENCHMARK(admit)->ArgName("bodies")->Arg(1)->Arg(16);
 BENCHMARK(shim)->ArgName("bytes")->Arg(100);

@@ -65,7 +65,7 @@ def is_claimed(datagram):
         return False
     good = len(datagram) >= 10 and zlib.crc32(datagram[:-4]) == int.from_bytes(datagram[-4:], "little")
     somebody = datagram[3] < 64 or datagram[3] == 255
-    kinds = (0x50, 0x51, 0x52, *((0x54, 0x55, 0x56, 0x58, 0x59, 0x5A) if 30 <= len(datagram) <= 1220 else ()))
+    kinds = (0x60, 0x61, 0x62, *((0x64, 0x65, 0x66, 0x68, 0x69, 0x6A) if 30 <= len(datagram) <= 1220 else ()))
     return good or datagram[2] in kinds and somebody
 
 

@@ -77,6 +77,14 @@ def uint32_column(data):
     return values
 
 
+def sint32_column(data):
+    values, at = [], 0
+    while at < len(data):
+        value, at = varint(data, at)
+        values.append(zigzag32(value))
+    return values
+
+
 def float_column(data):
     if len(data) % 4:
         raise Malformed("a column of floats is not whole")
@@ -111,6 +119,7 @@ TYPES = {
     "bytes": (BYTES, bytes, b""),
     "text": (BYTES, text, ""),
     "uint32 column": (BYTES, uint32_column, ()),
+    "sint32 column": (BYTES, sint32_column, ()),
     "float column": (BYTES, float_column, ()),
     "fixed32 column": (BYTES, fixed32_column, ()),
     "fixed64 column": (BYTES, fixed64_column, ()),
@@ -119,6 +128,7 @@ TYPES = {
 # The wire type of a column's value that is not packed, and what makes a number of it.
 COLUMNS = {
     "uint32 column": (VARINT, uint32),
+    "sint32 column": (VARINT, zigzag32),
     "float column": (FOUR, lambda raw: struct.unpack("<f", raw)[0]),
     "fixed32 column": (FOUR, lambda raw: struct.unpack("<I", raw)[0]),
     "fixed64 column": (EIGHT, lambda raw: struct.unpack("<Q", raw)[0]),

@@ -14,6 +14,8 @@ MOST_PASSING = 3
 MOST_TICK = (1 << 31) - 2
 MOST_SPEED, MOST_SPIN, MOST_ANGLE, MOST_CONTROL, MOST_EPOCH = 121, 95, 100000, 10000, 1 << 30
 MOST_NUMBER = (1 << 30) - 1
+PLACE, MOTION = 1 / (1 << 14), 1 / (1 << 12)
+MOST_STEPS = (1 << 24) - 1
 
 ADMISSION_FIELDS = {
     1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("first", "uint32"), 4: ("address", "bytes"),
@@ -23,12 +25,12 @@ REMOVAL_FIELDS = {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("coun
 PASSED_ON_FIELDS = {1: ("slot", "uint32"), 2: ("index", "uint32"), 3: ("tick", "uint32")}
 PASSAGE_FIELDS = {
     1: ("region", "uint32"), 2: ("number", "uint32"), 3: ("crossings", "uint32"), 4: ("flags", "uint32"),
-    5: ("state", "float column"), 6: ("to", "uint32"),
+    5: ("state", "float column"), 6: ("to", "uint32"), 7: ("rounded", "sint32 column"),
 }
 MOST_PASSAGES, MOST_BODY_NUMBER = 8, (1 << 16) - 1
 UPDATE_FIELDS = {
     1: ("index_back", "uint32"), 2: ("tick_back", "uint32"), 3: ("avatar", "uint32"), 4: ("bodies", "uint32 column"),
-    5: ("state", "float column"), 10: ("leave", "bool"),
+    5: ("state", "float column"), 6: ("rounded", "sint32 column"), 10: ("leave", "bool"),
     11: ("admission", Single(ADMISSION_FIELDS)), 12: ("removals", REMOVAL_FIELDS),
     13: ("passed_on", Single(PASSED_ON_FIELDS)), 14: ("signature", "bytes"),
     15: ("passages", PASSAGE_FIELDS), 16: ("going", "uint32"),
@@ -45,10 +47,10 @@ def decode_update(raw, mark_tick, mark_count, depth=0):
     signature = raw["signature"]
     require(len(signature) in (0, SIGNATURE), "a signature of another length")
     tick = mark_tick - raw["tick_back"]
-    values = iter(raw["state"])
+    values = Values(raw)
     avatar = decode_avatar(raw["avatar"], values)
     bodies = decode_bodies(raw["bodies"], values, tick)
-    require(next(values, None) is None, "values that belong to nothing")
+    values.end()
     require(len(bodies) <= (MOST_SIGNED_BODIES if signature else MOST_BODIES), "too many bodies")
     return {"index": mark_count - 1 - raw["index_back"], "tick": tick, "leave": raw["leave"],
             "avatar": avatar, "bodies": bodies, "admission": decode_admission(raw["admission"]),
@@ -67,9 +69,12 @@ def decode_passages(raw):
         kind, flags = passage["flags"] & 3, passage["flags"]
         require(kind < 3 and flags < 1 << 12, "a passage that is none")
         require(passage["number"] <= MOST_BODY_NUMBER and 1 <= passage["crossings"] <= MOST_NUMBER, "a body that is none")
-        require(kind == 1 or (flags < 4 and not passage["state"]), "a state of what does not come in")
+        require(kind == 1 or (flags < 4 and not passage["state"] and not passage["rounded"]), "a state of what does not come in")
         require(kind == 0 or passage["to"] == 0, "bound, and on its way")
-        require(kind != 1 or len(passage["state"]) == (6 if flags & 8 else 3), "a state of another length")
+        if kind == 1:
+            values = Values(passage)
+            decode_motion(values, bool(flags & 8))
+            values.end()
     return raw
 
 
@@ -107,8 +112,8 @@ def decode_avatar(flags, values):
         return None
     require(flags & 0x40 and flags < 0x80, "flags of an avatar")
     model = MODELS[flags >> 3 & 3]
-    position, velocity = take(values, 2), take(values, 2)
-    control = take(values, 2) if model in MODELS_WITH_CONTROL else None
+    position, velocity = values.take(2, PLACE), values.take(2, MOTION)
+    control = values.take(2, PLACE if model == "input" else MOTION) if model in MODELS_WITH_CONTROL else None
     return {"cause": cause_of(flags), "model": model, "awake": bool(flags & 0x20), "position": position,
             "velocity": velocity, "control": control}
 
@@ -131,15 +136,45 @@ def decode_body(id, flags, numbers, values, tick):
         return body
     epoch, claim_age = next_of(numbers), next_of(numbers)
     require(claim_age <= tick, "a claim of before the start")
-    position, (angle,) = take(values, 2), take(values, 1)
-    velocity, (spin,) = (take(values, 2), take(values, 1)) if awake else (None, (None,))
-    body["state"] = {"epoch": epoch, "claim_age": claim_age, "claimed": tick - claim_age, "awake": awake, "position": position,
-                     "angle": angle, "velocity": velocity, "spin": spin}  # fmt: skip
+    body["state"] = {"epoch": epoch, "claim_age": claim_age, "claimed": tick - claim_age, "awake": awake,
+                     **decode_motion(values, awake)}  # fmt: skip
     return body
 
 
-def take(column, count):
-    return tuple(next_of(column) for _ in range(count))
+def decode_motion(values, awake):
+    position, (angle,) = values.take(2, PLACE), values.take(1, PLACE)
+    velocity, (spin,) = (values.take(2, MOTION), values.take(1, MOTION)) if awake else (None, (None,))
+    return {"position": position, "angle": angle, "velocity": velocity, "spin": spin}
+
+
+class Values:
+    """Of one of the two columns, `rounded` if there is anything in it, one after another."""
+
+    def __init__(self, raw):
+        require(not raw["state"] or not raw["rounded"], "values told in two ways")
+        self.in_steps = len(raw["rounded"]) > 0
+        self.column = iter(raw["rounded"] if self.in_steps else raw["state"])
+        self.floats_needed = len(raw["state"]) == 0
+
+    def take(self, count, step):
+        return tuple(self.value(next_of(self.column), step) for _ in range(count))
+
+    def value(self, told, step):
+        if self.in_steps:
+            require(abs(told) <= MOST_STEPS, "more steps than there may be")
+            return told * step
+        self.floats_needed = self.floats_needed or not is_in_steps(told, step)
+        return told
+
+    def end(self):
+        require(next(self.column, None) is None, "values that belong to nothing")
+        require(self.in_steps or self.floats_needed, "floats that are whole steps")
+
+
+def is_in_steps(value, step):
+    if not abs(value) <= MOST_STEPS * step or (value == 0 and math.copysign(1, value) < 0):
+        return False
+    return (value / step).is_integer()
 
 
 def next_of(column):

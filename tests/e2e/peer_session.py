@@ -107,7 +107,7 @@ class Refusal(Case):
             s.sendto(future(bytes(1190)), ("127.0.0.1", port))
             answer, _ = s.recvfrom(65536)
             self.assertEqual(answer[:2], b"Pd")
-            self.assertEqual(answer[2], 0x51, "an answer of its own version, for the newcomer to see")
+            self.assertEqual(answer[2], 0x61, "an answer of its own version, for the newcomer to see")
             self.assertLess(len(answer), 1200)
             founder.wait_for("protocol version differs: 5 in the session, 6 in the newcomer")
             # The other way round: a joiner is told by a member of the future.

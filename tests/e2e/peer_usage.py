@@ -68,6 +68,7 @@ class Usage(Case):
             (["--threshold-law", "three-level"], "--threshold-law"),
             (["--convergence", "jump"], "--convergence"),
             (["--replay", "maybe"], "--replay", "on"),
+            (["--precision", "16"], "--precision", "rounded"),
             (["--radius", "0"], "--radius"),
             (["--steps", "1.5"], "--steps"),
             (["--count", "0"], "--count"),

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "common/link/shim.h"
+#include "common/model/precision.h"
 #include "common/scenarios/scenarios.h"
 #include "tests/seed.h"
 
@@ -16,11 +17,14 @@ namespace {
 /// Nodes on a network that the test can pull at.
 class Mesh {
  public:
-  Mesh(int peers, const char* netem, std::uint64_t seed) : scene_(scenarios::load_embedded("arena", 1)) {
+  Mesh(int peers, const char* netem, std::uint64_t seed, const Technique& technique = {},
+       const char* scenario = "arena")
+      : scene_(scenarios::load_embedded(scenario, 1)) {
     for (PeerId p = 0; p < peers; ++p) {
       NodeConfig c;
       c.self = p;
       c.peers = c.slots = peers;
+      c.technique = technique;
       nodes_.push_back(std::make_unique<Node>(scene_, c));
       shims_.emplace_back();
       for (PeerId q = 0; q < peers; ++q)
@@ -47,6 +51,7 @@ class Mesh {
     }
   }
   Node& operator[](PeerId p) { return *nodes_[p]; }
+  const Node& operator[](PeerId p) const { return *nodes_[p]; }
   Tick now() const { return now_; }
 
  private:
@@ -172,6 +177,87 @@ TEST_P(QuietSession, TakesLessThanAKilobitASecondOnEachLinkAndWakesAtOnce) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Node, QuietSession, testing::Values("", "delay 100ms 20ms", "delay 100ms 20ms loss 1%"));
+
+/// Updates of this tick as told to somebody, by peer.
+void for_each_told(const Mesh& mesh, PeerId p, const auto& look) {
+  if (mesh[p].outgoing().empty()) return;
+  wire::SealError error{};
+  const auto opened = wire::open(mesh[p].outgoing()[0].bytes, error);
+  const auto packet = wire::decode_state(opened->payload, p);
+  for (const sync::Bundle& b : packet->updates)
+    if (b.tick == mesh.now()) look(b, *packet);
+}
+
+// What is told is what holds for everybody from then on: predicted and, of what is still its own, the teller's live
+// world. Nothing comes to rest elsewhere than told.
+TEST(Rounding, WhoTellsRoundedStatesTakesThemOn) {
+  const std::uint64_t base = test::seed(1);
+  std::size_t bodies = 0;
+  std::size_t avatars = 0;
+  for (std::uint64_t seed = base; seed < base + 5; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Mesh mesh(3, "delay 60ms 20ms loss 5%", seed);
+    for (Tick t = 0; t < 1200; ++t) {
+      mesh.step(std::vector<bool>(3, true));
+      for (PeerId p = 0; p < 3; ++p) {
+        const Node& n = mesh[p];
+        for_each_told(mesh, p, [&](const sync::Bundle& b, const sync::StatePacket&) {
+          for (const sync::BodyUpdate& u : b.bodies) {
+            if (!u.has_state || n.agreed().predicted_state().authority[u.body].holder() != p) continue;
+            ++bodies;
+            EXPECT_EQ(u.state, rounded(u.state));
+            EXPECT_EQ(n.live().world().state(u.body), u.state) << "body " << u.body << " at " << t;
+          }
+          if (!b.avatar) return;
+          ++avatars;
+          EXPECT_EQ(b.avatar->position, rounded_place(b.avatar->position));
+          EXPECT_EQ(n.live().world().position(n.live().avatar()), b.avatar->position);
+          EXPECT_EQ(n.live().world().velocity(n.live().avatar()), b.avatar->velocity);
+        });
+      }
+    }
+    mesh.settle();
+    for (Tick t = 0; t < 1800; ++t) mesh.step(std::vector<bool>(3, true));
+    for (PeerId p = 0; p < 3; ++p) {
+      const sync::FoldState& predicted = mesh[p].agreed().predicted_state();
+      EXPECT_GT(mesh[p].stats().hash_checks, 100U);
+      EXPECT_EQ(mesh[p].stats().hash_mismatches, 0U);
+      EXPECT_EQ(mesh[p].live_hash(), state_hash(predicted)) << "to the bit, in the end";
+      EXPECT_EQ(mesh[p].live_hash(), mesh[0].live_hash());
+    }
+  }
+  EXPECT_GT(bodies, 100U);
+  EXPECT_GT(avatars, 100U);
+}
+
+/// Mean bytes that a moving body's state adds to its datagram, in play.
+double bytes_of_a_body(const Technique& technique) {
+  Mesh mesh(3, "delay 60ms 20ms loss 5%", test::seed(1), technique, "clutter");
+  double bytes = 0;
+  double bodies = 0;
+  for (Tick t = 0; t < 2400; ++t) {
+    mesh.step(std::vector<bool>(3, true));
+    for (PeerId p = 0; p < 3; ++p)
+      for_each_told(mesh, p, [&](const sync::Bundle& b, const sync::StatePacket& packet) {
+        sync::StatePacket with = packet;
+        with.updates = {b};
+        sync::StatePacket without = with;
+        std::erase_if(without.updates[0].bodies,
+                      [](const sync::BodyUpdate& u) { return u.has_state && u.state.awake; });
+        bytes += static_cast<double>(wire::encode(with).size() - wire::encode(without).size());
+        bodies += static_cast<double>(b.bodies.size() - without.updates[0].bodies.size());
+      });
+  }
+  EXPECT_GT(bodies, 50);
+  return bytes / bodies;
+}
+
+TEST(Rounding, AMovingBodyTakesNoMoreThanItsFloats) {
+  EXPECT_LE(bytes_of_a_body({}), 24);
+  Technique exact;
+  exact.precision = Precision::kExact;
+  EXPECT_GT(bytes_of_a_body(exact), 26);
+}
 
 }  // namespace
 }  // namespace padr::node

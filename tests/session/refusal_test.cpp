@@ -108,7 +108,11 @@ TEST(Refusal, AnotherProtocolVersionIsToldOnBothSides) {
   EXPECT_EQ(net.at(1).stats().version, 1U);
   const auto notes = net.at(1).take_notes();
   ASSERT_FALSE(notes.empty());
-  EXPECT_NE(notes.back().text.find("protocol version differs: 5 in the session, 6 in the newcomer"), std::string::npos);
+  const std::string ours = std::to_string(wire::kProtocolVersion);
+  const std::string next = std::to_string(wire::kProtocolVersion + 1);
+  EXPECT_NE(
+      notes.back().text.find("protocol version differs: " + ours + " in the session, " + next + " in the newcomer"),
+      std::string::npos);
 
   // And what a program of this version makes of such an answer by another.
   node::SessionConfig c = alike(2);
@@ -117,7 +121,7 @@ TEST(Refusal, AnotherProtocolVersionIsToldOnBothSides) {
   net.inject(place(8), 2, of_version(out[0].bytes, wire::kProtocolVersion + 1));
   EXPECT_EQ(net.at(2).phase(), SessionPhase::kJoining) << "not from whom we ask";
   net.inject(place(1), 2, of_version(out[0].bytes, wire::kProtocolVersion + 1));
-  EXPECT_EQ(net.at(2).failure(), "protocol version differs: 6 at 10.0.0.1:7000, 5 here");
+  EXPECT_EQ(net.at(2).failure(), "protocol version differs: " + next + " at 10.0.0.1:7000, " + ours + " here");
 }
 
 TEST(Refusal, VersionsDoNotAnswerEachOthersAnswers) {

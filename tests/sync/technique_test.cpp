@@ -21,6 +21,11 @@ TEST(Technique, ThePapersThreeAreAppliedOnArrivalAndFirstOrder) {
   EXPECT_TRUE(technique_by_name("full").replay);
 }
 
+TEST(Technique, WhatOthersAreMeasuredAgainstIsToldToTheBit) {
+  for (const auto name : technique_names())
+    EXPECT_EQ(technique_by_name(name).precision, name == "full" ? Precision::kRounded : Precision::kExact) << name;
+}
+
 std::string message_of(void (*set)(Technique&, std::string_view), std::string_view text) {
   Technique t;
   try {
@@ -46,6 +51,8 @@ TEST(Technique, KnobsSayWhatIsAllowed) {
   EXPECT_NE(message_of(set_predictor, "magic").find("path-density"), std::string::npos);
   EXPECT_NE(message_of(set_law, "3").find("continuous"), std::string::npos);
   EXPECT_NE(message_of(set_convergence, "jump").find("pvb"), std::string::npos);
+  EXPECT_EQ(message_of(set_precision, "exact"), "");
+  EXPECT_NE(message_of(set_precision, "16").find("exact, rounded"), std::string::npos);
   EXPECT_NE(message_of(set_replay, "yes").find("on, off"), std::string::npos);
   EXPECT_NE(message_of(set_steps, "0").find("1 to 600"), std::string::npos);
   EXPECT_NE(message_of(set_count, "1.5").find("bodies"), std::string::npos);
@@ -58,7 +65,8 @@ TEST(Technique, DescribedKnobsReadBack) {
   set_threshold(t, "0.3:0.1");
   EXPECT_EQ(describe(t),
             "full --threshold 0.3:0.1 --body-threshold 0.1 --replay on --model input --lead 0.1 --time-space 0.04 "
-            "--predictor lookahead --threshold-law two-level --convergence pvb --radius 3 --steps 30 --count 4 "
+            "--predictor lookahead --threshold-law two-level --convergence pvb --radius 3 --precision rounded --steps "
+            "30 --count 4 "
             "--pcc-bound 0.1");
 }
 

@@ -151,6 +151,7 @@ TEST(TraceFormat, EveryTechniqueComesBackWhole) {
     set_model(h.technique, "second");
     set_pcc_bound(h.technique, "0.7");
     set_count(h.technique, "9");
+    set_precision(h.technique, name == "full" ? "exact" : "rounded");
     Bytes bytes;
     trace::TraceWriter w(h, [&](std::span<const std::byte> b) { bytes.insert(bytes.end(), b.begin(), b.end()); });
     const Technique got = trace::TraceReader(bytes, "t").header().technique;

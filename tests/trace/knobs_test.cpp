@@ -48,6 +48,7 @@ TEST(Knobs, EveryKnobChangesWhilePlayingAndReplaysToTheBit) {
       with([](Technique& t) { set_replay(t, "off"); }, "adaptive"),
       with([](Technique& t) { set_predictor(t, "pcc"); }),
       with([](Technique& t) { set_threshold(t, "0.05"); }),
+      with([](Technique& t) { set_precision(t, "exact"); }),
       with([](Technique& t) { set_model(t, "second"); }),
       with([](Technique& t) { set_convergence(t, "snap"); }, "fixed"),
       technique_by_name("everything"),

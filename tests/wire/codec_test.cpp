@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "common/model/precision.h"
 #include "common/model/rng.h"
 #include "tests/seed.h"
 #include "tests/wire/samples.h"
@@ -205,7 +206,7 @@ TEST(Codec, AnIdlePeersMarkIsSmall) {
 }
 
 // A moving body's update against the 24 bytes of its floats, in the bundle that carries it.
-TEST(Codec, ABodyCostsLittleMoreThanItsFloats) {
+TEST(Codec, ABodyCostsNoMoreThanItsFloats) {
   StatePacket p;
   p.seq = 1;
   p.mark_tick = 5000;
@@ -221,10 +222,10 @@ TEST(Codec, ABodyCostsLittleMoreThanItsFloats) {
     u.has_state = true;
     u.epoch = 3;
     u.claimed = 4990;
-    u.state = {{1.5F, 2.5F}, 0.3F, {1, 2}, 0.7F, true};
+    u.state = rounded({{11.53F, 12.57F}, 5.3F, {1.3F, 2.6F}, 0.7F, true});
     p.updates[0].bodies.push_back(u);
   }
-  EXPECT_LE(static_cast<double>(encode(p).size() - empty) / 20, 30.0);
+  EXPECT_LE(static_cast<double>(encode(p).size() - empty) / 20, 24.0);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/model/precision.h"
 #include "tests/world/test_scene.h"
 
 namespace padr::test {
@@ -57,6 +58,16 @@ BodyUpdate any_body(Rng& rng, EntityId id, Tick tick) {
   return u;
 }
 
+/// As a peer tells them by default.
+void round_states(Bundle& b) {
+  for (BodyUpdate& u : b.bodies)
+    if (u.has_state) u.state = rounded(u.state);
+  if (!b.avatar) return;
+  b.avatar->position = rounded_place(b.avatar->position);
+  b.avatar->velocity = rounded_motion(b.avatar->velocity);
+  b.avatar->control = rounded_place(b.avatar->control);
+}
+
 void tell_entities(Rng& rng, Bundle& b) {
   if (rng.chance(0.7)) {
     sync::AvatarUpdate a;
@@ -70,6 +81,7 @@ void tell_entities(Rng& rng, Bundle& b) {
   }
   for (EntityId id = 0; id < 40 && b.bodies.size() < 6; ++id)
     if (rng.chance(0.15)) b.bodies.push_back(any_body(rng, id, b.tick));
+  if (rng.chance(0.5)) round_states(b);
 }
 
 PeerId other_than(Rng& rng, PeerId peer) {
@@ -196,6 +208,7 @@ Bundle largest_bundle(int passings, bool is_signed) {
   }
   b.avatar = sync::AvatarUpdate{};
   b.avatar->model = Model::kInput;
+  b.avatar->position.x = 0.1F;  // not to be told in steps
   const std::size_t most = is_signed ? sync::kMaxBodiesPerSigned : sync::kMaxBodiesPerBundle;
   for (std::size_t i = 0; i < most; ++i) {
     BodyUpdate u;

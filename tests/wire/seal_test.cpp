@@ -52,9 +52,9 @@ TEST(Seal, EveryCutAndRandomBytesAreRefused) {
 }
 
 TEST(Seal, AnotherVersionIsNamed) {
-  // A datagram of version 6, correctly sealed by its own rules.
+  // A datagram of another version, correctly sealed by its own rules.
   Bytes other = sample();
-  other[2] = std::byte{0x60};
+  other[2] = static_cast<std::byte>((kProtocolVersion + 1) << 4U);
   SealError error{};
   std::uint8_t version = 0;
   EXPECT_FALSE(open(other, error, &version));

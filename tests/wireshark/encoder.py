@@ -3,6 +3,8 @@ import struct
 import zlib
 
 STATE, SESSION, MEMBERSHIP = 0, 1, 2
+PLACE, MOTION = 1 / (1 << 14), 1 / (1 << 12)  # steps of values
+MOST_STEPS = (1 << 24) - 1
 
 
 def varint(value):
@@ -33,9 +35,21 @@ def column(field, values):
     return block(field, b"".join(map(varint, values)))
 
 
+def in_steps(numbers):
+    return block(6, b"".join(varint(2 * n if n >= 0 else -2 * n - 1) for n in numbers))
+
+
+def values(*told):
+    """Of an update, each (value, step), as section 3 has them: in steps if all can be told so."""
+    numbers = [struct.unpack("<f", struct.pack("<f", value))[0] / step for value, step in told]
+    if all(abs(n) <= MOST_STEPS and n.is_integer() for n in numbers):
+        return in_steps(map(int, numbers))
+    return floats(5, *(value for value, _ in told))
+
+
 def tagged(head):
     return head + struct.pack("<I", zlib.crc32(head))
 
 
 def datagram(kind, payload, peer=0, session=7):
-    return tagged(b"Pd" + bytes([0x50 | kind, peer]) + struct.pack("<H", session) + payload)
+    return tagged(b"Pd" + bytes([0x60 | kind, peer]) + struct.pack("<H", session) + payload)

@@ -11,7 +11,7 @@ sys.path.insert(0, os.path.join(HERE, "..", "conformance"))
 
 import pcap  # noqa: E402
 import tshark  # noqa: E402
-from encoder import STATE, block, column, datagram, fixed32, floats, number  # noqa: E402
+from encoder import PLACE, STATE, block, column, datagram, fixed32, number, values  # noqa: E402
 
 NAMES = ("padr.to", "padr.resend.first", "padr.superseded.by", "padr.stale_mark", "padr.duplicate", "padr.lost",
          "padr.check_differs")  # fmt: skip
@@ -21,7 +21,7 @@ HELD_STATE, REST = 0x19, 0x35  # body flags: contact begin, held, with a state, 
 
 def claim(body, epoch, age=0, back=0, index_back=0, flags=HELD_STATE):
     """An update, some ticks and numbers before the mark, in which its sender claims a body."""
-    return number(1, index_back) + number(2, back) + column(4, (128 * body + flags, epoch, age)) + floats(5, 1, 2, 0)
+    return number(1, index_back) + number(2, back) + column(4, (128 * body + flags, epoch, age)) + values((1, PLACE), (2, PLACE), (0, PLACE))
 
 
 def state(peer, to, seq, tick, count, *updates, check=(0, 0), incarnation=0, session=1):

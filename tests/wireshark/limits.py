@@ -1,7 +1,8 @@
 """Datagrams on both sides of every limit that one datagram alone can pass: WIRE.md, sections 3, 4, 7 and 9."""
 import struct
 
-from encoder import MEMBERSHIP, SESSION, STATE, block, column, datagram, fixed32, floats, number, varint
+from encoder import (MEMBERSHIP, MOST_STEPS, MOTION, PLACE, SESSION, STATE, block, column, datagram, fixed32, floats, in_steps,
+                     number, values, varint)  # fmt: skip
 
 BIG = 1 << 30
 ADDRESS = bytes(10) + b"\xff\xff\x7f\0\0\1"
@@ -17,11 +18,16 @@ def state(*updates, seq=1, tick=100, count=9, more=b""):
 
 
 def avatar(x=1.0, y=1.0, vx=0.0, vy=0.0, *control, flags=0x68):
-    return number(3, flags) + floats(5, x, y, vx, vy, *control)
+    step = PLACE if flags >> 3 & 3 == 3 else MOTION
+    return number(3, flags) + values((x, PLACE), (y, PLACE), (vx, MOTION), (vy, MOTION), *((v, step) for v in control))
 
 
-def body(gap=3, flags=0x50, claim=(1, 0), values=(1, 1, 0, 0, 0, 0)):
-    return column(4, (128 * gap + flags, *claim)) + floats(5, *values)
+def motion(*state):
+    return values(*((v, PLACE) for v in state[:3]), *((v, MOTION) for v in state[3:]))
+
+
+def body(gap=3, flags=0x50, claim=(1, 0), state=(1, 1, 0, 0, 0, 0)):
+    return column(4, (128 * gap + flags, *claim)) + motion(*state)
 
 
 def admission(slot=1, incarnation=5, first=0, address=ADDRESS, port=7000, have=(0, 0)):
@@ -79,7 +85,15 @@ def avatar_cases():
         yield state(avatar(1, 1, 0, 0, 0, speed * 10000 / 121, flags=0x78))
         yield state(avatar(speed))
     yield state(avatar(1, 1, 1, 0, flags=0x48))  # at rest, and moves
-    yield state(floats(5, 1, 1, 0, 0))  # no flags, and a state
+    yield state(floats(5, 1, 1, 0, -0.0))  # no flags, and a state
+    yield state(in_steps((1, 1, 0, 0)))
+    for steps in (MOST_STEPS, MOST_STEPS + 1, -MOST_STEPS, -MOST_STEPS - 1):
+        yield state(number(3, 0x68) + in_steps((steps, 1, 0, 0)))
+        yield state(number(3, 0x68) + floats(5, steps * PLACE, 1, 0, 0))
+    for last in (0.0, -0.0, MOTION, MOTION / 2, PLACE):
+        yield state(number(3, 0x68) + floats(5, 1, 1, 0, last))
+    yield state(number(3, 0x68) + in_steps((1, 1)) + floats(5, 0, -0.0))
+    yield state(number(3, 0x68) + in_steps((1, 1, 0, 0)) + floats(5))
 
 
 def body_cases():
@@ -95,10 +109,10 @@ def body_cases():
         yield state(body(claim=(epoch, 0)))
     for age in (100, 101):
         yield state(body(claim=(1, age)))
-    for values in ((1, 1, 0, 0, 0), (1, 1, 0, 0, 0, 0, 0), (1, 1, 100000, 0, 0, 95), (1, 1, 100001, 0, 0, 0),
-                   (1, 1, 0, 0, 0, -95.1), (1, 1, 0, 90, 90, 0), (float("nan"), 1, 0, 0, 0, 0)):  # fmt: skip
-        yield state(body(values=values))
-    yield state(column(4, (128 * 3 + 0x50, 1, 0, 0x50, 1, 0)) + floats(5, *range(6)))
+    for told in ((1, 1, 0, 0, 0), (1, 1, 0, 0, 0, 0, 0), (1, 1, 100000, 0, 0, 95), (1, 1, 100001, 0, 0, 0),
+                 (1, 1, 0, 0, 0, -95.1), (1, 1, 0, 90, 90, 0), (float("nan"), 1, 0, 0, 0, 0)):  # fmt: skip
+        yield state(body(state=told))
+    yield state(column(4, (128 * 3 + 0x50, 1, 0, 0x50, 1, 0)) + motion(0, 1, 2) + motion(3, 4, 5))
     for claim in ((), (1,), (1, 0, 0), (1, 0, 0, 0)):
         yield state(body(claim=claim))
 

@@ -22,6 +22,7 @@ constexpr std::array<Knob, TechniqueFlags::kKnobs> kKnobTable{{
     {"--proxy-update", "on|off", "Claim and tell what is reached through other bodies", set_proxy_update},
     {"--rest-state", "on|off", "Tell exactly where a body has come to rest; off: only that it is given up",
      set_rest_state},
+    {"--precision", "exact|rounded", "Tell states to the bit, or rounded to far less than can be seen", set_precision},
     {"--radius", "M", "Surroundings that predictors look at, metres", set_radius},
     {"--steps", "N", "Ticks that predictors look ahead", set_steps},
     {"--count", "N", "Bodies in the vicinity that make it dense, for the density predictors", set_count},

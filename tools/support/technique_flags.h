@@ -26,7 +26,7 @@ std::span<const Knob> knobs();
 /// on the command line they stand.
 class TechniqueFlags {
  public:
-  static constexpr std::size_t kKnobs = 16;
+  static constexpr std::size_t kKnobs = 17;
 
   void declare(CLI::App& app);
   /// After parsing. Throws UserError that names the flag, the value and what is allowed.

@@ -65,6 +65,7 @@ void add_ablations(std::vector<Contestant>& all, const Technique& full) {
       [](Technique& t) { t.lead = 0; });
   add("full-no-time-space", "time-space law", "full, an avatar's error told only when it exceeds the threshold",
       [](Technique& t) { t.time_space = 0; });
+  add("full-exact", "rounding", "full, states told to the bit", [](Technique& t) { t.precision = Precision::kExact; });
   add("full-no-rest-state", "rest state", "full, rest told without states", [](Technique& t) { t.rest_state = false; });
 }
 

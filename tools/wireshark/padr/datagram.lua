@@ -6,7 +6,7 @@ local updates = require("padr.updates")
 local datagram = {}
 
 datagram.MAGIC = 0x5064
-datagram.VERSION = 5
+datagram.VERSION = 6
 datagram.KINDS = { [0] = "state", "session", "membership" }
 datagram.HEADER, datagram.TAG = 6, 4
 datagram.SHORTEST, datagram.LONGEST = 10, 1200

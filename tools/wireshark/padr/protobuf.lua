@@ -64,6 +64,13 @@ local COLUMNS = {
     wire = VARINT,
     read = function(data, at, stop) return varint(data, at, stop, 10) end,
   },
+  sint32s = {
+    wire = VARINT,
+    read = function(data, at, stop)
+      local value, behind = varint(data, at, stop, 10)
+      return zigzag(value), behind
+    end,
+  },
   floats = { wire = FOUR, size = 4, read = function(data, at) return read_float(data, at), at + 4 end },
   fixed64s = { wire = EIGHT, size = 8, read = function(data, at) return data:sub(at, at + 7), at + 8 end },
   fixed32s = { wire = FOUR, size = 4, read = function(data, at) return read_fixed32(data, at), at + 4 end },

@@ -9,7 +9,7 @@ local removal = { { "slot", "uint32" }, { "incarnation", "uint32" }, { "count", 
 local passed_on = { { "slot", "uint32" }, { "index", "uint32" }, { "tick", "uint32" } }
 schema.update = {
   { "index_back", "uint32" }, { "tick_back", "uint32" }, { "avatar", "uint32" }, { "bodies", "uint32s" },
-  { "state", "floats" }, [10] = { "leave", "bool" }, [11] = { "admission", one = admission },
+  { "state", "floats" }, { "rounded", "sint32s" }, [10] = { "leave", "bool" }, [11] = { "admission", one = admission },
   [12] = { "removals", many = removal }, [13] = { "passed_on", one = passed_on }, [14] = { "signature", "bytes" },
 }
 passed_on[4] = { "update", one = schema.update }

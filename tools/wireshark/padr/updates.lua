@@ -14,6 +14,7 @@ updates.MOST_PEERS = 64
 local MOST_BODIES, FIRST_BAD_BODY, MOST_PASSING = 27, 65535, 3
 local MOST_SIGNED_BODIES, SIGNATURE = 20, 64
 local MOST_SPEED, MOST_SPIN, MOST_ANGLE, MOST_CONTROL = 121, 95, 100000, 10000
+local PLACE, MOTION, MOST_STEPS = 2 ^ -14, 2 ^ -12, 2 ^ 24 - 1
 local MOST_EPOCH, MOST_NUMBER = 1073741824, 1073741823
 
 local require_that = protobuf.require
@@ -51,14 +52,38 @@ local function taker(column)
   end, function() return n < #column end
 end
 
+-- Likewise of the values of an update: the next, given its step, of whichever of the two columns they are told in. The second
+-- function ends it: nothing is left, and they could not have been told in the other.
+local function value_taker(raw)
+  require_that(#raw.state == 0 or #raw.rounded == 0, "values told in two ways")
+  local steps, floats_needed = #raw.rounded > 0, #raw.state == 0
+  local take, more = taker(steps and raw.rounded or raw.state)
+  local function take_value(step)
+    local value = take()
+    if not steps then
+      local n = value.v / step
+      local whole = math.abs(n) <= MOST_STEPS and n == math.floor(n) and (n ~= 0 or 1 / n > 0)
+      floats_needed = floats_needed or not whole
+      return value
+    end
+    require_that(math.abs(value.v) <= MOST_STEPS, "more steps than there may be")
+    return { v = value.v * step, at = value.at, stop = value.stop }
+  end
+  return take_value, function()
+    require_that(not more(), "values that belong to nothing")
+    require_that(steps or floats_needed, "floats that are whole steps")
+  end
+end
+
 local function avatar_of(raw, take)
   local flags = raw.avatar.v
   if flags == 0 then return nil end
   require_that(flags < 128 and has(flags, 64), "flags of an avatar")
   require_that(updates.CAUSES[flags % 8], "a cause that is none")
   local avatar = { flags = raw.avatar, cause = flags % 8, model = math.floor(flags / 8) % 4, awake = has(flags, 32) }
-  avatar.x, avatar.y, avatar.vx, avatar.vy = take(), take(), take(), take()
-  if avatar.model >= 2 then avatar.control_x, avatar.control_y = take(), take() end
+  avatar.x, avatar.y, avatar.vx, avatar.vy = take(PLACE), take(PLACE), take(MOTION), take(MOTION)
+  local step = avatar.model == 3 and PLACE or MOTION
+  if avatar.model >= 2 then avatar.control_x, avatar.control_y = take(step), take(step) end
   return avatar
 end
 
@@ -77,15 +102,15 @@ local function body_of(head, next_id, take_number, take_value, tick)
   body.epoch, body.claim_age = take_number(), take_number()
   require_that(body.claim_age.v <= tick, "a claim of before the start")
   body.claimed = tick - body.claim_age.v
-  body.x, body.y, body.angle = take_value(), take_value(), take_value()
-  if body.awake then body.vx, body.vy, body.spin = take_value(), take_value(), take_value() end
+  body.x, body.y, body.angle = take_value(PLACE), take_value(PLACE), take_value(PLACE)
+  if body.awake then body.vx, body.vy, body.spin = take_value(MOTION), take_value(MOTION), take_value(MOTION) end
   return body
 end
 
--- The avatar, if there is one, and the bodies, out of the two columns.
+-- The avatar, if there is one, and the bodies, out of their columns.
 local function entities_of(raw, tick, most_bodies)
   local take_number, more_numbers = taker(raw.bodies)
-  local take_value, more_values = taker(raw.state)
+  local take_value, end_values = value_taker(raw)
   local avatar, bodies, next_id = avatar_of(raw, take_value), {}, 0
   while more_numbers() do
     local body = body_of(take_number(), next_id, take_number, take_value, tick)
@@ -93,7 +118,7 @@ local function entities_of(raw, tick, most_bodies)
     bodies[#bodies + 1] = body
   end
   require_that(#bodies <= most_bodies, "too many bodies")
-  require_that(not more_values(), "values that belong to nothing")
+  end_values()
   return avatar, bodies
 end
 
