@@ -11,6 +11,8 @@ namespace padr::node {
 namespace {
 
 // Looking ahead is the dearest thing a frame does besides physics; the low threshold lingers longer than this anyway.
+// Peers' marks come so many ticks after one another: no divisor of any of their intervals.
+constexpr Tick kPhase = 11;
 constexpr Tick kLookEvery = 3;
 // A link that loses less is calm: see OutLink.
 constexpr float kCalmLoss = 0.02F;
@@ -289,8 +291,8 @@ void Node::send() {
     const bool staying = !gone_ && to.there();
     const bool calm = to.window.judged() && to.window.loss() < kCalmLoss && staying;
     const bool quiet = now() - news_ > kQuiet && staying;
-    const sync::OutLink::Context context{now(), log.have(p), log.have_beyond(p), to.promised > log.have(p),
-                                         calm,  quiet};
+    const sync::OutLink::Context context{now(), log.have(p), log.have_beyond(p),   to.promised > log.have(p),
+                                         calm,  quiet,       config_.self * kPhase};
     sync::StatePacket* packet =
         to.link.compose(context, own_log_, own_first_, wire::encoded_size, wire::kMaxPayload - wire::kStateOverhead);
     everyone = std::min(everyone, to.link.acked());

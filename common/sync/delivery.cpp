@@ -65,6 +65,13 @@ void OutLink::empty_packet() {
   packet_.updates = std::move(updates);
 }
 
+// Where everybody falls quiet at once, all would go on sending their marks in the same tick. So one mark of a row is
+// early, and from then on they come in the peer's own phase.
+bool OutLink::mark_is_due(const Context& c) const {
+  const Tick since = c.now - last_sent_;
+  return since >= interval_ || (marked_ && since > 0 && (c.now + c.phase) % interval_ == 0);
+}
+
 StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::uint32_t first,
                               const std::function<std::size_t(const Bundle&)>& size_of, std::size_t room) {
   const auto end = first + static_cast<std::uint32_t>(own.size());
@@ -93,7 +100,7 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
   }
   gap_since_ = c.gap ? (gap_since_ < 0 ? c.now : gap_since_) : -1;
   const bool ask = gap_since_ >= 0 && c.now - gap_since_ >= kGapPatience && c.now - last_sent_ >= kGapPatience;
-  if (!urgent && !ask && c.now - last_sent_ < interval_) return nullptr;
+  if (!urgent && !ask && !mark_is_due(c)) return nullptr;
 
   for (const std::uint32_t i : repeated_)
     if (fits(i)) chosen_.push_back(i);
@@ -117,6 +124,7 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
   sent_at_.push_back(c.now);
   if (sent_at_.size() > kRemembered) sent_at_.pop_front();
   last_sent_ = c.now;
+  marked_ = !urgent;
   return &p;
 }
 

@@ -27,6 +27,7 @@ class OutLink {
     bool gap = false;    ///< the receiver has promised updates that are not here
     bool calm = false;   ///< its datagrams are known to arrive, and neither end waits for the other's last words
     bool quiet = false;  ///< nobody has had anything to tell lately, and neither end waits for last words
+    Tick phase = 0;      ///< of this peer's marks among others', so that not everybody sends them at once
   };
 
   /// The packet to send this tick, good until the next call, updates and marks filled in; null: none. `own`: this
@@ -54,6 +55,7 @@ class OutLink {
   };
   bool arrived(std::uint32_t index) const;
   bool lost(const Flight& f, Tick now) const;
+  bool mark_is_due(const Context& c) const;
   Tick interval(const Context& c, std::uint32_t end) const;
   Flight& flight(std::uint32_t index);
   void empty_packet();
@@ -71,7 +73,8 @@ class OutLink {
   std::uint32_t newest_seen_ = 0;
   Ring<Flight> flights_{32};  ///< updates acked_ + i
   Tick last_sent_ = -1000;
-  Tick interval_ = 15;  ///< between marks
+  Tick interval_ = 15;   ///< between marks
+  bool marked_ = false;  ///< the last datagram had nothing but its mark
   Tick gap_since_ = -1;
   std::uint32_t heard_seq_ = 0;  ///< highest seq from the receiver
   Tick heard_at_ = 0;

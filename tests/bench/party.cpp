@@ -66,18 +66,18 @@ Scene restless_room(int bodies, int spawns) {
   return scene;
 }
 
-Party::Party(const Scene& scene, int peers, const std::string& netem, const std::string& input) {
+Party::Party(const Scene& scene, int peers, const std::string& netem, const std::string& input, std::uint64_t seed) {
   const link::NetemSpec spec = link::parse_netem(netem);
   for (int p = 0; p < peers; ++p) {
     node::NodeConfig c;
     c.self = static_cast<PeerId>(p);
     c.peers = c.slots = peers;
     nodes_.push_back(std::make_unique<node::Node>(scene, c));
-    inputs_.push_back(scenarios::make_input(input, {scene, p, 1, {}}));
+    inputs_.push_back(scenarios::make_input(input, {scene, p, seed, {}}));
     auto& row = shims_.emplace_back();
     for (int q = 0; q < peers; ++q)
       row.push_back(std::make_unique<link::Shim>(
-          spec, derive_seed(1, static_cast<std::uint64_t>(p), static_cast<std::uint64_t>(q))));
+          spec, derive_seed(seed, static_cast<std::uint64_t>(p), static_cast<std::uint64_t>(q))));
   }
 }
 

@@ -44,8 +44,8 @@ inline std::uint64_t whole_replays(const sync::AgreedWorld& a) {
 /// Nodes in lock step, every directed link through a shim; the first one's frames are measured.
 class Party {
  public:
-  /// `input`: as for padr-peer --input, of all of them.
-  Party(const Scene& scene, int peers, const std::string& netem, const std::string& input);
+  /// `input`: as for padr-peer --input, of all of them; `seed`: of the inputs and the network.
+  Party(const Scene& scene, int peers, const std::string& netem, const std::string& input, std::uint64_t seed = 1);
 
   struct Frame {
     double seconds = 0;             ///< all datagrams of one tick, the step, and what goes out, encoded

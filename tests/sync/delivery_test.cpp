@@ -83,8 +83,26 @@ TEST(Delivery, WhereNothingHappensMarksAreFewerUntilSomethingDoes) {
   for (Tick t = 59; t < 73; ++t) EXPECT_FALSE(at(t)) << t;
   EXPECT_TRUE(at(73)) << "not acknowledged yet";
   s.hear(74, 3, 1, 4);
-  EXPECT_FALSE(at(108));
-  EXPECT_TRUE(at(109));
+  EXPECT_FALSE(at(107));
+  EXPECT_TRUE(at(108)) << "in this peer's phase";
+}
+
+TEST(Delivery, MarksOfARowComeInThePeersPhase) {
+  for (const Tick phase : {0, 11, 22, 44}) {
+    Script s;
+    std::vector<Tick> sent;
+    for (Tick t = 0; t <= 300; ++t)
+      if (s.link.compose({t, 0, 0, false, true, false, phase}, s.own, 0, forty, 1000) != nullptr) sent.push_back(t);
+    ASSERT_GE(sent.size(), 7U);
+    for (std::size_t i = 1; i < sent.size(); ++i) {
+      const Tick gap = sent[i] - sent[i - 1];
+      EXPECT_LE(gap, 45);
+      if (i > 2) {
+        EXPECT_EQ(gap, 45);
+      }
+    }
+    EXPECT_EQ((sent.back() + phase) % 45, 0);
+  }
 }
 
 TEST(Delivery, WhereMarksGetLostTheyAreNotSaved) {
