@@ -42,7 +42,7 @@ TEST(Crowd, WhoCrossesABorderIsAtHomeOnTheOtherSideAndNeverJumps) {
   c.starts = {{12, 12}, {36, 12}};
   c.drive = [](int person, Tick t) { return person == 0 ? across(t, 12) : Vec2{36, 16}; };
   CrowdRun run(c);
-  run_for(run, 3);
+  run_for(run, 2);
   ASSERT_EQ(run.peer(0).home(), (crowd::Region{0, 0}));
   Vec2 last = run.peer(0).avatar().position;
   Tick at = run.now();
@@ -113,6 +113,8 @@ TEST(Crowd, NoBodyIsLostOrDoubledUnderLossWhateverIsPushedWhere) {
   };
   CrowdRun run(c);
   run_for(run, 30);
+  run.stop_input();
+  run_for(run, 10);
   std::uint64_t entries = 0;
   std::uint64_t founded = 0;
   for (int i = 0; i < run.persons(); ++i) {
@@ -120,8 +122,6 @@ TEST(Crowd, NoBodyIsLostOrDoubledUnderLossWhateverIsPushedWhere) {
     founded += run.peer(i).stats().founded;
   }
   EXPECT_GT(entries, 10U) << "nothing was pushed across a border: this shows nothing";
-  run.stop_input();
-  run_for(run, 10);
   const Inventory inv = inventory_of(run, c.plane);
   EXPECT_EQ(inv.regions, founded) << "every region that was ever founded has been kept by somebody";
   EXPECT_EQ(inv.bodies, inv.regions * static_cast<std::size_t>(c.plane.bodies));

@@ -13,8 +13,6 @@ namespace {
 
 /// Hashes of ticks that lie so far back have been compared with everybody's.
 constexpr Tick kRemembered = 20 * kTicksPerSecond;
-/// Whoever has been told to found a region has done so by then, or will not.
-constexpr Micros kFounding = 3 * kMicrosPerSecond;
 
 /// Ticks that every datagram is on its way at least; 1 if that is not known.
 Tick stride_of(const link::NetemSpec& s) {
@@ -81,6 +79,7 @@ void CrowdRun::place(int person) {
   c.fingerprint = 1;
   c.seed = rng.next_u64();
   c.start = start;
+  if (person > 0) c.contact = place_number(0);
   c.on_confirmed = [&p](crowd::Region r, const sync::FoldState& s, std::uint64_t hash) {
     p.confirmed.push_back({r, s.tick, hash});
   };
@@ -103,7 +102,6 @@ void CrowdRun::advance() {
   now_ += stride_;
   compare();
   note_members();
-  answer();
 }
 
 void CrowdRun::work(std::size_t person) {
@@ -113,7 +111,6 @@ void CrowdRun::work(std::size_t person) {
     shove(person, t);
     work_a_tick(person, time_of(t));
   }
-  p.asks = p.peer->asks(time_of(now_ + stride_));
 }
 
 void CrowdRun::work_a_tick(std::size_t person, Micros time) {
@@ -191,25 +188,6 @@ void CrowdRun::note_members() {
   members_.clear();
   for (int i = 0; i < persons(); ++i)
     for (const crowd::Post& post : persons_[at(i)].peer->posts()) members_[post.region].push_back(i);
-}
-
-void CrowdRun::answer() {
-  for (int i = 0; i < persons(); ++i) {
-    Person& p = persons_[at(i)];
-    for (const crowd::Region r : p.asks) {
-      const auto known = members_.find(r);
-      if (known != members_.end()) {
-        const std::vector<int>& there = known->second;
-        p.peer->told(r, persons_[at(there[answers_++ % there.size()])].place, time());
-        continue;
-      }
-      Micros& since = being_founded_.try_emplace(r, time() - kFounding).first->second;
-      if (time() - since < kFounding) continue;
-      since = time();
-      p.peer->told(r, std::nullopt, time());
-    }
-    p.asks.clear();
-  }
 }
 
 double CrowdRun::cpu_seconds() const {

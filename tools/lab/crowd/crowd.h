@@ -32,8 +32,8 @@ struct CrowdRunConfig {
   std::function<Vec2(int person, Tick tick)> drive{};  ///< in place of strolling
 };
 
-/// Whole peers of a crowd on one virtual clock and network, every datagram through a shim. Who is in which region they
-/// are told by the lab; all else they find out from one another. The same configuration gives the same run, to the bit,
+/// Whole peers of a crowd on one virtual clock and network, every datagram through a shim. They all begin at once, with
+/// the first one's address; all else they find out from one another. The same configuration gives the same run, to the bit,
 /// whatever the number of threads.
 class CrowdRun {
  public:
@@ -81,7 +81,6 @@ class CrowdRun {
     std::map<int, std::unique_ptr<link::Shim>> links;  ///< by receiver
     std::vector<Arrival> inbox;                        ///< by time
     std::vector<Confirmed> confirmed;
-    std::vector<crowd::Region> asks;
     std::set<int> spoken_to;
     double cpu = 0;
     std::optional<Vec2> stands;
@@ -96,7 +95,6 @@ class CrowdRun {
   void deliver(Micros until);
   Vec2 target_of(std::size_t person, Tick t);
   void shove(std::size_t person, Tick t);
-  void answer();
   void compare();
   void note_members();
 
@@ -106,11 +104,9 @@ class CrowdRun {
   std::vector<Person> persons_;
   std::map<Endpoint, int> by_place_;
   std::map<crowd::Region, std::vector<int>> members_;
-  std::map<crowd::Region, Micros> being_founded_;
   std::map<crowd::Region, std::map<Tick, std::uint64_t>> hashes_;
   std::uint64_t compared_ = 0;
   std::uint64_t different_ = 0;
-  std::uint64_t answers_ = 0;
   bool standing_ = false;
   Gang gang_;
 };
