@@ -62,8 +62,10 @@ class CrowdPeer {
   bool gone() const { return leaving_ && places_.empty(); }
 
   /// Plays: is at home somewhere.
-  bool playing() const { return home_.has_value(); }
+  bool playing() const { return home_.has_value() && places_.contains(*home_); }
   Region home() const { return *home_; }
+  /// Local time of its next tick; only while it plays.
+  Micros next_step() const { return places_.at(*home_).peer->next_step(); }
   Tick now() const { return places_.at(*home_).peer->node().now(); }
   const BodyState& avatar() const { return avatar_; }
   /// The regions where it is a member and stays, with their participants.
