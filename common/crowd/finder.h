@@ -80,7 +80,7 @@ class Finder {
   static constexpr Micros kSearch = 4 * kMicrosPerSecond;
   static constexpr std::size_t kNearest = 4;
   /// For who looks for the same region and comes first.
-  static constexpr Micros kGiveWay = 5 * kMicrosPerSecond;
+  static constexpr Micros kGiveWay = 12 * kMicrosPerSecond;
   /// Who is in one of this peer's regions for so long, but not among the members, is on another side.
   static constexpr Micros kStranger = 3 * kMicrosPerSecond;
 
