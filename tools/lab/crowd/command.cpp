@@ -78,11 +78,14 @@ void CrowdCommand::declare(CLI::App& app) {
   app.add_option("--seconds", seconds_, "Virtual length of what is measured")
       ->check(CLI::Range(1.0, 3600.0))
       ->capture_default_str();
-  app.add_option("--warm-up", warm_up_, "Before that, s: all come in at once")
+  app.add_option("--warm-up", warm_up_, "Before that, s, besides the time that it takes all to come")
       ->check(CLI::Range(2.0, 600.0))
       ->capture_default_str();
   app.add_option("--seed", seed_, "Of everything drawn")->capture_default_str();
   app.add_option("--netem", netem_, "Every directed link")->type_name("SPEC")->capture_default_str();
+  app.add_option("--arrivals", arrivals_, "Peers that come in a second, one after another")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
   app.add_option("--room", room_, "m^2 of the plane for every peer")
       ->check(CLI::Range(10.0, 10000.0))
       ->capture_default_str();
@@ -105,7 +108,9 @@ void CrowdCommand::declare(CLI::App& app) {
       ->type_name("FILE|-");
   app.footer(
       "A plane without end, in square regions that agree on a world each; docs/crowds.md has the design. Every peer\n"
-      "strolls about a square of 24 m, runs into bodies and others, and is in the regions that it is near. CPU is\n"
+      "strolls about a square of 24 m, runs into bodies and others, and is in the regions that it is near. Who is in\n"
+      "a region they find out from one another; of a region that two found at once one side\'s worlds differ until the\n"
+      "sides come together. CPU is\n"
       "thread time of a peer's tick, and its ratio to the first run's. Inconsistency is what a peer has wrong of what\n"
       "is near it, summed, and that of one avatar.\n"
       "Example:\n"
@@ -124,6 +129,7 @@ CrowdRunConfig CrowdCommand::config_of(int peers) const {
   c.seed = seed_;
   c.peers = peers;
   c.room = static_cast<float>(room_);
+  c.arrivals = arrivals_;
   c.threads = jobs_;
   return c;
 }
@@ -131,7 +137,7 @@ CrowdRunConfig CrowdCommand::config_of(int peers) const {
 CrowdRow CrowdCommand::measure(int peers) const {
   CrowdRun run(config_of(peers));
   const auto ticks = [](double s) { return static_cast<Tick>(std::lround(s * kTicksPerSecond)); };
-  while (run.now() < ticks(warm_up_)) run.advance();
+  while (run.now() < ticks(warm_up_ + peers / arrivals_)) run.advance();
   Census census(static_cast<float>(near_));
   const Sums before = Sums::of(run);
   double links = 0;

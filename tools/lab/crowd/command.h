@@ -50,6 +50,7 @@ class CrowdCommand {
   std::vector<int> peers_{4, 50, 200};
   double seconds_ = 20;
   double warm_up_ = 4;
+  double arrivals_ = 20;
   std::uint64_t seed_ = 1;
   std::string netem_ = "delay 100ms loss 2%";
   double room_ = 144;

@@ -71,6 +71,7 @@ void CrowdRun::place(int person) {
   o.slot = person;
   p.input = std::make_unique<scenarios::Wander>(o, derive_seed(config_.seed, 0x3A1));
   p.place = place_number(person);
+  p.comes = static_cast<Tick>(std::lround(person * kTicksPerSecond / config_.arrivals));
   by_place_[p.place] = person;
   crowd::CrowdConfig c;
   c.plane = config_.plane;
@@ -108,6 +109,7 @@ void CrowdRun::work(std::size_t person) {
   Person& p = persons_[person];
   std::stable_sort(p.inbox.begin(), p.inbox.end(), [](const Arrival& a, const Arrival& b) { return a.at < b.at; });
   for (Tick t = now_ + 1; t <= now_ + stride_; ++t) {
+    if (t < p.comes) continue;
     shove(person, t);
     work_a_tick(person, time_of(t));
   }

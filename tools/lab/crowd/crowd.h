@@ -23,6 +23,7 @@ struct CrowdRunConfig {
   link::NetemSpec netem;  ///< of every directed link
   std::uint64_t seed = 1;
   int peers = 4;
+  double arrivals = 20;  ///< 1/s: they come one after another
   float room = 144;   ///< m^2 of the plane for every peer
   float stroll = 24;  ///< m: everybody stays in a square of this side, somewhere on the crowd's ground
   /// 1/s: so often everybody gives a body near it a push of 6 m/s, in any direction.
@@ -32,9 +33,9 @@ struct CrowdRunConfig {
   std::function<Vec2(int person, Tick tick)> drive{};  ///< in place of strolling
 };
 
-/// Whole peers of a crowd on one virtual clock and network, every datagram through a shim. They all begin at once, with
-/// the first one's address; all else they find out from one another. The same configuration gives the same run, to the bit,
-/// whatever the number of threads.
+/// Whole peers of a crowd on one virtual clock and network, every datagram through a shim. They come one after
+/// another, with the address of the first; all else they find out from one another. The same configuration gives the
+/// same run, to the bit, whatever the number of threads.
 class CrowdRun {
  public:
   explicit CrowdRun(CrowdRunConfig config);
@@ -84,6 +85,7 @@ class CrowdRun {
     std::set<int> spoken_to;
     double cpu = 0;
     std::optional<Vec2> stands;
+    Tick comes = 0;  ///< nothing is there before
   };
   static std::size_t at(int person) { return static_cast<std::size_t>(person); }
   void place(int person);
