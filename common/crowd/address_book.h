@@ -21,9 +21,9 @@ struct Acquaintance {
   std::vector<Region> in;     ///< is a member there
   std::vector<Region> seeks;  ///< wants to be, and knows nobody who is
   std::uint32_t rank = 0;
-  bool fellow = false;     ///< is in a region with us
-  Micros heard = kNever;   ///< it said so itself, in answer to us
-  Micros hinted = kNever;  ///< another one, or one who has not proven its address, said so
+  bool fellow = false;          ///< is in a region with us
+  Micros heard = kNever;        ///< it said so itself, in answer to us
+  Micros hinted = kNever;       ///< another one, or one who has not proven its address, said so
   Micros asked = kNever;        ///< last
   Micros asked_first = kNever;  ///< of the Asks not answered since
   int unanswered = 0;           ///< Asks in a row
@@ -51,8 +51,8 @@ class AddressBook {
   /// Who is in a region with us, and where as far as we see: the others are not any more.
   void set_fellows(const std::map<Endpoint, std::vector<Region>>& fellows);
 
-  /// Of those who have not ended: the n nearest to r, and those who look for it, the lowest ranks first; n of them, too,
-  /// at most.
+  /// Of those who have not ended: the n nearest to r, and those who look for it, the lowest ranks first; n of them,
+  /// too, at most.
   std::vector<Acquaintance*> nearest(Region r, std::size_t n);
   /// Whom to tell somebody of who asks about r, n at most: who is there, who looks for it, who is near.
   std::vector<Acquaintance*> to_tell_of(Region r, std::size_t n, Rng& rng);
@@ -62,7 +62,9 @@ class AddressBook {
   std::size_t size() const { return all_.size(); }
 
   static bool fresh(const Acquaintance& a, Micros local) { return a.fellow || local - a.heard < kFresh; }
-  static bool ended(const Acquaintance& a) { return !a.fellow && a.unanswered >= kTries && a.asked - a.asked_first >= kPatience; }
+  static bool ended(const Acquaintance& a) {
+    return !a.fellow && a.unanswered >= kTries && a.asked - a.asked_first >= kPatience;
+  }
 
  private:
   std::map<Endpoint, Acquaintance> all_;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/node/session_objection.h"
 #include "common/node/node.h"
+#include "common/node/session_objection.h"
 
 namespace padr::crowd {
 namespace {
@@ -209,9 +209,8 @@ void Finder::advance(const Standing& standing, const std::vector<Region>& sought
   book_.expire(local);
   std::erase_if(questions_, [local](const auto& q) { return local - q.second.sent > kQuestion; });
   std::erase_if(distrust_, [local](const auto& d) { return d.second <= local; });
-  std::erase_if(searches_, [&](const auto& s) {
-    return std::find(sought.begin(), sought.end(), s.first) == sought.end();
-  });
+  std::erase_if(searches_,
+                [&](const auto& s) { return std::find(sought.begin(), sought.end(), s.first) == sought.end(); });
   for (const Region r : sought) searches_.try_emplace(r, Search{local, local, 0, {}, {}, {}});
   for (auto& [r, search] : searches_) look(r, search, local);
   for (const Finding& f : findings_) searches_.erase(f.region);

@@ -18,17 +18,17 @@ namespace padr::crowd {
 /// What a peer can say of itself.
 struct Standing {
   Region home;
-  std::vector<Region> in;                         ///< a member there, or founding it
+  std::vector<Region> in;                           ///< a member there, or founding it
   std::map<Endpoint, std::vector<Region>> fellows;  ///< the other members of these
-  Micros clock = 0;                               ///< the crowd's, now; 0: it has none yet
+  Micros clock = 0;                                 ///< the crowd's, now; 0: it has none yet
 };
 
 struct FinderStats {
-  std::uint64_t asks = 0;       ///< sent
-  std::uint64_t tells = 0;      ///< sent
-  std::uint64_t bytes = 0;      ///< sent, IP and UDP headers included
-  std::uint64_t malformed = 0;  ///< received, and no Ask or Tell
-  std::uint64_t strange = 0;    ///< Tells that nobody asked for, and whatever is of another crowd
+  std::uint64_t asks = 0;        ///< sent
+  std::uint64_t tells = 0;       ///< sent
+  std::uint64_t bytes = 0;       ///< sent, IP and UDP headers included
+  std::uint64_t malformed = 0;   ///< received, and no Ask or Tell
+  std::uint64_t strange = 0;     ///< Tells that nobody asked for, and whatever is of another crowd
   std::uint64_t unanswered = 0;  ///< Asks that came while too many others did
 };
 
@@ -87,8 +87,8 @@ class Finder {
  private:
   struct Search {
     Micros began = 0;
-    Micros changed = 0;              ///< when somebody came to be among the nearest
-    Micros settled = 0;              ///< when all was known; 0: it is not
+    Micros changed = 0;                ///< when somebody came to be among the nearest
+    Micros settled = 0;                ///< when all was known; 0: it is not
     std::map<Endpoint, Micros> noted;  ///< who tells others of it, since when at least
     std::map<Endpoint, Micros> told;   ///< by whom after that, in answer to an Ask sent then
     std::set<Endpoint> nearest;
@@ -122,8 +122,8 @@ class Finder {
   AddressBook book_;
   Standing standing_;
   std::map<Region, Search> searches_;
-  std::map<std::uint64_t, Question> questions_;             ///< by nonce
-  std::map<std::pair<Region, Endpoint>, Micros> distrust_;  ///< until then
+  std::map<std::uint64_t, Question> questions_;              ///< by nonce
+  std::map<std::pair<Region, Endpoint>, Micros> distrust_;   ///< until then
   std::map<std::pair<Region, Endpoint>, Micros> strangers_;  ///< since when they are
   std::vector<Finding> findings_;
   std::vector<node::Parcel> outgoing_;
@@ -131,11 +131,11 @@ class Finder {
   FinderStats stats_;
   bool met_ = false;
   bool contact_met_ = false;  ///< the contact has answered
-  Micros offset_ = 0;  ///< crowd clock less local
-  Micros trip_ = -1;   ///< round trip of the Tell that it is from; -1: there was none
+  Micros offset_ = 0;         ///< crowd clock less local
+  Micros trip_ = -1;          ///< round trip of the Tell that it is from; -1: there was none
   Micros next_ = 0;
-  Micros upkeep_ = 0;  ///< next look at whom to stay acquainted with
-  Micros called_ = 0;  ///< when somebody was asked last for that
+  Micros upkeep_ = 0;                     ///< next look at whom to stay acquainted with
+  Micros called_ = 0;                     ///< when somebody was asked last for that
   Micros hailed_ = Acquaintance::kNever;  ///< when the contact was asked last
   double answers_ = 0;
   Micros answered_ = 0;

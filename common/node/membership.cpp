@@ -78,8 +78,8 @@ void Membership::on_unreachable(const Endpoint& at) {
   }
 }
 
-// One process is one peer: if another slot's was there, that life of it is over. Several may come to be known at once, so
-// this is asked when all of them are: where somebody was who sat there before says nothing of who does now.
+// One process is one peer: if another slot's was there, that life of it is over. Several may come to be known at once,
+// so this is asked when all of them are: where somebody was who sat there before says nothing of who does now.
 void Membership::end_former_lives(const std::vector<MemberChange>& changes) {
   for (const MemberChange& c : changes) {
     if (c.kind != MemberChange::Kind::kAdmitted || c.slot == desk_.self) continue;

@@ -129,7 +129,8 @@ inline constexpr std::size_t kMaxReason = 400;
 /// Times on anybody's clock lie within this of zero (285 years), so that sums and differences of two never overflow.
 inline constexpr Micros kMaxClock = Micros{1} << 53U;
 
-/// Payload bytes. Texts that are too long are cut; a Join is padded to kMaxPayload, an Ask to kAskPayload, a Ping to no less than its Pong.
+/// Payload bytes. Texts that are too long are cut; a Join is padded to kMaxPayload, an Ask to kAskPayload, a Ping to no
+/// less than its Pong.
 Bytes encode_session(const SessionMessage& message);
 
 /// The message, if the bytes are well formed and every value is in the range that its struct states. Texts come out

@@ -109,7 +109,8 @@ void CrowdCommand::declare(CLI::App& app) {
   app.footer(
       "A plane without end, in square regions that agree on a world each; docs/crowds.md has the design. Every peer\n"
       "strolls about a square of 24 m, runs into bodies and others, and is in the regions that it is near. Who is in\n"
-      "a region they find out from one another; of a region that two found at once one side\'s worlds differ until the\n"
+      "a region they find out from one another; of a region that two found at once one side\'s worlds differ until "
+      "the\n"
       "sides come together. CPU is\n"
       "thread time of a peer's tick, and its ratio to the first run's. Inconsistency is what a peer has wrong of what\n"
       "is near it, summed, and that of one avatar.\n"

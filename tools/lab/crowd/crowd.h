@@ -24,8 +24,8 @@ struct CrowdRunConfig {
   std::uint64_t seed = 1;
   int peers = 4;
   double arrivals = 20;  ///< 1/s: they come one after another
-  float room = 144;   ///< m^2 of the plane for every peer
-  float stroll = 24;  ///< m: everybody stays in a square of this side, somewhere on the crowd's ground
+  float room = 144;      ///< m^2 of the plane for every peer
+  float stroll = 24;     ///< m: everybody stays in a square of this side, somewhere on the crowd's ground
   /// 1/s: so often everybody gives a body near it a push of 6 m/s, in any direction.
   double shoves = 0;
   int threads = 1;
