@@ -7,6 +7,7 @@
 
 #include "common/model/user_error.h"
 #include "common/world/world.h"
+#include "peer/addresses.h"
 #include "peer/summary.h"
 #include "tools/support/files.h"
 #include "tools/support/netem_flags.h"
@@ -20,29 +21,6 @@ using boost::system::error_code;
 
 /// What is still in the links when all is over may take so long to leave.
 constexpr Micros kDrain = 300'000;
-
-/// Where to listen, given where the others are. Throws UserError if that cannot be, or must not.
-support::Udp::endpoint listen_address(boost::asio::io_context& io, const Options& o,
-                                      const std::optional<support::Udp::endpoint>& join) {
-  const bool v6 = join && join->address().is_v6();
-  if (!o.listen) {
-    if (join && !join->address().is_loopback())
-      throw UserError("--join: " + o.join->text + " is not on this machine, and without --listen a peer stays on the " +
-                      "loopback address; give --listen " + (v6 ? "'[::]:0'" : "0.0.0.0:0") +
-                      (o.key ? "" : " and --key-file FILE, or --insecure"));
-    if (v6) return {boost::asio::ip::address_v6::loopback(), 0};
-    return {boost::asio::ip::address_v4::loopback(), 0};
-  }
-  support::Udp::endpoint listen = support::resolve(io, "--listen", *o.listen);
-  if (!listen.address().is_loopback() && !o.insecure && !o.key)
-    throw UserError("--listen: " + o.listen->text +
-                    " can be reached by other machines, and nothing proves who sends a " +
-                    "datagram; give --key-file FILE, a loopback address, or --insecure if you trust the network");
-  if (join && listen.address().is_loopback() && !join->address().is_loopback())
-    throw UserError("--listen: " + o.listen->text + " is a loopback address, which cannot reach --join " +
-                    o.join->text);
-  return listen;
-}
 
 node::SessionConfig session_config(const Options& o, const std::optional<Endpoint>& join) {
   node::SessionConfig c;
@@ -63,12 +41,7 @@ node::SessionConfig session_config(const Options& o, const std::optional<Endpoin
 
 EventLoop::EventLoop(const Options& options, Log& log, const support::Clock& clock)
     : options_(options), log_(log), clock_(clock), io_(1), signals_(io_, SIGINT, SIGTERM), timer_(io_) {
-  std::optional<support::Udp::endpoint> join;
-  if (options.join) {
-    std::optional<support::Udp> family;
-    if (options.listen) family = support::resolve(io_, "--listen", *options.listen).protocol();
-    join = support::resolve(io_, "--join", *options.join, family ? &*family : nullptr);
-  }
+  const std::optional<support::Udp::endpoint> join = join_address(io_, options);
   socket_ = std::make_unique<support::UdpSocket>(io_, listen_address(io_, options, join));
   local_ = support::to_endpoint(socket_->local());
   const std::vector<std::string> lines = shape_links();

@@ -2,6 +2,7 @@
 
 #include "common/model/user_error.h"
 #include "common/wire/secret.h"
+#include "peer/crowd_loop.h"
 #include "peer/event_loop.h"
 #include "peer/log.h"
 #include "peer/options.h"
@@ -18,6 +19,7 @@ int main(int argc, char** argv) {
     if (!options) return padr::support::kExitFine;
     padr::peer::Log log(options->log_level, options->log_levels);
     for (const auto& line : options->warnings) log.session->warn("{}", line);
+    if (options->crowd) return padr::peer::CrowdLoop(*options, log, clock).run();
     return padr::peer::EventLoop(*options, log, clock).run();
   });
 }

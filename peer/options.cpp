@@ -3,15 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <string_view>
 #include <utility>
 
+#include "common/model/rng.h"
 #include "common/model/user_error.h"
 #include "peer/log.h"
 #include "peer/session_key.h"
 #include "tools/support/command_line.h"
 #include "tools/support/netem_flags.h"
 #include "tools/support/technique_flags.h"
+#include "tools/support/unpredictable.h"
 
 namespace padr::peer {
 namespace {
@@ -42,6 +45,9 @@ constexpr const char* kFooter =
     "            --trace peer1.trace --json peer1.json\n"
     "A lossy link to peer 2 alone, and one to an address:\n"
     "  padr-peer --join '[::1]:7001' --netem-to '2=loss 20%' --netem-to '[::1]:7003=delay 300ms'\n"
+    "Two peers of a crowd, of which there may be any number:\n"
+    "  padr-peer --crowd --listen 127.0.0.1:7001 --duration 20\n"
+    "  padr-peer --crowd --join 127.0.0.1:7001 --start 40,12 --duration 20\n"
     "Between machines, with a key that all peers have and nobody else:\n"
     "  padr-peer keygen session.key\n"
     "  padr-peer --listen 0.0.0.0:7001 --key-file session.key --wait-peers 3\n"
@@ -63,6 +69,9 @@ struct Raw {
   bool control = false;
   std::vector<std::string> netem_to;
   std::optional<int> wait_peers, slots;
+  bool crowd = false;
+  std::vector<double> start;
+  std::optional<double> stroll, region_side;
   support::ScenarioFlags scenario;
   support::TechniqueFlags technique;
   support::NetemFlags netem;
@@ -92,6 +101,27 @@ void declare_session(CLI::App& app, Raw& raw, Options& o) {
       ->group(group);
   app.add_flag("--insecure", o.insecure,
                "Without a key: allow addresses that other machines can reach, though nothing proves who sends")
+      ->group(group);
+}
+
+void declare_crowd(CLI::App& app, Raw& raw) {
+  const std::string group = "Crowd";
+  app.add_flag("--crowd", raw.crowd,
+               "Play in a crowd, on a plane without end, in place of a session; --join is anybody in it, and without\n"
+               "--join this is its first peer. --seed is of the plane, and all peers of a crowd have the same")
+      ->group(group);
+  app.add_option("--start", raw.start, "Where the avatar is first, m [drawn in the region 0,0]")
+      ->delimiter(',')
+      ->expected(2)
+      ->type_name("X,Y")
+      ->group(group);
+  app.add_option("--stroll", raw.stroll, "Side of the square around there that --input wander stays in, m [24]")
+      ->check(support::between(4.0, 10000.0, "metres"))
+      ->type_name("M")
+      ->group(group);
+  app.add_option("--region-side", raw.region_side, "Of the plane's regions, m; all peers of a crowd the same [24]")
+      ->check(support::between(16.0, 200.0, "metres"))
+      ->type_name("M")
       ->group(group);
 }
 
@@ -276,6 +306,46 @@ NetemOverride parse_override(const std::string& text, std::vector<std::string>* 
   return o;
 }
 
+/// A plane with a fence, for those who drive an avatar on it.
+Scene ground_of(const crowd::Plane& plane, Vec2 start, double stroll) {
+  Scene ground = crowd::scene_of(plane, crowd::region_at(plane, start));
+  const auto half = static_cast<float>(stroll / 2);
+  ground.lower = start - Vec2{half, half};
+  ground.upper = start + Vec2{half, half};
+  ground.avatar.spawns = {start};
+  return ground;
+}
+
+void take_crowd(const CLI::App& app, const Raw& raw, Options& o) {
+  if (!raw.crowd) {
+    for (const char* flag : {"--start", "--stroll", "--region-side"})
+      if (app.count(flag) > 0) throw UserError(std::string(flag) + ": is for a crowd; give --crowd, too");
+    return;
+  }
+  for (const char* flag : {"--scenario", "--wait-peers", "--slots", "--trace", "--health", "--monitor"})
+    if (app.count(flag) > 0) throw UserError(std::string(flag) + ": is not there in a crowd; leave it or --crowd out");
+  if (o.key) throw UserError("--crowd: sessions with a key are not crowds; leave --key-file and PADR_KEY out");
+  for (const NetemOverride& n : o.netem_to)
+    if (n.peer) throw UserError("--netem-to: peers of a crowd have no number; give HOST:PORT=SPEC");
+  CrowdOptions& c = o.crowd.emplace();
+  c.plane.seed = raw.scenario.seed();
+  if (raw.region_side) c.plane.side = static_cast<float>(*raw.region_side);
+  c.stroll = raw.stroll.value_or(24);
+  Rng rng(support::unpredictable());
+  const double most = 0.75 * static_cast<double>(c.plane.side);
+  const auto draw = [&] { return rng.uniform(0.25 * static_cast<double>(c.plane.side), most); };
+  const double farthest = static_cast<double>(c.plane.side) * crowd::kMostRegion / 2;
+  for (const double v : raw.start)
+    if (!(std::abs(v) <= farthest))
+      throw UserError("--start: so far out the plane has no regions; give less than " +
+                      std::to_string(std::llround(farthest)) + " metres either way");
+  const double x = raw.start.empty() ? draw() : raw.start[0];
+  const double y = raw.start.empty() ? draw() : raw.start[1];
+  c.start = {static_cast<float>(x), static_cast<float>(y)};
+  c.ground = ground_of(c.plane, c.start, c.stroll);
+  support::load_input(o.input, c.ground, 0, c.plane.seed);
+}
+
 }  // namespace
 
 std::optional<Options> parse_options(int argc, const char* const* argv) {
@@ -285,6 +355,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   app.footer(std::string(kFooter) + support::kNetemHelp + kFooterEnd);
   support::add_version_flag(app, "padr-peer");
   declare_session(app, raw, o);
+  declare_crowd(app, raw);
   declare_key(app, raw, o);
   raw.scenario.declare(app);
   declare_play(app, o);
@@ -307,10 +378,13 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   o.netem_text = raw.netem.text();
   o.netem_seed = raw.netem.seed(raw.scenario.seed());
   for (const std::string& text : raw.netem_to) o.netem_to.push_back(parse_override(text, &o.warnings));
-  o.scenario = raw.scenario.load();
-  take_sizes(raw, o);
-  // Which avatar it will drive is not known yet, but what is wrong with it is the same for all.
-  support::load_input(o.input, o.scenario.scene, 0, o.scenario.seed);
+  take_crowd(app, raw, o);
+  if (!o.crowd) {
+    o.scenario = raw.scenario.load();
+    take_sizes(raw, o);
+    // Which avatar it will drive is not known yet, but what is wrong with it is the same for all.
+    support::load_input(o.input, o.scenario.scene, 0, o.scenario.seed);
+  }
   o.trace = raw.trace;
   o.json = raw.json;
   o.command = support::command_of(argc, argv);

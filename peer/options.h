@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/crowd/plane.h"
 #include "common/link/netem_spec.h"
 #include "common/model/ids.h"
 #include "common/model/technique.h"
@@ -33,6 +34,14 @@ struct MonitorOptions {
   bool control = false;  ///< it may give orders
 };
 
+/// --crowd and what goes with it.
+struct CrowdOptions {
+  crowd::Plane plane;
+  Vec2 start;         ///< m, where the avatar is first
+  double stroll = 0;  ///< m, side of the square around `start` that made-up motion stays in
+  Scene ground;       ///< that square, for input
+};
+
 struct Options {
   std::optional<support::HostPort> listen;  ///< absent: any port on the loopback address of the family needed
   std::optional<support::HostPort> join;    ///< absent: found a session
@@ -44,7 +53,8 @@ struct Options {
   std::string keylog;                           ///< file; empty: none
   double join_timeout = 30;                     ///< s, until the session must have started; 0: no limit
 
-  support::LoadedScenario scenario;
+  support::LoadedScenario scenario;   ///< of a session
+  std::optional<CrowdOptions> crowd;  ///< it plays in a crowd, in place of a session
   Technique technique;
   std::string input = "wander";
   double duration = 0;  ///< s of play; 0: until a signal

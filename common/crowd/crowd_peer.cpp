@@ -1,6 +1,7 @@
 #include "common/crowd/crowd_peer.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "common/model/rng.h"
@@ -13,12 +14,19 @@ namespace {
 constexpr Tick kReconsider = 6;
 /// Ticks between two looks at bodies that cross borders.
 constexpr Tick kCustoms = 3;
+/// Ticks between two corrections of the clocks.
+constexpr Tick kSteer = kTicksPerSecond / 2;
 /// States kept of every region, for rewinding: 4 s, half of what a session keeps, as a peer has several regions.
 constexpr std::size_t kKeptTicks = 256;
 constexpr Micros kRetry = 500'000;
 constexpr Micros kPatience = 4 * kMicrosPerSecond;
 /// Who leaves a region lingers at most so long to get its last words across.
 constexpr Micros kLinger = 4 * kMicrosPerSecond;
+/// In one go at most when late: datagrams must get their turn.
+constexpr int kTicksPerTurn = 8;
+/// Between two knocks at those who are in one of our regions on another side.
+constexpr Micros kKnock = 400'000;
+constexpr std::size_t kNotesKept = 256;
 /// A keeper's avatar is told of no farther outside than this, m: what lies farther out is not believed.
 constexpr float kFarthest = 16;
 
@@ -26,10 +34,6 @@ std::optional<std::uint16_t> session_of(std::span<const std::byte> datagram) {
   if (datagram.size() < wire::kHeaderBytes) return std::nullopt;
   return static_cast<std::uint16_t>(std::to_integer<unsigned>(datagram[4]) | std::to_integer<unsigned>(datagram[5])
                                                                                  << 8U);
-}
-
-bool contains(const std::vector<Region>& regions, Region r) {
-  return std::find(regions.begin(), regions.end(), r) != regions.end();
 }
 
 BodyState held_near(const Plane& plane, Region r, BodyState s) {
@@ -51,23 +55,61 @@ bool touches_only_strangers(const node::Node& n, const node::Node& home) {
   return any;
 }
 
+/// The other members of a region, besides where they are.
+void add_fellows(Region r, const node::Participant& p, std::map<Endpoint, std::vector<Region>>& fellows) {
+  const node::Node& n = p.node();
+  for (PeerId other = 0; other < n.config().slots; ++other)
+    if (other != n.self() && n.other(other).there() && p.session().roster()[other].is_set())
+      fellows[p.session().roster()[other].place()].push_back(r);
+}
+
+/// It wants to leave the region, and will if it can: not the one to come in by, as long as there are others.
+bool only_waits_to_leave(const node::Node& n) {
+  const std::vector<sync::Member>& members = n.agreed().predicted_state().members;
+  if (!members[n.self()].going) return false;
+  for (PeerId p = 0; p < members.size(); ++p)
+    if (p != n.self() && n.other(p).there() && !members[p].going) return true;
+  return false;
+}
+
 }  // namespace
 
-CrowdPeer::CrowdPeer(const CrowdConfig& config) : config_(config), customs_(config.plane) {
+CrowdPeer::CrowdPeer(const CrowdConfig& config)
+    : config_(config), customs_(config.plane), finder_({config.plane, config.contact, derive_seed(config.seed, 0xF1)}) {
   avatar_.position = config.start;
   wanted_ = {region_at(config.plane, config.start)};
 }
 
-std::vector<Region> CrowdPeer::asks(Micros local) const {
-  std::vector<Region> open;
-  for (const Region r : wanted_) {
-    const auto retry = retry_.find(r);
-    if (!places_.contains(r) && (retry == retry_.end() || retry->second <= local)) open.push_back(r);
+// ---- coming into regions
+
+Standing CrowdPeer::standing(Micros local) const {
+  Standing s;
+  s.home = home_ ? *home_ : wanted_.front();
+  if (home_) s.clock = places_.at(*home_).peer->session().session_now(local);
+  for (const auto& [region, place] : places_) {
+    const bool in = place.peer->playing() && !place.leaving && place.peer->node().member();
+    const bool founding = !place.by && !place.peer->playing();
+    if (in) add_fellows(region, *place.peer, s.fellows);
+    if (founding || (in && !only_waits_to_leave(place.peer->node()))) s.in.push_back(region);
   }
-  return open;
+  return s;
 }
 
-void CrowdPeer::told(Region r, const std::optional<Endpoint>& member, Micros local) {
+void CrowdPeer::find(Micros local) {
+  if (leaving_ || local < finder_.next_due()) return;
+  std::vector<Region> sought;
+  for (const Region r : wanted_) {
+    const auto retry = retry_.find(r);
+    if (!places_.contains(r) && (retry == retry_.end() || retry->second <= local)) sought.push_back(r);
+  }
+  finder_.advance(standing(local), sought, local);
+  for (const Finder::Finding& f : finder_.take_findings()) enter(f.region, f.member, local);
+  if (local - knocked_ < kKnock) return;
+  knocked_ = local;
+  for (const auto& [region, at] : finder_.strangers(local)) places_.at(region).peer->knock(at);
+}
+
+void CrowdPeer::enter(Region r, const std::optional<Endpoint>& member, Micros local) {
   node::ParticipantConfig c;
   const Scene scene = scene_of(config_.plane, r);
   c.session.join = member;
@@ -80,14 +122,18 @@ void CrowdPeer::told(Region r, const std::optional<Endpoint>& member, Micros loc
   c.session.seed = derive_seed(config_.seed, ++attempts_);
   c.session.number = number_of(r);
   c.session.patience = kPatience;
-  if (!member) c.session.begins_at = home_ ? places_.at(*home_).peer->session().session_now(local) : 0;
+  if (!member)
+    c.session.begins_at =
+        home_ ? places_.at(*home_).peer->session().session_now(local) : finder_.clock(local).value_or(0);
   c.node.technique = config_.technique;
   c.node.kept_ticks = kKeptTicks;
   if (config_.on_confirmed)
     c.on_confirmed = [this, r](int /*life*/, const sync::FoldState& s, std::uint64_t hash) {
       config_.on_confirmed(r, s, hash);
     };
-  places_[r].peer = std::make_unique<node::Participant>(scene, std::move(c), local);
+  Place& place = places_[r];
+  place.peer = std::make_unique<node::Participant>(scene, std::move(c), local);
+  place.by = member;
   retry_.erase(r);
   ++stats_.entered;
   if (!member) ++stats_.founded;
@@ -100,16 +146,63 @@ void CrowdPeer::push(Region r, EntityId body, Vec2 velocity) {
 
 void CrowdPeer::receive(const Endpoint& from, std::span<const std::byte> datagram, Micros local) {
   const auto number = session_of(datagram);
+  if (number == 0) return finder_.receive(from, datagram, local);
   for (auto& [region, place] : places_)
     if (number == number_of(region)) place.peer->receive(from, datagram, local);
 }
 
+void CrowdPeer::unreachable(const Endpoint& at, Micros local) {
+  for (auto& [region, place] : places_) place.peer->unreachable(at, local);
+}
+
 void CrowdPeer::turn(const std::function<Vec2(Tick)>& target, Micros local) {
-  for (auto& [region, place] : places_)
+  for (auto& [region, place] : places_) {
     if (local >= place.peer->next_due()) place.peer->advance(local);
+    note_life(place);
+  }
+  if (leaving_) return say_goodbye(local);
+  find(local);
   const Region first = region_at(config_.plane, config_.start);
   if (const auto it = places_.find(first); !home_ && it != places_.end() && it->second.peer->playing()) home_ = first;
-  while (home_ && local >= places_.at(*home_).peer->next_step()) tick(target(now() + 1), local);
+  for (int i = 0; i < kTicksPerTurn && home_ && local >= places_.at(*home_).peer->next_step(); ++i)
+    tick(target(now() + 1), local);
+  end_places(local);
+}
+
+Micros CrowdPeer::next_due() const {
+  Micros due = leaving_ ? std::numeric_limits<Micros>::max() : finder_.next_due();
+  for (const auto& [region, place] : places_) {
+    due = std::min(due, place.peer->next_due());
+    if (place.peer->playing() && (leaving_ || region == home_)) due = std::min(due, place.peer->next_step());
+  }
+  return due;
+}
+
+// In another life it sits in another slot, and has said nothing yet.
+void CrowdPeer::note_life(Place& place) {
+  if (place.peer->life() <= place.life) return;
+  if (place.life >= 0) ++stats_.merged;
+  place.life = place.peer->life();
+  place.said = -1;
+}
+
+void CrowdPeer::leave(Micros local) {
+  leaving_ = true;
+  std::erase_if(places_, [](const auto& p) { return !p.second.peer->playing(); });
+  for (auto& [region, place] : places_) {
+    if (!place.leaving) place.left = local;
+    if (!place.leaving) place.peer->leave();
+    place.leaving = true;
+  }
+}
+
+// Every region ends by itself, home too: the avatar stands where it is.
+void CrowdPeer::say_goodbye(Micros local) {
+  for (auto& [region, place] : places_) {
+    const BodyState stands = held_near(config_.plane, region, avatar_);
+    for (int i = 0; i < kTicksPerTurn && local >= place.peer->next_step(); ++i)
+      place.peer->step_led(stands, stands, stands.position, local);
+  }
   end_places(local);
 }
 
@@ -132,8 +225,23 @@ void CrowdPeer::tick(Vec2 target, Micros local) {
   for (auto& [region, place] : places_)
     if (region != *home_ && place.peer->playing()) lead(region, place, before, target, local);
   go_home();
+  steer(local);
   if (now() % kCustoms == 0) customs_.work(posts());
   if (now() % kReconsider == 0) reconsider(local);
+}
+
+// A peer has one clock, that of its home, and takes it along when it goes home elsewhere. At home the clock that counts
+// is that of the lowest member.
+void CrowdPeer::steer(Micros local) {
+  node::Participant& home = *places_.at(*home_).peer;
+  const node::Node& n = home.node();
+  if (n.now() % kSteer == 0) {
+    bool lower = false;
+    for (PeerId p = 0; p < n.self(); ++p) lower = lower || n.other(p).there();
+    home.session().steer(local, lower ? n.clock_lead() : 0);
+  }
+  for (auto& [region, place] : places_)
+    if (region != *home_ && place.peer->playing()) place.peer->session().desk().clock = home.session().clock();
 }
 
 void CrowdPeer::lead(Region r, Place& place, const BodyState& before, Vec2 target, Micros local) {
@@ -180,7 +288,7 @@ void CrowdPeer::reconsider(Micros local) {
     const bool near = outside(plane, region, avatar_.position) <= plane.reach + plane.linger;
     const bool go = !near && !contains(wanted_, region);
     say_whether_going(place, go);
-    if (!go || !may_leave(place.peer->node())) continue;
+    if (!go || !may_leave(place)) continue;
     place.peer->leave();
     place.leaving = true;
     place.left = local;
@@ -190,7 +298,12 @@ void CrowdPeer::reconsider(Micros local) {
 
 void CrowdPeer::say_whether_going(Place& place, bool go) {
   const node::Node& n = place.peer->node();
-  if (n.orders() > 0 || n.agreed().predicted_state().members[n.self()].going == go) return;
+  if (n.orders() > 0) return;
+  if (n.agreed().predicted_state().members[n.self()].going == go) {
+    if (place.said < 0) place.said = n.now();
+    return;
+  }
+  place.said = -1;
   sync::Bundle b;
   b.going = go;
   place.peer->order(b);
@@ -198,14 +311,15 @@ void CrowdPeer::say_whether_going(Place& place, bool go) {
 
 // Whoever wants to leave says so, and leaves once all agree that it does and that somebody is there who does not. That
 // one has to say so too before it leaves, and nobody is left then to whom it could leave the region: so the last one
-// never goes, in whatever order words arrive. Who has been let in but has not said where its avatar is may not know of
-// it yet, and does not count.
-bool CrowdPeer::may_leave(const node::Node& n) {
-  const std::vector<sync::Member>& members = n.agreed().confirmed().members;
-  const std::vector<sync::AvatarModel>& avatars = n.agreed().confirmed().avatars;
-  if (!members[n.self()].going) return false;
-  for (PeerId p = 0; p < members.size(); ++p)
-    if (p != n.self() && avatars[p].present && !members[p].going && n.other(p).there()) return true;
+// never goes, in whatever order words arrive. What counts is the last word: who has changed its mind in between would
+// else leave by what it said before, to one who leaves by what it said then. Who has been let in but has not said where
+// its avatar is may not know of it yet, and does not count.
+bool CrowdPeer::may_leave(const Place& place) {
+  const node::Node& n = place.peer->node();
+  const sync::FoldState& confirmed = n.agreed().confirmed();
+  if (place.said < 0 || confirmed.tick < place.said || !confirmed.members[n.self()].going) return false;
+  for (PeerId p = 0; p < confirmed.members.size(); ++p)
+    if (p != n.self() && confirmed.avatars[p].present && !confirmed.members[p].going && n.other(p).there()) return true;
   return false;
 }
 
@@ -232,6 +346,7 @@ void CrowdPeer::end_places(Micros local) {
     }
     if (failed) ++stats_.failed;
     retry_[it->first] = local + (failed ? kRetry : 0);
+    if (failed && p.by) finder_.distrust(it->first, *p.by, local);
     for (node::Parcel& parcel : p.peer->take_outgoing()) last_words_.push_back(std::move(parcel));
     retire(p);
     it = places_.erase(it);
@@ -243,12 +358,19 @@ std::vector<node::Parcel> CrowdPeer::take_outgoing() {
   for (auto& [region, place] : places_) {
     std::vector<node::Parcel> some = place.peer->take_outgoing();
     std::move(some.begin(), some.end(), std::back_inserter(all));
-    place.peer->take_notes();
+    for (node::SessionNote& n : place.peer->take_notes())
+      if (notes_.size() < kNotesKept) notes_.emplace_back(region, std::move(n));
     place.peer->take_changes();
   }
+  std::vector<node::Parcel> asks = finder_.take_outgoing();
+  std::move(asks.begin(), asks.end(), std::back_inserter(all));
   stats_.datagrams += all.size();
   for (const node::Parcel& p : all) stats_.wire_bytes += p.bytes.size() + node::kIpUdpBytes;
   return all;
+}
+
+std::vector<std::pair<Region, node::SessionNote>> CrowdPeer::take_notes() {
+  return std::exchange(notes_, {});
 }
 
 std::vector<Post> CrowdPeer::posts() const {
@@ -265,24 +387,6 @@ std::uint64_t CrowdPeer::updates() const {
     if (place.peer->playing())
       for (const std::uint64_t u : place.peer->node().stats().updates_by_cause) n += u;
   return n;
-}
-
-float coarseness_of(const Plane& plane, Region r, const node::Node& n) {
-  constexpr float kNear = 4;  // m
-  constexpr float kRise = 2;  // m for once the usual threshold more
-  constexpr float kMost = 8;
-  const sync::FoldState& s = n.agreed().predicted_state();
-  const Vec2 self = n.live().world().position(n.live().avatar());
-  float nearest = kNear + kRise * kMost;
-  for (EntityId e = 0; e < s.world.entities.size(); ++e) {
-    const Vec2 at = s.world.entities[e].position;
-    if (e == n.live().avatar()) continue;
-    const bool avatar = n.live().world().is_avatar(e);
-    const bool counts = avatar ? s.avatars[e - s.authority.size()].present && outside(plane, r, at) <= plane.threshold
-                               : s.world.entities[e].awake;
-    if (counts) nearest = std::min(nearest, distance(self, at));
-  }
-  return std::clamp(1 + (nearest - kNear) / kRise, 1.0F, kMost);
 }
 
 }  // namespace padr::crowd

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/crowd/customs.h"
+#include "common/crowd/finder.h"
 #include "common/crowd/plane.h"
 #include "common/node/participant.h"
 
@@ -19,8 +20,9 @@ struct CrowdConfig {
   Technique technique;
   bool relevance = true;  ///< thresholds rise where nobody is near
   std::uint64_t fingerprint = 0;
-  std::uint64_t seed = 0;  ///< of this peer's nonces; no two peers' are the same
-  Vec2 start;              ///< m, where its avatar is first
+  std::uint64_t seed = 0;             ///< of this peer's nonces; no two peers' are the same
+  Vec2 start;                         ///< m, where its avatar is first
+  std::optional<Endpoint> contact{};  ///< of anybody in the crowd; absent: it is the crowd's first peer
   std::function<void(Region, const sync::FoldState&, std::uint64_t hash)> on_confirmed{};
 };
 
@@ -29,54 +31,72 @@ struct CrowdStats {
   std::uint64_t entered = 0;    ///< regions come into, founded ones included
   std::uint64_t founded = 0;
   std::uint64_t failed = 0;      ///< attempts to come in
+  std::uint64_t merged = 0;      ///< times that it has taken over the world of another side
   std::uint64_t late = 0;        ///< ticks with the avatar a metre inside a region that it is not in yet
   std::uint64_t node_ticks = 0;  ///< steps of all its regions
   std::uint64_t datagrams = 0;
   std::uint64_t wire_bytes = 0;  ///< IP and UDP headers included
 };
 
-/// A whole peer of a crowd but for its clock, socket, input, and the finding of others: a Participant in every region
-/// that it is in. Pure, as Participant is.
+/// A whole peer of a crowd but for its clock, socket and input: a Participant in every region that it is in, and the
+/// Finder that tells it who is there. Pure, as Participant is.
 class CrowdPeer {
  public:
   explicit CrowdPeer(const CrowdConfig& config);
 
-  /// Regions that it wants to come into and has not been told of.
-  std::vector<Region> asks(Micros local) const;
-  /// Somebody who is in the region, or, for lack of anybody, that it is this peer's to found.
-  void told(Region r, const std::optional<Endpoint>& member, Micros local);
-
   /// As in Node, in a region where it plays.
   void push(Region r, EntityId body, Vec2 velocity);
   void receive(const Endpoint& from, std::span<const std::byte> datagram, Micros local);
+  /// As in Participant.
+  void unreachable(const Endpoint& at, Micros local);
   /// Everything that is due. `target`: where the avatar is driven in a tick, m.
   void turn(const std::function<Vec2(Tick)>& target, Micros local);
+  /// When to take a turn next.
+  Micros next_due() const;
   std::vector<node::Parcel> take_outgoing();
+  /// What people should know, and of which region; empty afterwards.
+  std::vector<std::pair<Region, node::SessionNote>> take_notes();
+  /// Says goodbye everywhere, and no more than that from now on.
+  void leave(Micros local);
+  /// After leaving: it may end.
+  bool gone() const { return leaving_ && places_.empty(); }
 
   /// Plays: is at home somewhere.
-  bool playing() const { return home_.has_value(); }
+  bool playing() const { return home_.has_value() && places_.contains(*home_); }
   Region home() const { return *home_; }
+  /// Local time of its next tick; only while it plays.
+  Micros next_step() const { return places_.at(*home_).peer->next_step(); }
   Tick now() const { return places_.at(*home_).peer->node().now(); }
   const BodyState& avatar() const { return avatar_; }
   /// The regions where it is a member and stays, with their participants.
   std::vector<Post> posts() const;
   const CrowdStats& stats() const { return stats_; }
   const Customs& customs() const { return customs_; }
+  const Finder& finder() const { return finder_; }
   std::uint64_t updates() const;
 
  private:
   struct Place {
     std::unique_ptr<node::Participant> peer;
+    std::optional<Endpoint> by{};  ///< whom it has asked to be let in; absent: it has founded the region
     bool leaving = false;
+    Tick said = -1;  ///< its last word on whether it is going is of this tick or an earlier one; -1: not said yet
     Micros left = 0;
+    int life = -1;  ///< of the participant, when it was looked at last
   };
+  void note_life(Place& place);
+  void say_goodbye(Micros local);
+  void find(Micros local);
+  void enter(Region r, const std::optional<Endpoint>& member, Micros local);
+  Standing standing(Micros local) const;
   void tick(Vec2 target, Micros local);
   void lead(Region r, Place& place, const BodyState& before, Vec2 target, Micros local);
   bool drives(const Place& place) const;
+  void steer(Micros local);
   void go_home();
   void reconsider(Micros local);
   static void say_whether_going(Place& place, bool go);
-  static bool may_leave(const node::Node& n);
+  static bool may_leave(const Place& place);
   void end_places(Micros local);
   void adapt_thresholds();
   void retire(Place& place);
@@ -88,10 +108,14 @@ class CrowdPeer {
   std::optional<Region> home_;
   BodyState avatar_;
   Customs customs_;
+  Finder finder_;
   CrowdStats stats_;
   std::vector<node::Parcel> last_words_;  ///< of regions it has left, not yet taken
   std::uint64_t past_updates_ = 0;        ///< of regions it has left
   std::uint64_t attempts_ = 0;
+  std::vector<std::pair<Region, node::SessionNote>> notes_;
+  Micros knocked_ = 0;
+  bool leaving_ = false;
 };
 
 /// How many times the usual threshold an avatar's may be in a region where it is a guest, by its distance from the

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "common/model/hash.h"
 #include "common/model/rng.h"
 
 namespace padr::crowd {
@@ -79,8 +80,22 @@ void strew(const Plane& plane, Region r, Scene& scene) {
 
 }  // namespace
 
+std::uint64_t plane_hash(const Plane& plane) {
+  Hasher h;
+  h.add(plane.side, plane.reach);
+  h.add(plane.ahead, plane.linger);
+  h.add(plane.threshold, plane.body_past);
+  for (const int n : {plane.bodies, plane.spare, plane.slots}) h.add(static_cast<std::uint64_t>(n));
+  h.add(plane.seed);
+  return h.value();
+}
+
 Region region_at(const Plane& plane, Vec2 p) {
   return {cell(p.x, plane.side), cell(p.y, plane.side)};
+}
+
+bool contains(const std::vector<Region>& regions, Region r) {
+  return std::find(regions.begin(), regions.end(), r) != regions.end();
 }
 
 Vec2 lower_of(const Plane& plane, Region r) {

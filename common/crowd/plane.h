@@ -30,10 +30,14 @@ struct Plane {
   std::uint64_t seed = 1;
 };
 
+/// Of all that is in it: peers with another one are not of the same crowd.
+std::uint64_t plane_hash(const Plane& plane);
+
 /// Regions are numbered so far from the origin, to either side.
 inline constexpr int kMostRegion = 32767;
 
 Region region_at(const Plane& plane, Vec2 p);
+bool contains(const std::vector<Region>& regions, Region r);
 Vec2 lower_of(const Plane& plane, Region r);
 /// Distance from the region's square, m; 0 inside.
 float outside(const Plane& plane, Region r, Vec2 p);

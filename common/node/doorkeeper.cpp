@@ -72,14 +72,26 @@ Doorkeeper::Guest* Doorkeeper::take_in(const Endpoint& from, const wire::Join& j
   return &guests_.back();
 }
 
-std::optional<PeerId> Doorkeeper::free_slot(const Node& node) const {
+bool Doorkeeper::is_free(PeerId p, const Node& node) const {
   const sync::UpdateLog& log = node.agreed().log();
+  const bool empty = !node.other(p).reachable() || node.departed(p);
+  return p != desk_.self && empty && log.closed(p) && !log.waits(p);
+}
+
+std::optional<PeerId> Doorkeeper::free_slot(const Node& node) const {
   for (PeerId p = 0; p < desk_.slots; ++p) {
-    const bool empty = !node.other(p).reachable() || node.departed(p);
     const bool promised = std::any_of(guests_.begin(), guests_.end(), [p](const Guest& g) { return g.slot == p; });
-    if (p != desk_.self && empty && !promised && log.closed(p) && !log.waits(p)) return p;
+    if (is_free(p, node) && !promised) return p;
   }
   return std::nullopt;
+}
+
+// Who was the coordinator before has left, and may have let somebody in with a word that is not here yet.
+bool Doorkeeper::knows_all_orders(const Node& node) const {
+  const sync::UpdateLog& log = node.agreed().log();
+  for (PeerId p = 0; p < desk_.slots; ++p)
+    if (p != desk_.self && log.closed(p) && log.waits(p)) return false;
+  return true;
 }
 
 bool Doorkeeper::may_come_free(const Node& node) const {
@@ -138,6 +150,13 @@ void Doorkeeper::pass_on_what_nobody_sends(const Guest& guest, RecordedNode& nod
 void Doorkeeper::on_enter(const Endpoint& from, const wire::Enter& enter, RecordedNode& node, bool may_admit) {
   Guest* guest = guest_at(from, enter.nonce);
   if (guest == nullptr || guest->pieces.empty() || guest->ordered || !may_admit) return;
+  if (!knows_all_orders(node.node())) return;
+  const bool taken =
+      !is_free(guest->slot, node.node()) || guest->incarnation <= node.node().other(guest->slot).incarnation;
+  if (taken) {  // by whom another coordinator has let in meanwhile; the guest misses our answers, and begins anew
+    std::erase_if(guests_, [guest](const Guest& g) { return &g == guest; });
+    return;
+  }
   guest->ordered = true;
   pass_on_what_nobody_sends(*guest, node);
   sync::Admission a;

@@ -37,7 +37,9 @@ class Doorkeeper {
     bool ordered = false;
   };
   Guest* guest_at(const Endpoint& where, std::uint64_t nonce);
+  bool is_free(PeerId p, const Node& node) const;
   std::optional<PeerId> free_slot(const Node& node) const;
+  bool knows_all_orders(const Node& node) const;
   bool may_come_free(const Node& node) const;
   Guest* take_in(const Endpoint& from, const wire::Join& join, const Node& node, Micros local);
   void pass_on_what_nobody_sends(const Guest& guest, RecordedNode& node);

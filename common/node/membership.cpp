@@ -78,15 +78,25 @@ void Membership::on_unreachable(const Endpoint& at) {
   }
 }
 
+// One process is one peer: if another slot's was there, that life of it is over. Several may come to be known at once,
+// so this is asked when all of them are: where somebody was who sat there before says nothing of who does now.
+void Membership::end_former_lives(const std::vector<MemberChange>& changes) {
+  for (const MemberChange& c : changes) {
+    if (c.kind != MemberChange::Kind::kAdmitted || c.slot == desk_.self) continue;
+    for (PeerId p = 0; p < desk_.roster.size(); ++p)
+      if (p != desk_.self && p != c.slot && same_place(desk_.roster[p], desk_.roster[c.slot]) &&
+          node_.node().other(p).incarnation < c.incarnation)
+        node_.give_up(p);
+  }
+}
+
 void Membership::follow_changes() {
-  for (MemberChange& c : node_.take_changes()) {
+  std::vector<MemberChange> changes = node_.take_changes();
+  for (MemberChange& c : changes) {
     const std::string who = "peer " + std::to_string(c.slot);
     if (c.kind == MemberChange::Kind::kAdmitted && c.slot != desk_.self) {
       // Told of by the coordinator, who may see it elsewhere than we do.
       if (c.by < desk_.roster.size() && desk_.roster[c.by].is_set()) c.at = as_seen_from(c.at, desk_.roster[c.by]);
-      // One process is one peer: if another slot's was there, that life of it is over.
-      for (PeerId p = 0; p < desk_.roster.size(); ++p)
-        if (p != desk_.self && p != c.slot && same_place(desk_.roster[p], c.at)) node_.give_up(p);
       desk_.roster[c.slot] = c.at;
       desk_.note(who + " at " + to_string(c.at) + " comes in at tick " + std::to_string(c.tick));
     }
@@ -99,6 +109,7 @@ void Membership::follow_changes() {
     sides_.on_change(c);
     changes_.push_back(c);
   }
+  end_former_lives(changes);
 }
 
 void Membership::advance(Micros local) {

@@ -32,6 +32,8 @@ class Membership {
   void on_drop(PeerId p, sync::DropReason why, Micros local) { guard_.on_drop(p, why, node_, removals_, local); }
   /// The machine at `at` says that nobody listens there.
   void on_unreachable(const Endpoint& at);
+  /// Says once, there, who is in this session.
+  void knock(const Endpoint& at) { sides_.knock(at, node_.node()); }
   /// Where somebody was in another life of this peer's.
   void remember(const Endpoint& at) { sides_.remember(at, node_.node().now()); }
   /// Once a tick, after the node's step.
@@ -45,6 +47,7 @@ class Membership {
  private:
   std::optional<PeerId> sender(const Endpoint& from, const wire::Header& header) const;
   void follow_changes();
+  void end_former_lives(const std::vector<MemberChange>& changes);
   /// Somebody is about to be declared gone.
   bool doubts() const;
   bool stuck();

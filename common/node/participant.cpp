@@ -182,7 +182,7 @@ void Participant::begin_at_tick_0() {
 void Participant::found_region() {
   const NodeConfig c = node_config(*coming_.session);
   const auto now = static_cast<Tick>(*config_.session.begins_at * kTicksPerSecond / kMicrosPerSecond);
-  const sync::Transfer start = sync::founding(scene_, c.slots, c.technique.authority, now);
+  const sync::Transfer start = sync::founding(scene_, c.slots, c.technique.authority, now, c.incarnation);
   coming_.node = std::make_unique<RecordedNode>(scene_, c, start, now,
                                                 config_.recording ? config_.recording(lives_) : std::nullopt, sink());
   take_over();
@@ -293,6 +293,10 @@ void Participant::retune(const Technique& technique) {
   config_.node.technique = technique;
   for (Life* life : {&life_, &coming_})
     if (life->node) life->node->retune(technique);
+}
+
+void Participant::knock(const Endpoint& at) {
+  if (life_.membership) life_.membership->knock(at);
 }
 
 void Participant::leave() {

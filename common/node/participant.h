@@ -58,6 +58,8 @@ class Participant {
   void set_coarseness(float times) { life_.node->set_coarseness(times); }
   void push(EntityId b, Vec2 velocity) { life_.node->push(b, velocity); }
   void remark(const trace::Remark& r) { life_.node->remark(r); }
+  /// Tells somebody who says that it is in this session, but is no member, who is: so that sides come together.
+  void knock(const Endpoint& at);
   /// Says goodbye: with the next step when playing, at once before.
   void leave();
 

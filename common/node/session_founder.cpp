@@ -21,7 +21,8 @@ Founder::Founder(SessionDesk& desk, Micros local) : desk_(desk) {
 // Nobody is waited for: who comes later comes into a session that runs.
 void Founder::begin_now(Micros session, Micros local) {
   desk_.roster.assign(1, Endpoint{});
-  desk_.incarnation = sync::kFounding;
+  Rng rng(desk_.config.seed);
+  desk_.incarnation = 1 + rng.below(sync::kMostFounding);
   desk_.clock.set(session - local);
   tick0_ = local - session;
   desk_.phase = SessionPhase::kStarted;

@@ -102,6 +102,10 @@ void Sides::on_stranger(const Endpoint& from, std::size_t bytes, const Node& nod
   if (desk_.outgoing.back().bytes.size() > bytes) desk_.outgoing.pop_back();
 }
 
+void Sides::knock(const Endpoint& at, const Node& node) {
+  if (node.member() && !member_at(at, node)) send_probe(at, false, node);
+}
+
 void Sides::advance(const Node& node) {
   if (!node.member() || node.now() - probed_ < kPace) return;
   probed_ = node.now();

@@ -22,6 +22,8 @@ class Sides {
   void on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, const Node& node, Micros local);
   /// A state datagram of this session has come from nobody who is in it.
   void on_stranger(const Endpoint& from, std::size_t bytes, const Node& node, Micros local);
+  /// Once, at an address that is no member's.
+  void knock(const Endpoint& at, const Node& node);
   /// Once a tick.
   void advance(const Node& node);
 

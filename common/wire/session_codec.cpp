@@ -28,12 +28,19 @@ bool is_clock(Micros t) {
 // ---- out
 
 /// Pads to `size` bytes in all. From 128 bytes up both lengths around the padding take two bytes to write.
-void pad_join(Session& out, std::size_t size) {
+template <typename Message>
+void pad(const Session& out, Message& message, std::size_t size) {
   constexpr std::size_t kLeast = 128;
-  out.mutable_join()->set_padding(std::string(kLeast, '\0'));
+  message.set_padding(std::string(kLeast, '\0'));
   const std::size_t least_size = out.ByteSizeLong();
   assert(least_size <= size);
-  out.mutable_join()->set_padding(std::string(kLeast + size - least_size, '\0'));
+  message.set_padding(std::string(kLeast + size - least_size, '\0'));
+}
+
+template <typename Message>
+void put(const Whereabouts& w, Message& message) {
+  message.mutable_in()->Assign(w.in.begin(), w.in.end());
+  message.mutable_seeks()->Assign(w.seeks.begin(), w.seeks.end());
 }
 
 struct Encoder {
@@ -46,7 +53,7 @@ struct Encoder {
     j.set_fingerprint(m.fingerprint);
     j.set_authority(m.authority);
     j.set_scenario(printable(m.scenario, kMaxLabel));
-    pad_join(out, kMaxPayload);
+    pad(out, j, kMaxPayload);
   }
   void operator()(const Welcome& m) const {
     auto& w = *out.mutable_welcome();
@@ -93,6 +100,31 @@ struct Encoder {
     out.mutable_ready()->set_started(m.started);
   }
   void operator()(const Bye& m) const { out.mutable_bye()->set_reason(printable(m.reason, kMaxReason)); }
+  void operator()(const Ask& m) const {
+    auto& a = *out.mutable_ask();
+    a.set_nonce(m.nonce);
+    a.set_crowd(m.crowd);
+    a.set_about(m.about);
+    put(m.sender, a);
+    a.set_rank(m.rank);
+    pad(out, a, kAskPayload);
+  }
+  void operator()(const Tell& m) const {
+    auto& t = *out.mutable_tell();
+    t.set_nonce(m.nonce);
+    t.set_crowd(m.crowd);
+    t.set_about(m.about);
+    put(m.sender, t);
+    t.set_rank(m.rank);
+    t.set_clock_us(m.clock);
+    t.set_noted(m.noted);
+    for (const Acquaintance& k : m.known) {
+      auto& known = *t.add_known();
+      known.set_address(address_bytes(k.at.place()));
+      known.set_port(k.at.port);
+      put(k.where, known);
+    }
+  }
 };
 
 // ---- in
@@ -161,6 +193,35 @@ std::optional<SessionMessage> take(const Session::Bye& in) {
   return Bye{printable(in.reason(), kMaxReason)};
 }
 
+template <typename Message>
+bool take_whereabouts(const Message& in, Whereabouts& out) {
+  const auto take_column = [](const auto& from, std::vector<std::uint32_t>& to) {
+    if (static_cast<std::size_t>(from.size()) > kMostRegions) return false;
+    to.assign(from.begin(), from.end());
+    return std::find(to.begin(), to.end(), 0U) == to.end();
+  };
+  return take_column(in.in(), out.in) && take_column(in.seeks(), out.seeks);
+}
+
+std::optional<SessionMessage> take(const Session::Ask& in) {
+  Ask a{in.nonce(), in.crowd(), in.about(), {}, in.rank()};
+  if (a.nonce == 0 || a.about == 0 || !take_whereabouts(in, a.sender)) return std::nullopt;
+  return a;
+}
+
+std::optional<SessionMessage> take(const Session::Tell& in) {
+  Tell t{in.nonce(), in.crowd(), in.about(), {}, in.rank(), in.clock_us()};
+  if (t.nonce == 0 || t.about == 0 || !take_whereabouts(in, t.sender)) return std::nullopt;
+  if (t.clock < 0 || t.clock > kMaxClock || static_cast<std::size_t>(in.known_size()) > kMostKnown) return std::nullopt;
+  for (const auto& k : in.known()) {
+    Acquaintance& known = t.known.emplace_back();
+    if (!take_endpoint(k.address(), k.port(), known.at) || known.at.has_key()) return std::nullopt;
+    if (!take_whereabouts(k, known.where)) return std::nullopt;
+  }
+  t.noted = in.noted();
+  return t;
+}
+
 }  // namespace
 
 Bytes encode_session(const SessionMessage& message) {
@@ -193,6 +254,10 @@ std::optional<SessionMessage> decode_session(std::span<const std::byte> payload)
       return take(in.ready());
     case Session::kBye:
       return take(in.bye());
+    case Session::kAsk:
+      return take(in.ask());
+    case Session::kTell:
+      return take(in.tell());
     case Session::KIND_NOT_SET:
       break;
   }

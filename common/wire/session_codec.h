@@ -80,7 +80,47 @@ struct Bye {
   friend bool operator==(const Bye&, const Bye&) = default;
 };
 
-using SessionMessage = std::variant<Join, Welcome, Redirect, Refuse, Ping, Pong, Start, Ready, Bye>;
+/// Which regions of a crowd somebody is in, and which ones it looks for, by their numbers: no more than kMostRegions
+/// each, none 0. docs/crowds.md says what for.
+struct Whereabouts {
+  std::vector<std::uint32_t> in{};
+  std::vector<std::uint32_t> seeks{};
+  friend bool operator==(const Whereabouts&, const Whereabouts&) = default;
+};
+
+struct Ask {
+  std::uint64_t nonce = 0;  ///< not 0
+  std::uint64_t crowd = 0;
+  std::uint32_t about = 0;  ///< not 0
+  Whereabouts sender;
+  std::uint32_t rank = 0;
+  friend bool operator==(const Ask&, const Ask&) = default;
+};
+
+struct Acquaintance {
+  Endpoint at;  ///< set, without a key
+  Whereabouts where;
+  friend bool operator==(const Acquaintance&, const Acquaintance&) = default;
+};
+
+struct Tell {
+  std::uint64_t nonce = 0;  ///< not 0
+  std::uint64_t crowd = 0;
+  std::uint32_t about = 0;  ///< not 0
+  Whereabouts sender;
+  std::uint32_t rank = 0;
+  Micros clock = 0;                   ///< 0 .. kMaxClock; 0: it has none yet
+  std::vector<Acquaintance> known{};  ///< kMostKnown at most
+  bool noted = false;                 ///< from now on others are told where the asker is and what it looks for
+  friend bool operator==(const Tell&, const Tell&) = default;
+};
+
+using SessionMessage = std::variant<Join, Welcome, Redirect, Refuse, Ping, Pong, Start, Ready, Bye, Ask, Tell>;
+
+inline constexpr std::size_t kMostRegions = 8;
+inline constexpr std::size_t kMostKnown = 16;
+/// Of every Ask.
+inline constexpr std::size_t kAskPayload = 256;
 
 /// So many members, even with public keys, fit a Start.
 inline constexpr std::size_t kMembersPerStart = 20;
@@ -89,7 +129,8 @@ inline constexpr std::size_t kMaxReason = 400;
 /// Times on anybody's clock lie within this of zero (285 years), so that sums and differences of two never overflow.
 inline constexpr Micros kMaxClock = Micros{1} << 53U;
 
-/// Payload bytes. Texts that are too long are cut; a Join is padded to kMaxPayload, a Ping to no less than its Pong.
+/// Payload bytes. Texts that are too long are cut; a Join is padded to kMaxPayload, an Ask to kAskPayload, a Ping to no
+/// less than its Pong.
 Bytes encode_session(const SessionMessage& message);
 
 /// The message, if the bytes are well formed and every value is in the range that its struct states. Texts come out

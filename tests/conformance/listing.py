@@ -69,11 +69,20 @@ def message_lines(name, content):
             lines += [f"start.member[{member['peer']}] = {place(member) if member['peer'] else 'founder'}" for member in value]
         elif field in ("member", "lost"):
             lines += [f"{name}.{field}[{n}] = {seat['slot']} {seat['incarnation']} {seat['have']}" for n, seat in enumerate(value)]
+        elif field == "known":
+            lines += [f"tell.known[{n}] = {place(each)} in{regions(each['in'])} seeks{regions(each['seeks'])}"
+                      for n, each in enumerate(value)]  # fmt: skip
+        elif field in ("in", "seeks"):
+            lines.append(f"{name}.{field} ={regions(value)}")
         elif field == "update":
             lines += [line for n, update in enumerate(value) for line in update_lines(f"{name}.update[{n}]", update)]
         elif field != "padding":
             lines.append(f"{name}.{field} = {shown(value)}")
     return lines
+
+
+def regions(numbers):
+    return "".join(f" {number}" for number in numbers)
 
 
 def place(endpoint):

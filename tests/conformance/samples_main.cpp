@@ -44,9 +44,14 @@ void print_transfer(const Scene& scene, const wire::Bytes& bytes) {
 void print_datagrams(Rng& rng, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     const bool state = rng.chance(0.4);
-    const wire::Kind kind = state ? wire::Kind::kState : wire::Kind::kMembership;
-    wire::Bytes payload =
-        state ? wire::encode(any_packet(rng, kSender)) : wire::encode_membership(any_membership(rng, i));
+    const bool finding = !state && rng.chance(0.2);
+    const wire::Kind kind = state ? wire::Kind::kState : finding ? wire::Kind::kSession : wire::Kind::kMembership;
+    sync::StatePacket packet = any_packet(rng, kSender);
+    if (packet.updates.empty() && rng.chance(0.5))
+      packet.updates.push_back(any_crossing(rng, kSender, packet.mark_count - 1, packet.mark_tick));
+    wire::Bytes payload = state     ? wire::encode(packet)
+                          : finding ? wire::encode_session(any_finding(rng))
+                                    : wire::encode_membership(any_membership(rng, i));
     print_datagram(kind, payload);
     damage(rng, payload);
     print_datagram(kind, payload);

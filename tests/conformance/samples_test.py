@@ -62,7 +62,7 @@ def main(program):
             kinds.update(order for order in ("admission", "removal", "passed_on") if any(f".{order}" in line for line in lines))
     print(f"read alike: {dict(counts)}; of these with {dict(kinds)}")
     every = {"update", "pull", "piece", "enter", "poll", "answer", "fetch", "fetched", "probe", "transfer", "admission",
-             "removal", "passed_on"}  # fmt: skip
+             "removal", "passed_on", "ask", "tell"}  # fmt: skip
     assert all(kinds[kind] >= 10 for kind in every), kinds
     assert counts["datagram", "malformed"] >= COUNT / 20 and counts["transfer", "refused"] >= COUNT / 20, counts
 

@@ -1,8 +1,9 @@
 """Founding, joining, starting: section 7."""
 from protobuf import one_of
-from rules import is_address, require
+from rules import is_address, require, require_place
 
 MEMBER_FIELDS = {1: ("peer", "uint32"), 2: ("address", "bytes"), 3: ("port", "uint32")}
+KNOWN_FIELDS = {1: ("address", "bytes"), 2: ("port", "uint32"), 3: ("in", "fixed32 column"), 4: ("seeks", "fixed32 column")}
 SESSION_MESSAGES = {
     1: ("join", {1: ("nonce", "fixed64"), 2: ("scene_hash", "fixed64"), 3: ("fingerprint", "fixed64"),
                  4: ("authority", "bool"), 5: ("scenario", "text"), 6: ("padding", "bytes")}),
@@ -15,11 +16,17 @@ SESSION_MESSAGES = {
     7: ("start", {1: ("tick0_us", "sfixed64"), 2: ("member", MEMBER_FIELDS)}),
     8: ("ready", {1: ("round_trip_us", "uint32"), 2: ("started", "bool")}),
     9: ("bye", {1: ("reason", "text")}),
+    10: ("ask", {1: ("nonce", "fixed64"), 2: ("crowd", "fixed64"), 3: ("about", "fixed32"), 4: ("in", "fixed32 column"),
+                 5: ("seeks", "fixed32 column"), 6: ("rank", "fixed32"), 7: ("padding", "bytes")}),
+    11: ("tell", {1: ("nonce", "fixed64"), 2: ("crowd", "fixed64"), 3: ("about", "fixed32"), 4: ("in", "fixed32 column"),
+                  5: ("seeks", "fixed32 column"), 6: ("rank", "fixed32"), 7: ("clock_us", "sfixed64"),
+                  8: ("known", KNOWN_FIELDS), 9: ("noted", "bool")}),
 }
 RANGES = {  # of fields of session messages, by name; others take anything
     "slots": (1, 64), "wanted": (1, 64), "port": (1, 65535), "present": (0, 64),
     "sent_us": (-(1 << 53), 1 << 53), "founder_us": (-(1 << 53), 1 << 53), "tick0_us": (-(1 << 53), 1 << 53),
 }
+MOST_REGIONS, MOST_KNOWN, MOST_CLOCK = 8, 16, 1 << 53
 MOST_REASON, MOST_LABEL, LEAST_PING_PADDING, MOST_MEMBERS = 400, 128, 18, 64
 
 
@@ -39,6 +46,24 @@ def check_ranges(content):
     require("address" not in content or is_address(content["address"]), "an address that is none")
 
 
+def check_regions(content):
+    """Of whoever says where it is, or is said to be somewhere: section 15."""
+    for regions in (content["in"], content["seeks"]):
+        require(len(regions) <= MOST_REGIONS and 0 not in regions, "too many regions, or one that is none")
+
+
+def check_finding(name, content):
+    require(content["nonce"] != 0 and content["about"] != 0, "about nothing")
+    check_regions(content)
+    if name == "tell":
+        require(0 <= content["clock_us"] <= MOST_CLOCK, "a clock that is none")
+        require(len(content["known"]) <= MOST_KNOWN, "knows too many")
+        for known in content["known"]:
+            require_place(known)
+            require(len(known["address"]) == 16, "a key in a crowd")
+            check_regions(known)
+
+
 def check_session(name, content):
     """What is particular to one message."""
     if name == "join":
@@ -48,6 +73,8 @@ def check_session(name, content):
         least, most = (0, content["slots"]) if content["running"] else (1, content["wanted"])
         require(least <= content["peer"] < most, "a number that is none")
         require(content["running"] == (content["incarnation"] > 0), "an incarnation of the wrong sort")
+    elif name in ("ask", "tell"):
+        check_finding(name, content)
     elif name == "ping":
         require(len(content["padding"]) >= LEAST_PING_PADDING, "a ping smaller than its pong")
     elif name == "start":

@@ -139,6 +139,7 @@ def decode_tail(out, scenario):
 
 def check_of_session(update, scenario):
     """What only who knows the session and the scenario can check of an update."""
+    require_value(not update["passages"] and not update["going"], "borders, in a session that is no region")
     admission, passed_on = update["admission"], update["passed_on"]
     if admission:
         require_value(admission["slot"] < scenario.slots and len(admission["have"]) == scenario.slots, "slots")

@@ -186,7 +186,8 @@ def next_of(column):
 def check_values(update, sender):
     """The ranges of section 4, but for those of which the session or the scenario knows: slots, bodies, bounds of positions."""
     check_orders(update, sender)
-    require_value(not update["passages"] and not update["going"], "borders, in a session that is no region")
+    for passage in update["passages"]:
+        check_passage(passage)
     for state in (body["state"] for body in update["bodies"] if body["state"]):
         require_value(1 <= state["epoch"] <= MOST_EPOCH, "epoch")
         check_floats(state["position"], math.inf)
@@ -200,6 +201,17 @@ def check_values(update, sender):
         check_length(avatar["velocity"], MOST_SPEED)
         check_length(avatar["control"] or (), MOST_CONTROL)
         require_value(avatar["awake"] or avatar["velocity"] == (0, 0), "an avatar asleep that moves")
+
+
+def check_passage(passage):
+    """Section 15, but for what the session knows: whether it is a region, which one, and of which builds its bodies are."""
+    kind, state = passage["flags"] & 3, passage["state"]
+    require_value(kind != 0 or passage["to"] != 0, "bound for nowhere")
+    if kind == 1:
+        check_floats(state[:2], math.inf)
+        check_floats(state[2:3], MOST_ANGLE)
+        check_length(state[3:5], MOST_SPEED)
+        check_floats(state[5:], MOST_SPIN)
 
 
 def check_orders(update, sender):

@@ -98,7 +98,7 @@ TEST(PassageCodec, NothingCrossesForTheZerothTime) {
 
 /// A region in the middle of its life.
 sync::Transfer transfer(const Scene& scene, int slots) {
-  sync::Transfer t = sync::founding(scene, slots, true, 500);
+  sync::Transfer t = sync::founding(scene, slots, true, 500, 1);
   t.tail.clear();
   t.state.residents.slots[0] = {};
   t.state.residents.slots[1].bound = 99;

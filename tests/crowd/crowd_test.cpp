@@ -42,7 +42,7 @@ TEST(Crowd, WhoCrossesABorderIsAtHomeOnTheOtherSideAndNeverJumps) {
   c.starts = {{12, 12}, {36, 12}};
   c.drive = [](int person, Tick t) { return person == 0 ? across(t, 12) : Vec2{36, 16}; };
   CrowdRun run(c);
-  run_for(run, 3);
+  run_for(run, 2);
   ASSERT_EQ(run.peer(0).home(), (crowd::Region{0, 0}));
   Vec2 last = run.peer(0).avatar().position;
   Tick at = run.now();
@@ -101,8 +101,11 @@ TEST(Crowd, ABodyPushedAcrossABorderIsHandedOver) {
   EXPECT_EQ(run.different(), 0U);
 }
 
-TEST(Crowd, NoBodyIsLostOrDoubledUnderLossWhateverIsPushedWhere) {
+/// Everybody comes and goes all the time, over links that lose a tenth.
+void push_about(std::uint64_t seed) {
+  SCOPED_TRACE("seed " + std::to_string(seed));
   CrowdRunConfig c = config(12, "delay 60ms 20ms loss 10%");
+  c.seed = c.plane.seed = seed;
   c.shoves = 1;
   // Everybody sweeps to and fro over two regions, one beside the other.
   const auto row = [](int person) { return 1 + 3.8F * static_cast<float>(person); };
@@ -113,6 +116,8 @@ TEST(Crowd, NoBodyIsLostOrDoubledUnderLossWhateverIsPushedWhere) {
   };
   CrowdRun run(c);
   run_for(run, 30);
+  run.stop_input();
+  run_for(run, 10);
   std::uint64_t entries = 0;
   std::uint64_t founded = 0;
   for (int i = 0; i < run.persons(); ++i) {
@@ -120,8 +125,6 @@ TEST(Crowd, NoBodyIsLostOrDoubledUnderLossWhateverIsPushedWhere) {
     founded += run.peer(i).stats().founded;
   }
   EXPECT_GT(entries, 10U) << "nothing was pushed across a border: this shows nothing";
-  run.stop_input();
-  run_for(run, 10);
   const Inventory inv = inventory_of(run, c.plane);
   EXPECT_EQ(inv.regions, founded) << "every region that was ever founded has been kept by somebody";
   EXPECT_EQ(inv.bodies, inv.regions * static_cast<std::size_t>(c.plane.bodies));
@@ -130,6 +133,17 @@ TEST(Crowd, NoBodyIsLostOrDoubledUnderLossWhateverIsPushedWhere) {
   EXPECT_GT(inv.abroad, 0U);
   EXPECT_GT(run.compared(), 10000U);
   EXPECT_EQ(run.different(), 0U);
+}
+
+TEST(Crowd, NoBodyIsLostOrDoubledUnderLossWhateverIsPushedWhere) {
+  push_about(test::seed());
+}
+
+// 20: who had come in was taken for who had sat in another's slot before, and declared gone. 22: two who each had
+// changed their mind left a region to one another. 30: two coordinators gave out one slot. (With a lab that told who is
+// where.)
+TEST(Crowd, NorWithSeedsThatHaveFailed) {
+  for (const std::uint64_t seed : {20U, 22U, 30U}) push_about(seed);
 }
 
 TEST(Crowd, ARegionThatAllHaveLeftIsKeptAsItWas) {
@@ -198,7 +212,7 @@ TEST(Crowd, WhatAPeerTellsDoesNotGrowWithTheCrowd) {
   for (const int peers : {30, 120}) {
     CrowdRunConfig c = config(peers, "delay 100ms loss 2%");
     CrowdRun run(c);
-    run_for(run, 4);
+    run_for(run, 10);  // the last of 120 comes after 6 s
     const auto sum = [&] {
       double b = 0;
       double s = 0;
@@ -212,7 +226,10 @@ TEST(Crowd, WhatAPeerTellsDoesNotGrowWithTheCrowd) {
     run_for(run, 8);
     bytes.push_back(sum().first - before.first);
     steps.push_back(sum().second - before.second);
+    EXPECT_GT(run.compared(), 0U);
     EXPECT_EQ(run.different(), 0U);
+    // Of 120 that come within seconds two may found one region; then it has two sides until they have met.
+    EXPECT_LT(run.split(), run.confirmed() / 20);
   }
   EXPECT_LT(bytes[1], 1.25 * bytes[0]);
   EXPECT_LT(steps[1], 1.2 * steps[0]);

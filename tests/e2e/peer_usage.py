@@ -56,6 +56,30 @@ class Usage(Case):
         for arguments, *words in table:
             self.check_wrong(arguments, *words)
 
+    def test_crowd(self):
+        table = [
+            (["--start", "1,2"], "--start", "--crowd"),
+            (["--stroll", "20"], "--stroll", "--crowd"),
+            (["--region-side", "24"], "--region-side", "--crowd"),
+            (["--crowd", "--scenario", "arena"], "--scenario", "--crowd"),
+            (["--crowd", "--wait-peers", "3"], "--wait-peers", "--crowd"),
+            (["--crowd", "--slots", "3"], "--slots", "--crowd"),
+            (["--crowd", "--trace", "x.trace"], "--trace", "--crowd"),
+            (["--crowd", "--health", "x.json"], "--health", "--crowd"),
+            (["--crowd", "--monitor", "127.0.0.1:9"], "--monitor", "--crowd"),
+            (["--crowd", "--netem-to", "1=loss 5%"], "--netem-to", "HOST:PORT"),
+            (["--crowd", "--key-file", self.file("key", "0" * 64)], "--crowd", "--key-file"),
+            (["--crowd", "--start", "1"], "--start"),
+            (["--crowd", "--start", "1e9,0"], "--start", "metres"),
+            (["--crowd", "--start", "nan,0"], "--start"),
+            (["--crowd", "--stroll", "1"], "--stroll"),
+            (["--crowd", "--region-side", "3"], "--region-side"),
+            (["--crowd", "--input", "path:/no/such/file.csv"], "--input", "/no/such/file.csv"),
+            (["--crowd", "--listen", "0.0.0.0:0"], "--listen", "--insecure"),
+        ]
+        for arguments, *words in table:
+            self.check_wrong(arguments, *words)
+
     def test_technique(self):
         table = [
             (["--technique", "best"], "--technique", "best", "adaptive"),

@@ -171,6 +171,30 @@ struct SessionLister {
     return line("ready.round_trip_us = %lld\nready.started = %d\n", ll(m.round_trip), flag(m.started));
   }
   std::string operator()(const wire::Bye& m) const { return "bye.reason = " + m.reason + "\n"; }
+  std::string operator()(const wire::Ask& m) const {
+    return line("ask.nonce = %llu\nask.crowd = %llu\nask.about = %u\n", ull(m.nonce), ull(m.crowd), m.about) +
+           "ask.in =" + regions(m.sender.in) + "\nask.seeks =" + regions(m.sender.seeks) +
+           line("\nask.rank = %u\n", m.rank);
+  }
+  std::string operator()(const wire::Tell& m) const {
+    std::string s = line("tell.nonce = %llu\ntell.crowd = %llu\n", ull(m.nonce), ull(m.crowd)) +
+                    line("tell.about = %u\n", m.about) + "tell.in =" + regions(m.sender.in) +
+                    "\ntell.seeks =" + regions(m.sender.seeks) +
+                    line("\ntell.rank = %u\ntell.clock_us = %lld\n", m.rank, ll(m.clock));
+    for (std::size_t i = 0; i < m.known.size(); ++i) {
+      const wire::Acquaintance& k = m.known[i];
+      s += line("tell.known[%zu] = ", i) + address_of(k.at) + line(" %d in", int{k.at.port}) + regions(k.where.in) +
+           " seeks" + regions(k.where.seeks) + "\n";
+    }
+    return s + line("tell.noted = %d\n", flag(m.noted));
+  }
+
+ private:
+  static std::string regions(const std::vector<std::uint32_t>& all) {
+    std::string s;
+    for (const std::uint32_t r : all) s += line(" %u", r);
+    return s;
+  }
 };
 
 std::string world_lines(const world::Snapshot& w) {

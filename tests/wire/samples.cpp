@@ -122,7 +122,52 @@ wire::Fetched any_fetched(Rng& rng) {
   return f;
 }
 
+wire::Whereabouts any_whereabouts(Rng& rng) {
+  wire::Whereabouts w;
+  w.in.resize(rng.below(4));
+  w.seeks.resize(rng.below(wire::kMostRegions / 2));
+  for (auto* column : {&w.in, &w.seeks})
+    for (std::uint32_t& r : *column) r = 1 + rng.next_u32() / 2;
+  return w;
+}
+
 }  // namespace
+
+sync::Bundle any_crossing(Rng& rng, PeerId peer, std::uint32_t index, Tick tick) {
+  Bundle b;
+  b.peer = peer;
+  b.index = index;
+  b.tick = tick;
+  if (rng.chance(0.3)) {
+    b.going = rng.chance(0.5);
+    return b;
+  }
+  for (std::uint32_t n = 1 + rng.below(sync::kMaxPassages); n > 0; --n) {
+    sync::Passage& p = b.passages.emplace_back();
+    p.kind = static_cast<sync::Passage::Kind>(rng.below(3));
+    p.name = {1 + rng.next_u32() / 2, static_cast<std::uint16_t>(rng.below(65536))};
+    p.crossings = 1 + any_count(rng);
+    if (p.kind == sync::Passage::Kind::kBound) p.to = 1 + rng.next_u32() / 2;
+    if (p.kind != sync::Passage::Kind::kIn) continue;
+    p.owned = rng.chance(0.5);
+    p.build = static_cast<std::uint8_t>(rng.below(3));
+    p.state.position = {static_cast<float>(rng.uniform(-50, 50)), static_cast<float>(rng.uniform(-50, 50))};
+    p.state.awake = rng.chance(0.5);
+    if (p.state.awake) p.state.velocity = {static_cast<float>(rng.uniform(-5, 5)), 1};
+  }
+  return b;
+}
+
+wire::SessionMessage any_finding(Rng& rng) {
+  const std::uint64_t nonce = 1 + rng.next_u64() / 2;
+  const std::uint32_t about = 1 + rng.next_u32() / 2;
+  if (rng.chance(0.5)) return wire::Ask{nonce, rng.next_u64(), about, any_whereabouts(rng), rng.next_u32()};
+  wire::Tell t{nonce, rng.next_u64(), about, any_whereabouts(rng), rng.next_u32()};
+  t.clock = rng.chance(0.5) ? static_cast<Micros>(rng.next_u32()) : 0;
+  t.noted = rng.chance(0.5);
+  for (std::uint32_t n = rng.below(5); n > 0; --n) t.known.push_back({any_endpoint(rng).place(), any_whereabouts(rng)});
+  return t;
+}
 
 Bundle any_bundle(Rng& rng, PeerId peer, std::uint32_t index, Tick tick, int depth) {
   Bundle b;

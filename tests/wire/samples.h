@@ -7,6 +7,7 @@
 #include "common/sync/agreed_world.h"
 #include "common/wire/codec.h"
 #include "common/wire/membership_codec.h"
+#include "common/wire/session_codec.h"
 
 namespace padr::test {
 
@@ -15,6 +16,10 @@ namespace padr::test {
 /// Of one sort each: entities, a goodbye, an admission, a removal, or an update passed on, up to `depth` deep.
 sync::Bundle any_bundle(Rng& rng, PeerId peer, std::uint32_t index, Tick tick, int depth = sync::kMaxPassing);
 sync::StatePacket any_packet(Rng& rng, PeerId sender);
+/// Of a region of a crowd: passages of bodies, or going.
+sync::Bundle any_crossing(Rng& rng, PeerId peer, std::uint32_t index, Tick tick);
+/// An Ask or a Tell.
+wire::SessionMessage any_finding(Rng& rng);
 /// Of each alternative of the variant in turn.
 wire::MembershipMessage any_membership(Rng& rng, std::size_t kind);
 inline constexpr std::size_t kMembershipKinds = std::variant_size_v<wire::MembershipMessage>;

@@ -123,6 +123,8 @@ def of_update(update, raw, peer):
     yield "padr.update.tick", update["tick"]
     if update["leave"]:
         yield "padr.update.leave", True
+    if raw["going"]:
+        yield "padr.update.going", raw["going"]
     if raw.get("signature"):
         yield "padr.update.signature", raw["signature"]
     if update["avatar"]:
@@ -183,6 +185,13 @@ def of_orders(update, raw):
         yield "padr.removal", None
         for name in ("slot", "incarnation", "count"):
             yield f"padr.removal.{name}", removal[name]
+    for passage in raw["passages"]:
+        yield "padr.passage", None
+        for name in ("region", "number", "crossings", "flags"):
+            yield f"padr.passage.{name}", passage[name]
+        for value in passage["state"]:
+            yield "padr.passage.state", value
+        yield "padr.passage.to", passage["to"]
     if passed_on:
         sent = raw["passed_on"]
         yield "padr.passed_on", None
@@ -197,6 +206,7 @@ NODES = {
     ("poll", "lost"): ("lost", ("slot", "incarnation", "have")),
     ("answer", "lost"): ("lost", ("slot", "incarnation", "have")),
     ("probe", "member"): ("members", ("slot", "incarnation", "have")),
+    ("tell", "known"): ("known", ("address", "port", "in", "seeks")),
 }
 
 
@@ -208,7 +218,11 @@ def of_message(datagram, decoded):
             node, parts = NODES[name, field]
             for each in value:
                 yield f"padr.{name}.{node}", None
-                yield from ((f"padr.{name}.{node}.{part}", each[part]) for part in parts if part != "address" or each[part])
+                for part in parts:
+                    values = each[part] if isinstance(each[part], (list, tuple)) else [each[part]]
+                    yield from ((f"padr.{name}.{node}.{part}", value) for value in values if value != b"")
+        elif isinstance(value, (list, tuple)) and field in ("in", "seeks"):
+            yield from ((f"padr.{name}.{field}", each) for each in value)
         elif field == "nonce":
             yield "padr.nonce", value
         elif field == "padding":

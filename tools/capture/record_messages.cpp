@@ -80,8 +80,38 @@ class SessionFields {
     r_.flag("padr.ready.started", m.started);
   }
   void operator()(const wire::Bye& m) const { r_.text("padr.bye.reason", m.reason); }
+  void operator()(const wire::Ask& m) const {
+    r_.hex64("padr.nonce", m.nonce);
+    r_.hex64("padr.ask.crowd", m.crowd);
+    r_.number("padr.ask.about", m.about);
+    regions({"padr.ask.in", "padr.ask.seeks"}, m.sender);
+    r_.number("padr.ask.rank", m.rank);
+    r_.number("padr.ask.padding", length_within(payload_, 10, 7));
+  }
+  void operator()(const wire::Tell& m) const {
+    r_.hex64("padr.nonce", m.nonce);
+    r_.hex64("padr.tell.crowd", m.crowd);
+    r_.number("padr.tell.about", m.about);
+    regions({"padr.tell.in", "padr.tell.seeks"}, m.sender);
+    r_.number("padr.tell.rank", m.rank);
+    r_.signed_number("padr.tell.clock_us", m.clock);
+    for (const wire::Acquaintance& k : m.known) {
+      r_.address("padr.tell.known.address", k.at);
+      r_.number("padr.tell.known.port", k.at.port);
+      regions({"padr.tell.known.in", "padr.tell.known.seeks"}, k.where);
+    }
+    r_.flag("padr.tell.noted", m.noted);
+  }
 
  private:
+  struct RegionNames {
+    std::string_view in, seeks;
+  };
+  void regions(const RegionNames& names, const wire::Whereabouts& w) const {
+    for (const std::uint32_t r : w.in) r_.number(names.in, r);
+    for (const std::uint32_t r : w.seeks) r_.number(names.seeks, r);
+  }
+
   Record& r_;
   Bytes payload_;
 };

@@ -78,11 +78,14 @@ void CrowdCommand::declare(CLI::App& app) {
   app.add_option("--seconds", seconds_, "Virtual length of what is measured")
       ->check(CLI::Range(1.0, 3600.0))
       ->capture_default_str();
-  app.add_option("--warm-up", warm_up_, "Before that, s: all come in at once")
+  app.add_option("--warm-up", warm_up_, "Before that, s, besides the time that it takes all to come")
       ->check(CLI::Range(2.0, 600.0))
       ->capture_default_str();
   app.add_option("--seed", seed_, "Of everything drawn")->capture_default_str();
   app.add_option("--netem", netem_, "Every directed link")->type_name("SPEC")->capture_default_str();
+  app.add_option("--arrivals", arrivals_, "Peers that come in a second, one after another")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
   app.add_option("--room", room_, "m^2 of the plane for every peer")
       ->check(CLI::Range(10.0, 10000.0))
       ->capture_default_str();
@@ -105,12 +108,13 @@ void CrowdCommand::declare(CLI::App& app) {
       ->type_name("FILE|-");
   app.footer(
       "A plane without end, in square regions that agree on a world each; docs/crowds.md has the design. Every peer\n"
-      "strolls about a square of 24 m, runs into bodies and others, and is in the regions that it is near. CPU is\n"
-      "thread time of a peer's tick, and its ratio to the first run's. Inconsistency is what a peer has wrong of what\n"
-      "is near it, summed, and that of one avatar.\n"
+      "strolls about a square of 24 m, runs into bodies and others, and is in the regions that it is near. Who is in\n"
+      "a region they find out from one another; a region that two found at once has several sides, which agree with\n"
+      "themselves, until they come together. CPU is thread time of a peer's tick, and its ratio to the first run's.\n"
+      "Inconsistency is what a peer has wrong of what is near it, summed, and that of one avatar.\n"
       "Example:\n"
       "  padr-lab crowd --peers 4,50,200 --seconds 20 --seed 1\n"
-      "Exit: 0 all confirmed worlds were the same, 1 some differed, 2 usage.");
+      "Exit: 0 all who were on one side confirmed the same worlds, 1 some differed, 2 usage.");
 }
 
 CrowdRunConfig CrowdCommand::config_of(int peers) const {
@@ -124,6 +128,7 @@ CrowdRunConfig CrowdCommand::config_of(int peers) const {
   c.seed = seed_;
   c.peers = peers;
   c.room = static_cast<float>(room_);
+  c.arrivals = arrivals_;
   c.threads = jobs_;
   return c;
 }
@@ -131,7 +136,7 @@ CrowdRunConfig CrowdCommand::config_of(int peers) const {
 CrowdRow CrowdCommand::measure(int peers) const {
   CrowdRun run(config_of(peers));
   const auto ticks = [](double s) { return static_cast<Tick>(std::lround(s * kTicksPerSecond)); };
-  while (run.now() < ticks(warm_up_)) run.advance();
+  while (run.now() < ticks(warm_up_ + peers / arrivals_)) run.advance();
   Census census(static_cast<float>(near_));
   const Sums before = Sums::of(run);
   double links = 0;
@@ -174,6 +179,8 @@ CrowdRow CrowdCommand::measure(int peers) const {
   r.bodies = inventory_of(run, plane_);
   r.compared = run.compared();
   r.different = run.different();
+  r.confirmed = run.confirmed();
+  r.split = run.split();
   return r;
 }
 
@@ -192,7 +199,8 @@ std::string CrowdCommand::json(const std::vector<std::string>& command, const st
     j.field("bodies_lost", r.bodies.lost)
         .field("bodies_in_two_regions", r.bodies.doubled)
         .field("hashes_compared", r.compared);
-    j.field("hashes_different", r.different).end_object();
+    j.field("hashes_different", r.different).field("region_ticks", r.confirmed);
+    j.field("region_ticks_split", r.split).end_object();
   }
   j.end_array().end_object();
   return j.text();
@@ -209,13 +217,18 @@ int CrowdCommand::run(const std::vector<std::string>& command) {
   }
   std::uint64_t compared = 0;
   std::uint64_t different = 0;
+  std::uint64_t confirmed = 0;
+  std::uint64_t split = 0;
   for (const CrowdRow& r : rows) {
     compared += r.compared;
     different += r.different;
+    confirmed += r.confirmed;
+    split += r.split;
   }
   if (table) {
     for (const CrowdRow& r : rows) std::cout << footnote_of(r);
-    std::cout << compared << " confirmed hashes compared, " << different << " different\n";
+    std::cout << compared << " confirmed hashes compared, " << different << " different\n"
+              << split << " of " << confirmed << " ticks of regions confirmed on several sides\n";
   }
   if (json_ == "-") std::cout << json(command, rows);
   if (!json_.empty() && json_ != "-") {

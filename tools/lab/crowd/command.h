@@ -32,6 +32,8 @@ struct CrowdRow {
   Inventory bodies;               ///< at the end
   std::uint64_t compared = 0;
   std::uint64_t different = 0;
+  std::uint64_t confirmed = 0;  ///< ticks of regions
+  std::uint64_t split = 0;      ///< of these, on several sides
 };
 
 /// `padr-lab crowd`: crowds of several sizes at the same density.
@@ -50,6 +52,7 @@ class CrowdCommand {
   std::vector<int> peers_{4, 50, 200};
   double seconds_ = 20;
   double warm_up_ = 4;
+  double arrivals_ = 20;
   std::uint64_t seed_ = 1;
   std::string netem_ = "delay 100ms loss 2%";
   double room_ = 144;

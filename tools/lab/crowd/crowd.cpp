@@ -13,8 +13,6 @@ namespace {
 
 /// Hashes of ticks that lie so far back have been compared with everybody's.
 constexpr Tick kRemembered = 20 * kTicksPerSecond;
-/// Whoever has been told to found a region has done so by then, or will not.
-constexpr Micros kFounding = 3 * kMicrosPerSecond;
 
 /// Ticks that every datagram is on its way at least; 1 if that is not known.
 Tick stride_of(const link::NetemSpec& s) {
@@ -36,6 +34,14 @@ Endpoint place_number(int n) {
   return ipv4(
       {10, static_cast<std::uint8_t>(u >> 16U), static_cast<std::uint8_t>(u >> 8U), static_cast<std::uint8_t>(u)},
       7000);
+}
+
+/// The same for all who have come into a region by way of one another.
+std::uint64_t side_of(const sync::FoldState& s) {
+  Hasher h;
+  for (const sync::Member& m : s.members)
+    h.add(static_cast<std::uint64_t>(m.present) << 32U | std::uint64_t{m.incarnation});
+  return h.value();
 }
 
 }  // namespace
@@ -73,6 +79,7 @@ void CrowdRun::place(int person) {
   o.slot = person;
   p.input = std::make_unique<scenarios::Wander>(o, derive_seed(config_.seed, 0x3A1));
   p.place = place_number(person);
+  p.comes = static_cast<Tick>(std::lround(person * kTicksPerSecond / config_.arrivals));
   by_place_[p.place] = person;
   crowd::CrowdConfig c;
   c.plane = config_.plane;
@@ -81,8 +88,9 @@ void CrowdRun::place(int person) {
   c.fingerprint = 1;
   c.seed = rng.next_u64();
   c.start = start;
+  if (person > 0) c.contact = place_number(0);
   c.on_confirmed = [&p](crowd::Region r, const sync::FoldState& s, std::uint64_t hash) {
-    p.confirmed.push_back({r, s.tick, hash});
+    p.confirmed.push_back({r, s.tick, side_of(s), hash});
   };
   p.peer = std::make_unique<crowd::CrowdPeer>(c);
 }
@@ -103,17 +111,16 @@ void CrowdRun::advance() {
   now_ += stride_;
   compare();
   note_members();
-  answer();
 }
 
 void CrowdRun::work(std::size_t person) {
   Person& p = persons_[person];
   std::stable_sort(p.inbox.begin(), p.inbox.end(), [](const Arrival& a, const Arrival& b) { return a.at < b.at; });
   for (Tick t = now_ + 1; t <= now_ + stride_; ++t) {
+    if (t < p.comes) continue;
     shove(person, t);
     work_a_tick(person, time_of(t));
   }
-  p.asks = p.peer->asks(time_of(now_ + stride_));
 }
 
 void CrowdRun::work_a_tick(std::size_t person, Micros time) {
@@ -177,7 +184,10 @@ void CrowdRun::deliver(Micros until) {
 void CrowdRun::compare() {
   for (Person& p : persons_) {
     for (const Confirmed& c : p.confirmed) {
-      const auto [it, fresh] = hashes_[c.region].try_emplace(c.tick, c.hash);
+      auto& sides = hashes_[c.region][c.tick];
+      const auto [it, fresh] = sides.try_emplace(c.side, c.hash);
+      confirmed_ += fresh && sides.size() == 1 ? 1U : 0U;
+      split_ += fresh && sides.size() == 2 ? 1U : 0U;
       if (fresh) continue;
       ++compared_;
       if (it->second != c.hash) ++different_;
@@ -191,25 +201,6 @@ void CrowdRun::note_members() {
   members_.clear();
   for (int i = 0; i < persons(); ++i)
     for (const crowd::Post& post : persons_[at(i)].peer->posts()) members_[post.region].push_back(i);
-}
-
-void CrowdRun::answer() {
-  for (int i = 0; i < persons(); ++i) {
-    Person& p = persons_[at(i)];
-    for (const crowd::Region r : p.asks) {
-      const auto known = members_.find(r);
-      if (known != members_.end()) {
-        const std::vector<int>& there = known->second;
-        p.peer->told(r, persons_[at(there[answers_++ % there.size()])].place, time());
-        continue;
-      }
-      Micros& since = being_founded_.try_emplace(r, time() - kFounding).first->second;
-      if (time() - since < kFounding) continue;
-      since = time();
-      p.peer->told(r, std::nullopt, time());
-    }
-    p.asks.clear();
-  }
 }
 
 double CrowdRun::cpu_seconds() const {

@@ -23,8 +23,9 @@ struct CrowdRunConfig {
   link::NetemSpec netem;  ///< of every directed link
   std::uint64_t seed = 1;
   int peers = 4;
-  float room = 144;   ///< m^2 of the plane for every peer
-  float stroll = 24;  ///< m: everybody stays in a square of this side, somewhere on the crowd's ground
+  double arrivals = 20;  ///< 1/s: they come one after another
+  float room = 144;      ///< m^2 of the plane for every peer
+  float stroll = 24;     ///< m: everybody stays in a square of this side, somewhere on the crowd's ground
   /// 1/s: so often everybody gives a body near it a push of 6 m/s, in any direction.
   double shoves = 0;
   int threads = 1;
@@ -32,9 +33,9 @@ struct CrowdRunConfig {
   std::function<Vec2(int person, Tick tick)> drive{};  ///< in place of strolling
 };
 
-/// Whole peers of a crowd on one virtual clock and network, every datagram through a shim. Who is in which region they
-/// are told by the lab; all else they find out from one another. The same configuration gives the same run, to the bit,
-/// whatever the number of threads.
+/// Whole peers of a crowd on one virtual clock and network, every datagram through a shim. They come one after
+/// another, with the address of the first; all else they find out from one another. The same configuration gives the
+/// same run, to the bit, whatever the number of threads.
 class CrowdRun {
  public:
   explicit CrowdRun(CrowdRunConfig config);
@@ -59,14 +60,20 @@ class CrowdRun {
   /// Pairs that have had something to tell one another since the last call.
   std::size_t take_links();
 
-  /// Confirmed states of one region and tick that were hashed by one peer and another.
+  /// Confirmed states of one region and tick that were hashed by one peer and another who are on one side: who agree on
+  /// who is in that region.
   std::uint64_t compared() const { return compared_; }
   std::uint64_t different() const { return different_; }
+  /// Ticks of all regions that somebody has confirmed; and of these, that were confirmed on several sides: of a region
+  /// that two had founded, or that had fallen apart.
+  std::uint64_t confirmed() const { return confirmed_; }
+  std::uint64_t split() const { return split_; }
 
  private:
   struct Confirmed {
     crowd::Region region;
     Tick tick;
+    std::uint64_t side;
     std::uint64_t hash;
   };
   struct Arrival {
@@ -81,10 +88,10 @@ class CrowdRun {
     std::map<int, std::unique_ptr<link::Shim>> links;  ///< by receiver
     std::vector<Arrival> inbox;                        ///< by time
     std::vector<Confirmed> confirmed;
-    std::vector<crowd::Region> asks;
     std::set<int> spoken_to;
     double cpu = 0;
     std::optional<Vec2> stands;
+    Tick comes = 0;  ///< nothing is there before
   };
   static std::size_t at(int person) { return static_cast<std::size_t>(person); }
   void place(int person);
@@ -96,7 +103,6 @@ class CrowdRun {
   void deliver(Micros until);
   Vec2 target_of(std::size_t person, Tick t);
   void shove(std::size_t person, Tick t);
-  void answer();
   void compare();
   void note_members();
 
@@ -106,11 +112,11 @@ class CrowdRun {
   std::vector<Person> persons_;
   std::map<Endpoint, int> by_place_;
   std::map<crowd::Region, std::vector<int>> members_;
-  std::map<crowd::Region, Micros> being_founded_;
-  std::map<crowd::Region, std::map<Tick, std::uint64_t>> hashes_;
+  std::map<crowd::Region, std::map<Tick, std::map<std::uint64_t, std::uint64_t>>> hashes_;  ///< by side
+  std::uint64_t confirmed_ = 0;
+  std::uint64_t split_ = 0;
   std::uint64_t compared_ = 0;
   std::uint64_t different_ = 0;
-  std::uint64_t answers_ = 0;
   bool standing_ = false;
   Gang gang_;
 };

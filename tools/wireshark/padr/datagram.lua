@@ -105,6 +105,18 @@ local function require_clock(value)
   require_that(high < 2097152 and high >= -2097152 or high == 2097152 and low == 0, "a clock beyond 2^53")
 end
 
+local function require_regions(m)
+  for _, column in ipairs({ m["in"], m.seeks }) do
+    require_that(#column <= 8, "too many regions")
+    for _, region in ipairs(column) do require_that(region.v ~= 0, "a region that is none") end
+  end
+end
+
+local function require_finding(m)
+  require_that(m.nonce.v ~= ("\0"):rep(8) and m.about.v ~= 0, "about nothing")
+  require_regions(m)
+end
+
 local CHECKS = {
   welcome = function(m)
     require_that(m.slots.v >= 1 and m.slots.v <= 64 and m.wanted.v >= 1 and m.wanted.v <= m.slots.v, "slots or wanted")
@@ -127,6 +139,18 @@ local CHECKS = {
     require_clock(m.sent_us)
     require_clock(m.founder_us)
     require_that(m.present.v <= 64, "more present than there may be")
+  end,
+  ask = require_finding,
+  tell = function(m)
+    require_finding(m)
+    require_clock(m.clock_us)
+    require_that(m.clock_us.v:byte(8) < 128, "a clock that is none")
+    require_that(#m.known <= 16, "knows too many")
+    for _, known in ipairs(m.known) do
+      updates.require_place(known)
+      require_that(#known.address.v == 16, "a key in a crowd")
+      require_regions(known)
+    end
   end,
   start = function(m)
     require_clock(m.tick0_us)

@@ -1,4 +1,4 @@
--- The messages of the protocol, field by field, as protobuf.lua takes them: section 3, 7, 9 and 10 of proto/WIRE.md.
+-- The messages of the protocol, field by field, as protobuf.lua takes them: sections 3, 7, 9, 10 and 15 of proto/WIRE.md.
 local schema = {}
 
 local admission = {
@@ -7,10 +7,15 @@ local admission = {
 }
 local removal = { { "slot", "uint32" }, { "incarnation", "uint32" }, { "count", "uint32" } }
 local passed_on = { { "slot", "uint32" }, { "index", "uint32" }, { "tick", "uint32" } }
+local passage = {
+  { "region", "uint32" }, { "number", "uint32" }, { "crossings", "uint32" }, { "flags", "uint32" }, { "state", "floats" },
+  { "to", "uint32" },
+}
 schema.update = {
   { "index_back", "uint32" }, { "tick_back", "uint32" }, { "avatar", "uint32" }, { "bodies", "uint32s" },
   { "state", "floats" }, { "rounded", "sint32s" }, [10] = { "leave", "bool" }, [11] = { "admission", one = admission },
   [12] = { "removals", many = removal }, [13] = { "passed_on", one = passed_on }, [14] = { "signature", "bytes" },
+  [15] = { "passages", many = passage }, [16] = { "going", "uint32" },
 }
 passed_on[4] = { "update", one = schema.update }
 
@@ -24,6 +29,7 @@ schema.link = {
 }
 
 local member = { { "peer", "uint32" }, { "address", "bytes" }, { "port", "uint32" } }
+local known = { { "address", "bytes" }, { "port", "uint32" }, { "in", "fixed32s" }, { "seeks", "fixed32s" } }
 schema.session = {
   {
     "join",
@@ -46,6 +52,20 @@ schema.session = {
   { "start", one = { { "tick0_us", "sfixed64" }, { "member", many = member } } },
   { "ready", one = { { "round_trip_us", "uint32" }, { "started", "bool" } } },
   { "bye", one = { { "reason", "text" } } },
+  {
+    "ask",
+    one = {
+      { "nonce", "fixed64" }, { "crowd", "fixed64" }, { "about", "fixed32" }, { "in", "fixed32s" }, { "seeks", "fixed32s" },
+      { "rank", "fixed32" }, { "padding", "bytes" },
+    },
+  },
+  {
+    "tell",
+    one = {
+      { "nonce", "fixed64" }, { "crowd", "fixed64" }, { "about", "fixed32" }, { "in", "fixed32s" }, { "seeks", "fixed32s" },
+      { "rank", "fixed32" }, { "clock_us", "sfixed64" }, { "known", many = known }, { "noted", "bool" },
+    },
+  },
 }
 
 local seat = { { "slot", "uint32" }, { "incarnation", "uint32" }, { "have", "uint32" } }

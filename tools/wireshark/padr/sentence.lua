@@ -62,6 +62,11 @@ local SENTENCES = {
     return (m.started.v and "has the start" or "is ready") .. (", round trip %.1f ms"):format(m.round_trip_us.v / 1000)
   end,
   bye = function(m) return "goes: " .. m.reason.v end,
+  ask = function(m) return ("asks who is near region %d"):format(m.about.v) end,
+  tell = function(m)
+    return ("tells who is near region %d: is in %s, knows %s"):format(m.about.v, count(#m["in"], "region", "regions"),
+      count(#m.known, "peer", "peers"))
+  end,
   pull = function(m) return ("asks for pieces from %d on"):format(m.from.v) end,
   piece = function(m, found)
     return ("piece %d of %d%s"):format(m.index.v + 1, m.count.v, found.transfer and ", the last one missing" or "")

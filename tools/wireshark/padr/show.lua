@@ -157,6 +157,8 @@ function Show:body(tree, body, peer)
   end
 end
 
+local PASSAGES = { [0] = "is bound for another", "comes in", "goes out" }
+
 function Show:orders(tree, update)
   local raw = update.raw
   local admission = raw.admission
@@ -169,6 +171,11 @@ function Show:orders(tree, update)
     local node = self:node(tree, "padr.removal", ("Removes peer %d"):format(removal.slot.v), removal._at, removal._stop)
     self:message(node, "padr.removal", schema.update[12].many, removal)
     node:add_proto_expert_info(self.expert.removal)
+  end
+  for _, passage in ipairs(raw.passages) do
+    local label = ("Passage: body %d of region %d %s"):format(passage.number.v, passage.region.v, PASSAGES[passage.flags.v % 4])
+    local node = self:node(tree, "padr.passage", label, passage._at, passage._stop)
+    self:message(node, "padr.passage", schema.update[15].many, passage)
   end
   local passed_on = raw.passed_on
   if passed_on then
@@ -187,6 +194,8 @@ local function update_label(update)
   if update.admission then what[#what + 1] = "admission" end
   if #update.removals > 0 then what[#what + 1] = "removal" end
   if update.inner then what[#what + 1] = "passed on" end
+  if #update.raw.passages > 0 then what[#what + 1] = #update.raw.passages == 1 and "passage" or "passages" end
+  if update.raw.going.v ~= 0 then what[#what + 1] = update.raw.going.v == 2 and "wants to leave" or "stays" end
   return ("Update %d of peer %d at tick %d: %s"):format(update.index, update.peer, update.tick, table.concat(what, ", "))
 end
 
@@ -200,6 +209,7 @@ function Show:update(tree, update, first)
   self:add(node, "padr.update.index", update.index)
   self:add(node, "padr.update.tick", update.tick)
   if update.leave then self:value(node, "padr.update.leave", raw.leave) end
+  if raw.going.v ~= 0 then self:value(node, "padr.update.going", raw.going) end
   local signature = #raw.signature.v > 0 and self:range(raw.signature.at, raw.signature.stop)
   if signature then self:raw(node, "padr.update.signature", signature) end
   if update.avatar then self:avatar(node, update.avatar) end

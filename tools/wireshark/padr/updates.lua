@@ -12,7 +12,7 @@ updates.MOST_TICK = 2147483646
 updates.MOST_PEERS = 64
 
 local MOST_BODIES, FIRST_BAD_BODY, MOST_PASSING = 27, 65535, 3
-local MOST_SIGNED_BODIES, SIGNATURE = 20, 64
+local MOST_SIGNED_BODIES, SIGNATURE, MOST_PASSAGES = 20, 64, 8
 local MOST_SPEED, MOST_SPIN, MOST_ANGLE, MOST_CONTROL = 121, 95, 100000, 10000
 local PLACE, MOTION, MOST_STEPS = 2 ^ -14, 2 ^ -12, 2 ^ 24 - 1
 local MOST_EPOCH, MOST_NUMBER = 1073741824, 1073741823
@@ -141,6 +141,23 @@ local function count_sorts(raw)
   local function one(is) return is and 1 or 0 end
   local entities = raw.avatar.v ~= 0 or #raw.bodies > 0
   return one(raw.leave.v) + one(raw.admission) + one(#raw.removals > 0) + one(raw.passed_on) + one(entities)
+    + one(#raw.passages > 0) + one(raw.going.v ~= 0)
+end
+
+-- Steps of bodies from one region to another.
+local function check_passages(raw)
+  require_that(raw.going.v <= 2, "neither going nor staying")
+  require_that(#raw.passages <= MOST_PASSAGES, "too many passages")
+  for _, passage in ipairs(raw.passages) do
+    local flags, values = passage.flags.v, #passage.state
+    local kind = flags % 4
+    require_that(kind < 3 and flags < 4096, "a passage that is none")
+    require_that(passage.number.v < 65536, "a body that is none")
+    require_that(passage.crossings.v >= 1 and passage.crossings.v <= MOST_NUMBER, "a body that is none")
+    require_that(kind == 1 or flags < 4 and values == 0, "a state of what does not come in")
+    require_that(kind == 0 or passage.to.v == 0, "bound, and on its way")
+    require_that(kind ~= 1 or values == (has(flags, 8) and 6 or 3), "a state of another length")
+  end
 end
 
 -- An update of that peer, by the mark that its numbers count back from. Raises `malformed`.
@@ -152,6 +169,7 @@ function updates.decode(raw, peer, mark_tick, mark_count, depth)
   local signature = #raw.signature.v
   require_that(signature == 0 or signature == SIGNATURE, "a signature of another length")
   check_orders(raw, depth)
+  check_passages(raw)
   local update = {
     raw = raw, peer = peer, index = mark_count - 1 - raw.index_back.v, tick = mark_tick - raw.tick_back.v, leave = raw.leave.v,
     admission = raw.admission, removals = raw.removals,
@@ -193,6 +211,18 @@ local function check_avatar(avatar)
   require_value(avatar.awake or (avatar.vx.v == 0 and avatar.vy.v == 0), "an avatar at rest that moves")
 end
 
+-- Section 15, but for what hangs on the session.
+local function check_passage(passage)
+  local kind, state = passage.flags.v % 4, passage.state
+  require_value(kind ~= 0 or passage.to.v ~= 0, "bound for nowhere")
+  if kind ~= 1 then return end
+  check_vector(state[1], state[2])
+  require_value(finite_within(state[3], MOST_ANGLE), "an angle out of range")
+  if not state[4] then return end
+  check_vector(state[4], state[5], MOST_SPEED)
+  require_value(finite_within(state[6], MOST_SPIN), "a spin out of range")
+end
+
 -- The ranges of section 4, but for those that hang on the session or the scenario. Raises `value`.
 function updates.check_values(update, sender)
   local admission, passed_on = update.admission, update.passed_on
@@ -209,6 +239,7 @@ function updates.check_values(update, sender)
     if body.state then check_body(body) end
   end
   if update.avatar then check_avatar(update.avatar) end
+  for _, passage in ipairs(update.raw.passages) do check_passage(passage) end
   if passed_on then
     require_value(passed_on.slot.v ~= sender, "passes on its own")
     require_value(update.inner.index <= MOST_NUMBER and update.inner.tick <= update.tick, "passes on what is not yet")

@@ -1,0 +1,135 @@
+#include "common/crowd/address_book.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+namespace padr::crowd {
+namespace {
+
+constexpr std::size_t kDirections = 8;
+
+/// Eighths of a turn, from the x axis on.
+std::size_t direction(Region from, Region to) {
+  const double angle = std::atan2(static_cast<double>(to.y - from.y), static_cast<double>(to.x - from.x));
+  const auto eighth = static_cast<int>(std::floor((angle + 3.14159265358979) * kDirections / 6.28318530717959));
+  return static_cast<std::size_t>(std::clamp(eighth, 0, static_cast<int>(kDirections) - 1));
+}
+
+}  // namespace
+
+bool Acquaintance::is_in(Region r) const {
+  return contains(in, r);
+}
+
+bool Acquaintance::looks_for(Region r) const {
+  return contains(seeks, r);
+}
+
+std::int64_t squared_distance(Region a, Region b) {
+  const std::int64_t x = a.x - b.x;
+  const std::int64_t y = a.y - b.y;
+  return x * x + y * y;
+}
+
+std::int64_t squared_distance(const Acquaintance& a, Region r) {
+  std::int64_t least = std::numeric_limits<std::int64_t>::max();
+  for (const Region near : a.in) least = std::min(least, squared_distance(near, r));
+  return least;
+}
+
+Acquaintance* AddressBook::find(const Endpoint& at) {
+  const auto it = all_.find(at);
+  return it == all_.end() ? nullptr : &it->second;
+}
+
+Acquaintance* AddressBook::note(const Endpoint& at) {
+  if (Acquaintance* known = find(at)) return known;
+  if (all_.size() >= kMost) {
+    const auto hint = std::find_if(all_.begin(), all_.end(), [](const auto& a) {
+      return !a.second.fellow && a.second.heard == Acquaintance::kNever;
+    });
+    if (hint == all_.end()) return nullptr;
+    all_.erase(hint);
+  }
+  Acquaintance& a = all_[at];
+  a.at = at;
+  return &a;
+}
+
+// Who has ended stays for as long as a hint does, or the next one who has not noticed yet would bring it back.
+void AddressBook::expire(Micros local) {
+  std::erase_if(all_, [local](const auto& entry) {
+    const Acquaintance& a = entry.second;
+    if (ended(a)) return local - a.asked > kFresh + kHint;
+    return !fresh(a, local) && local - a.hinted > kHint;
+  });
+}
+
+void AddressBook::set_fellows(const std::map<Endpoint, std::vector<Region>>& fellows) {
+  for (auto& [at, a] : all_)
+    if (!fellows.contains(at)) a.fellow = false;
+  for (const auto& [at, where] : fellows) {
+    Acquaintance* a = note(at);
+    if (a == nullptr) continue;
+    a->fellow = true;
+    for (const Region r : where)
+      if (!a->is_in(r)) a->in.push_back(r);
+  }
+}
+
+std::vector<Acquaintance*> AddressBook::all() {
+  std::vector<Acquaintance*> some;
+  for (auto& [at, a] : all_)
+    if (!ended(a)) some.push_back(&a);
+  return some;
+}
+
+std::vector<Acquaintance*> AddressBook::nearest(Region r, std::size_t n) {
+  std::vector<Acquaintance*> near = all();
+  std::vector<Acquaintance*> rivals;
+  for (Acquaintance* a : near)
+    if (a->looks_for(r)) rivals.push_back(a);
+  std::erase_if(near, [r](const Acquaintance* a) { return a->looks_for(r); });
+  std::stable_sort(near.begin(), near.end(), [r](const Acquaintance* a, const Acquaintance* b) {
+    return squared_distance(*a, r) < squared_distance(*b, r);
+  });
+  std::stable_sort(rivals.begin(), rivals.end(),
+                   [](const Acquaintance* a, const Acquaintance* b) { return a->rank < b->rank; });
+  near.resize(std::min(n, near.size()));
+  rivals.resize(std::min(n, rivals.size()));
+  near.insert(near.end(), rivals.begin(), rivals.end());
+  return near;
+}
+
+std::vector<Acquaintance*> AddressBook::to_tell_of(Region r, std::size_t n, Rng& rng) {
+  std::vector<std::pair<std::tuple<std::int64_t, int, std::uint32_t>, Acquaintance*>> some;
+  for (Acquaintance* a : all()) {
+    const bool rival = a->looks_for(r);
+    some.push_back({{rival ? 0 : squared_distance(*a, r), rival, rival ? a->rank : rng.next_u32()}, a});
+  }
+  std::sort(some.begin(), some.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  some.resize(std::min(n, some.size()));
+  std::vector<Acquaintance*> nearest;
+  for (const auto& [by, a] : some) nearest.push_back(a);
+  return nearest;
+}
+
+std::vector<Acquaintance*> AddressBook::all_around(Region r) {
+  std::array<std::pair<std::int64_t, Acquaintance*>, kDirections> best{};
+  for (Acquaintance* a : all())
+    for (const Region near : a->in) {
+      if (near == r) continue;
+      auto& [least, who] = best[direction(r, near)];
+      const std::int64_t d = squared_distance(near, r);
+      if (who == nullptr || d < least) std::tie(least, who) = std::pair(d, a);
+    }
+  std::vector<Acquaintance*> some;
+  for (const auto& [d, a] : best)
+    if (a != nullptr && std::find(some.begin(), some.end(), a) == some.end()) some.push_back(a);
+  return some;
+}
+
+}  // namespace padr::crowd
