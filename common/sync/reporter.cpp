@@ -394,7 +394,8 @@ const Bundle& Reporter::finish(const Situation& s) {
       u.state.velocity = {};
       u.state.spin = 0;
     }
-    if (technique_.precision == Precision::kRounded && !last_word) u.state = rounded(u.state);
+    const bool pressed = u.held && u.cause == Cause::kAtRest;  // moved a little, it would begin to move anew
+    if (technique_.precision == Precision::kRounded && !last_word && !pressed) u.state = rounded(u.state);
   }
   return told_;
 }
