@@ -126,7 +126,7 @@ const std::vector<bool>& Node::kept_from_live() {
   kept_ = own_;
   if (config_.technique.precision == Precision::kRounded && !own_log_.empty() && own_log_.back().tick == now())
     for (const sync::BodyUpdate& u : own_log_.back().bodies)
-      if (u.has_state) kept_[u.body] = false;
+      if (u.has_state && u.state != live_.world().state(u.body)) kept_[u.body] = false;
   const std::vector<sync::Resident>& predicted = agreed_.predicted_state().residents.slots;
   for (EntityId b = 0; b < predicted.size(); ++b)
     if (live_.residents().slots[b] != predicted[b]) kept_[b] = false;
@@ -199,6 +199,7 @@ void Node::report(Vec2 target, Vec2 velocity_before) {
 void Node::take_on_rounded(const sync::Bundle& told) {
   if (config_.technique.precision != Precision::kRounded || !told.avatar || !told.avatar->awake) return;
   BodyState s = live_.world().state(live_.avatar());
+  if (s.position == told.avatar->position && s.velocity == told.avatar->velocity) return;
   s.position = told.avatar->position;
   s.velocity = told.avatar->velocity;
   live_.place(s);

@@ -272,7 +272,8 @@ void Reporter::tell_avatar(const Situation& s, Cause cause) {
   u.model = technique_.model;
   if (u.model == Model::kInput) u.control = aim_.ahead();
   if (u.model == Model::kSecond) u.control = s.acceleration;
-  if (technique_.precision == Precision::kRounded) {
+  // The last word is exact, or model and avatar would be driven towards different points for ever.
+  if (technique_.precision == Precision::kRounded && cause != Cause::kAtRest) {
     u.position = rounded_place(u.position);
     u.velocity = rounded_motion(u.velocity);
     u.control = u.model == Model::kInput ? rounded_place(u.control) : rounded_motion(u.control);
@@ -384,6 +385,7 @@ const Bundle& Reporter::finish(const Situation& s) {
   told_.peer = self_;
   told_.tick = s.predicted->tick;
   told_.avatar = avatar_;
+  const bool last_word = avatar_ && avatar_->cause == Cause::kAtRest;
   const auto end = bodies_.begin() + static_cast<std::ptrdiff_t>(std::min(bodies_.size(), most_bodies_));
   told_.bodies.assign(bodies_.begin(), end);
   bodies_.erase(bodies_.begin(), end);
@@ -395,7 +397,8 @@ const Bundle& Reporter::finish(const Situation& s) {
       u.state.velocity = {};
       u.state.spin = 0;
     }
-    if (technique_.precision == Precision::kRounded) u.state = rounded(u.state);
+    const bool pressed = u.held && u.cause == Cause::kAtRest;  // moved a little, it would begin to move anew
+    if (technique_.precision == Precision::kRounded && !last_word && !pressed) u.state = rounded(u.state);
   }
   return told_;
 }
