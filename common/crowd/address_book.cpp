@@ -89,19 +89,21 @@ std::vector<Acquaintance*> AddressBook::all() {
 
 std::vector<Acquaintance*> AddressBook::nearest(Region r, std::size_t n) {
   std::vector<Acquaintance*> near = all();
-  std::vector<Acquaintance*> rivals;
-  for (Acquaintance* a : near)
-    if (a->looks_for(r)) rivals.push_back(a);
   std::erase_if(near, [r](const Acquaintance* a) { return a->looks_for(r); });
   std::stable_sort(near.begin(), near.end(), [r](const Acquaintance* a, const Acquaintance* b) {
     return squared_distance(*a, r) < squared_distance(*b, r);
   });
+  near.resize(std::min(n, near.size()));
+  return near;
+}
+
+std::vector<Acquaintance*> AddressBook::rivals(Region r, std::size_t n) {
+  std::vector<Acquaintance*> rivals = all();
+  std::erase_if(rivals, [r](const Acquaintance* a) { return !a->looks_for(r); });
   std::stable_sort(rivals.begin(), rivals.end(),
                    [](const Acquaintance* a, const Acquaintance* b) { return a->rank < b->rank; });
-  near.resize(std::min(n, near.size()));
   rivals.resize(std::min(n, rivals.size()));
-  near.insert(near.end(), rivals.begin(), rivals.end());
-  return near;
+  return rivals;
 }
 
 std::vector<Acquaintance*> AddressBook::to_tell_of(Region r, std::size_t n, Rng& rng) {

@@ -51,9 +51,12 @@ class AddressBook {
   /// Who is in a region with us, and where as far as we see: the others are not any more.
   void set_fellows(const std::map<Endpoint, std::vector<Region>>& fellows);
 
-  /// Of those who have not ended: the n nearest to r, and those who look for it, the lowest ranks first; n of them,
-  /// too, at most.
+  // Of those who have not ended:
+
+  /// The n nearest to r, without those who look for it.
   std::vector<Acquaintance*> nearest(Region r, std::size_t n);
+  /// Those who look for it, the lowest ranks first; n at most.
+  std::vector<Acquaintance*> rivals(Region r, std::size_t n);
   /// Whom to tell somebody of who asks about r, n at most: who is there, who looks for it, who is near.
   std::vector<Acquaintance*> to_tell_of(Region r, std::size_t n, Rng& rng);
   /// The nearest one in each of eight directions from r, without those who are in r alone.

@@ -251,30 +251,42 @@ void Finder::note_nearest(Search& search, const std::vector<Acquaintance*>& near
   search.nearest = std::move(now);
 }
 
+// After it has noted that this peer looks for the region, not before `since`, and just now.
+bool Finder::has_said(const Search& search, const Acquaintance& a, Micros since, Micros local) {
+  const auto told = search.told.find(a.at);
+  return told != search.told.end() && local - told->second <= kJustNow &&
+         told->second >= std::max(since, search.noted.at(a.at));
+}
+
 // Asks those nearest, and whether they all have said by now that they know nobody there. Each has to have said so after
 // it has noted that this peer looks for the region: of two who look for it at the same time, and both ask the same one,
-// it will then tell at least the one whom it noted later of the other.
+// it will then tell at least the one whom it noted later of the other. And of two who look for it, of whom only one has
+// been told of the other, that one does not found it before the other knows.
 bool Finder::all_said(Region r, Search& search, Micros local) {
   const std::vector<Acquaintance*> nearest = book_.nearest(r, kNearest);
   note_nearest(search, nearest, local);
   bool all = true;
   for (const Acquaintance* a : nearest) {
-    const auto told = search.told.find(a->at);
-    const bool enough = told != search.told.end() && local - told->second <= kJustNow &&
-                        told->second >= std::max(search.changed, search.noted.at(a->at));
-    const bool waits = a->looks_for(r) && a->rank < rank_;
+    const bool enough = has_said(search, *a, search.changed, local);
     all = all && enough;
-    if ((!enough || waits) && local - a->asked >= kAskAgain) ask(a->at, r, local);
+    if (!enough && local - a->asked >= kAskAgain) ask(a->at, r, local);
   }
+  const std::vector<Acquaintance*> rivals = book_.rivals(r, kRivals);
+  for (const Acquaintance* a : rivals) {
+    const bool enough = has_said(search, *a, search.began, local);
+    all = all && enough;
+    if ((!enough || a->rank < rank_) && local - a->asked >= kAskAgain) ask(a->at, r, local);
+  }
+  const bool nobody = nearest.empty() && rivals.empty();
   const bool settled = local - search.changed >= kSettle;
-  if (!config_.contact) return all && (settled || nearest.empty());
+  if (!config_.contact) return all && (settled || nobody);
   // Others who have just come may be known already: the contact knows the crowd, or comes before them.
-  if ((nearest.empty() || !contact_met_) && local - hailed_ >= kAskAgain) {
+  if ((nobody || !contact_met_) && local - hailed_ >= kAskAgain) {
     hailed_ = local;
     ask(*config_.contact, r, local);
   }
-  const bool alone = nearest.empty() && local - search.began > 2 * kSettle;
-  return contact_met_ && (trip_ >= 0 || standing_.clock > 0) && settled && all && (!nearest.empty() || alone);
+  const bool alone = nobody && local - search.began > 2 * kSettle;
+  return contact_met_ && (trip_ >= 0 || standing_.clock > 0) && settled && all && (!nobody || alone);
 }
 
 bool Finder::gives_way(Region r, Micros local) {

@@ -79,6 +79,8 @@ class Finder {
   /// Where those nearest change all the time they change after this, too.
   static constexpr Micros kSearch = 4 * kMicrosPerSecond;
   static constexpr std::size_t kNearest = 4;
+  /// Of those who look for the same region so many have to know that this peer does, before it founds it.
+  static constexpr std::size_t kRivals = 16;
   /// For who looks for the same region and comes first.
   static constexpr Micros kGiveWay = 12 * kMicrosPerSecond;
   /// Who is in one of this peer's regions for so long, but not among the members, is on another side.
@@ -104,6 +106,7 @@ class Finder {
   void answer(const Endpoint& to, wire::Tell tell, std::size_t size);
   void ask(const Endpoint& to, Region about, Micros local);
   void look(Region r, Search& search, Micros local);
+  static bool has_said(const Search& search, const Acquaintance& a, Micros since, Micros local);
   void note_nearest(Search& search, const std::vector<Acquaintance*>& nearest, Micros local);
   bool all_said(Region r, Search& search, Micros local);
   bool gives_way(Region r, Micros local);
