@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <utility>
 
 namespace padr::report {
 
@@ -10,8 +11,14 @@ namespace padr::report {
 std::string ConfirmedTicks::sides(const std::vector<Entry>& entries) const {
   std::map<std::uint64_t, std::vector<std::size_t>> by_hash;
   for (const Entry& e : entries) by_hash[e.hash].push_back(e.life);
+  std::vector<std::vector<std::size_t>> sides;
+  for (auto& [hash, lives] : by_hash) {
+    std::sort(lives.begin(), lives.end());
+    sides.push_back(std::move(lives));
+  }
+  std::sort(sides.begin(), sides.end());
   std::string text;
-  for (const auto& [hash, lives] : by_hash) {
+  for (const std::vector<std::size_t>& lives : sides) {
     if (!text.empty()) text += " against ";
     text += lives.size() > 1 ? "peers" : "peer";
     for (const std::size_t life : lives) text += ' ' + lives_[life].name;
