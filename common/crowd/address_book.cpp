@@ -115,6 +115,7 @@ std::vector<Acquaintance*> AddressBook::to_tell_of(Region r, std::size_t n, Rng&
   std::sort(some.begin(), some.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   some.resize(std::min(n, some.size()));
   std::vector<Acquaintance*> nearest;
+  nearest.reserve(some.size());
   for (const auto& [by, a] : some) nearest.push_back(a);
   return nearest;
 }

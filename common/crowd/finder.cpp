@@ -31,6 +31,7 @@ constexpr std::size_t kTold = 8;
 
 std::vector<Region> regions_of(const std::vector<std::uint32_t>& ids) {
   std::vector<Region> regions;
+  regions.reserve(ids.size());
   for (const std::uint32_t id : ids) regions.push_back(region_of(id));
   return regions;
 }
@@ -41,6 +42,7 @@ std::vector<std::uint32_t> nearest_ids(std::vector<Region> regions, Region about
   });
   regions.resize(std::min(regions.size(), wire::kMostRegions));
   std::vector<std::uint32_t> ids;
+  ids.reserve(regions.size());
   for (const Region r : regions) ids.push_back(id_of(r));
   return ids;
 }
