@@ -9,6 +9,8 @@
 #include <cstdlib>
 #include <new>
 
+#include "tests/bench/allocations.h"
+
 namespace padr::bench {
 namespace {
 
@@ -31,30 +33,10 @@ const bool opened = [] {
   return true;
 }();
 
-void* counted(std::size_t bytes) {
-  count->fetch_add(1, std::memory_order_relaxed);
-  if (void* p = std::malloc(bytes == 0 ? 1 : bytes)) return p;
-  throw std::bad_alloc();
-}
-
 }  // namespace
-}  // namespace padr::bench
 
-void* operator new(std::size_t bytes) {
-  return padr::bench::counted(bytes);
+void count_allocation() {
+  count->fetch_add(1, std::memory_order_relaxed);
 }
-void* operator new[](std::size_t bytes) {
-  return padr::bench::counted(bytes);
-}
-void operator delete(void* p) noexcept {
-  std::free(p);
-}
-void operator delete[](void* p) noexcept {
-  std::free(p);
-}
-void operator delete(void* p, std::size_t /*bytes*/) noexcept {
-  std::free(p);
-}
-void operator delete[](void* p, std::size_t /*bytes*/) noexcept {
-  std::free(p);
-}
+
+}  // namespace padr::bench
