@@ -1,7 +1,6 @@
 #include "peer/controls.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/model/user_error.h"
 #include "tools/support/netem_flags.h"
@@ -12,10 +11,6 @@ namespace padr::peer {
 namespace {
 
 using monitor::EventKind;
-
-Micros micros(float seconds) {
-  return std::llround(static_cast<double>(seconds) * static_cast<double>(kMicrosPerSecond));
-}
 
 std::string seconds_text(float seconds) {
   return "for " + support::fixed(static_cast<double>(seconds), 1) + " s";
@@ -68,7 +63,7 @@ void Controls::follow(const monitor::Netem& n, std::uint32_t order, Micros now) 
 
 void Controls::follow(const monitor::Cut& c, std::uint32_t order, Micros now) {
   const std::optional<PeerId> peer = other(c.peer);
-  cuts_.cut(peer, peer ? player_.node().other(*peer).at : Endpoint{}, now + micros(c.seconds));
+  cuts_.cut(peer, peer ? player_.node().other(*peer).at : Endpoint{}, now + in_micros(c.seconds));
   player_.remark({"cut", c.peer, seconds_text(c.seconds)});
   say(EventKind::kCut, order, c.peer, seconds_text(c.seconds));
   update(now);
@@ -83,7 +78,7 @@ void Controls::follow(const monitor::Pause& p, std::uint32_t order, Micros now) 
     say(EventKind::kPauseEnd, order, kNoPeer, "");
     was_paused_ = false;
   }
-  player_.pause(now + micros(p.seconds), now);
+  player_.pause(now + in_micros(p.seconds), now);
 }
 
 void Controls::follow(const monitor::Push& p, std::uint32_t order, Micros /*now*/) {

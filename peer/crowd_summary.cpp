@@ -16,7 +16,8 @@ std::string name_of(crowd::Region r) {
   return std::to_string(r.x) + "," + std::to_string(r.y);
 }
 
-void put_crowd_origin(Json& j, const Options& o, const CrowdRecord& r) {
+void put_crowd_origin(Json& j, const CrowdReport& r) {
+  const Options& o = r.options;
   j.field("program", "padr-peer").field("version", support::version()).field("revision", support::revision());
   j.field("command", support::shell_line(o.command));
   j.field("seed", o.crowd->plane.seed).field("region_side_m", static_cast<double>(o.crowd->plane.side));
@@ -101,16 +102,16 @@ void CrowdRecord::look(const crowd::CrowdPeer& peer) {
   }
 }
 
-std::string summary(const Options& options, const CrowdRecord& record, const crowd::CrowdPeer& peer,
-                    const support::SocketStats& socket) {
+std::string summary(const CrowdReport& report) {
   Json j;
   j.begin_object();
-  put_crowd_origin(j, options, record);
-  put_finding(j, peer.finder());
+  put_crowd_origin(j, report);
+  put_finding(j, report.peer.finder());
   j.key("socket").begin_object();
+  const support::SocketStats& socket = report.socket;
   j.field("sent", socket.sent).field("send_errors", socket.send_errors).field("refused", socket.refused);
   j.field("buffer_full", socket.buffer_full).field("receive_errors", socket.receive_errors).end_object();
-  if (record.first_tick >= 0) put_crowd_play(j, record, peer);
+  if (report.record.first_tick >= 0) put_crowd_play(j, report.record, report.peer);
   j.end_object();
   return j.text();
 }

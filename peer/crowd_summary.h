@@ -33,9 +33,6 @@ struct CrowdRecord {
   std::vector<Place> places;  ///< then
   std::uint64_t late = 0;     ///< ticks begun more than a tick after their time
   Lateness lateness;
-  Endpoint local;
-  int exit_code = 0;
-  std::string reason;
 
   void confirm(crowd::Region r, Tick tick, std::uint64_t hash);
   /// How things stand now.
@@ -45,8 +42,18 @@ struct CrowdRecord {
   static constexpr std::size_t kRegions = 256;  ///< of which checkpoints are kept
 };
 
-/// The summary of --json.
-std::string summary(const Options& options, const CrowdRecord& record, const crowd::CrowdPeer& peer,
-                    const support::SocketStats& socket);
+/// What the summary of --json is made from.
+struct CrowdReport {
+  const Options& options;
+  const CrowdRecord& record;
+  const crowd::CrowdPeer& peer;
+  const support::SocketStats& socket;
+  Endpoint local;
+  int exit_code;
+  std::string reason;  ///< why it ended, one line
+};
+
+/// The summary as JSON.
+std::string summary(const CrowdReport& report);
 
 }  // namespace padr::peer

@@ -10,15 +10,13 @@
 namespace padr::peer {
 namespace {
 
+/// Where all are stopped at once, so many say goodbye in one tick: everybody answers everybody's.
+constexpr int kFarewells = 4;
 /// Steps in one go at most when late: datagrams must get their turn, or catching up makes everything worse.
 constexpr int kStepsPerTurn = 8;
 /// The clock is corrected so often; what it is corrected by is measured over seconds.
 constexpr Tick kSteerEvery = kTicksPerSecond / 2;
 constexpr Micros kTickLength = kMicrosPerSecond / kTicksPerSecond;
-
-Micros micros(double seconds) {
-  return std::llround(seconds * static_cast<double>(kMicrosPerSecond));
-}
 
 Totals operator+(const Totals& a, const Totals& b) {
   Totals sum = a;
@@ -143,6 +141,7 @@ void Player::begin_life(Micros now) {
 void Player::step(Micros now) {
   watch_clock(now);
   if (!leaving_ && node().now() >= last_input_) leave("the time to play is over", true, now);
+  if (farewell_ && node().now() >= *farewell_) say_goodbye();
   // A path begins where its player does.
   const Tick of_input = std::min(node().now() + 1, last_input_) - first_tick();
   const world::View& live = node().live().world();
@@ -207,15 +206,20 @@ void Player::leave(const std::string& why, bool stay, Micros now) {
   stay_ = stay;
   left_at_ = now;
   last_input_ = std::min(last_input_, node().now());
+  farewell_ = node().now() + self() / kFarewells;
+}
+
+void Player::say_goodbye() {
   participant_.leave();
+  farewell_.reset();
 }
 
 // Who vanished will acknowledge nothing, but is declared gone before long.
 bool Player::done(Micros now) const {
   if (!leaving_) return false;
-  if (now - left_at_ >= micros(options_.linger)) return true;
   if (nobody_to_tell()) return now > left_at_;
-  return node().delivered() && !(stay_ && present() > 1);
+  if (farewell_) return false;
+  return now - left_at_ >= in_micros(options_.linger) || (node().delivered() && !(stay_ && present() > 1));
 }
 
 bool Player::nobody_to_tell() const {

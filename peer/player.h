@@ -66,7 +66,8 @@ class Player {
   /// What to send, in order; empty afterwards. State datagrams are of the present life.
   std::vector<node::Parcel> take_outgoing() { return participant_.take_outgoing(); }
 
-  /// Says goodbye with the next step. `stay`: also help the others to their end. Only when playing.
+  /// Says goodbye with the next step, or a few ticks later where many play. `stay`: also help the others to their end.
+  /// Only when playing.
   void leave(const std::string& why, bool stay, Micros now);
   /// Gives up coming in. Only before playing.
   void give_up() { participant_.leave(); }
@@ -120,6 +121,7 @@ class Player {
   void watch_clock(Micros now);
   void watch_hashes();
   void steer(Micros now);
+  void say_goodbye();
   void tell();
   bool nobody_to_tell() const;
 
@@ -146,6 +148,7 @@ class Player {
   bool mismatch_told_ = false;
   bool leaving_ = false;
   bool stay_ = false;
+  std::optional<Tick> farewell_;  ///< when to say goodbye; absent: it is said, or not to be yet
   Micros left_at_ = 0;
 };
 

@@ -10,6 +10,8 @@ namespace padr::crowd {
 namespace {
 
 constexpr std::size_t kDirections = 8;
+/// Squared, of two regions that have a side or a corner in common.
+constexpr std::int64_t kNextTo = 2;
 
 /// Eighths of a turn, from the x axis on.
 std::size_t direction(Region from, Region to) {
@@ -93,7 +95,10 @@ std::vector<Acquaintance*> AddressBook::nearest(Region r, std::size_t n) {
   std::stable_sort(near.begin(), near.end(), [r](const Acquaintance* a, const Acquaintance* b) {
     return squared_distance(*a, r) < squared_distance(*b, r);
   });
-  near.resize(std::min(n, near.size()));
+  const auto far =
+      std::find_if(near.begin(), near.end(), [r](const Acquaintance* a) { return squared_distance(*a, r) > kNextTo; });
+  const auto around = std::min(static_cast<std::size_t>(far - near.begin()), kMostAround);
+  near.resize(std::min(std::max(n, around), near.size()));
   return near;
 }
 

@@ -37,9 +37,11 @@ struct Acquaintance {
 class AddressBook {
  public:
   static constexpr std::size_t kMost = 256;
+  static constexpr std::size_t kMostAround = 48;
   static constexpr Micros kFresh = 20 * kMicrosPerSecond;  ///< and it is passed on
   static constexpr Micros kHint = 10 * kMicrosPerSecond;   ///< until it has to have answered
-  static constexpr int kTries = 4;  ///< Asks in a row without an answer, over kPatience, and it has ended
+  static constexpr int kTries = 4;       ///< Asks in a row without an answer, over kPatience, and it has ended
+  static constexpr int kTriesKnown = 8;  ///< if it has ever answered: who is overlooked may be in the region sought
   static constexpr Micros kPatience = 1'500'000;
 
   /// Null if it is not known.
@@ -53,7 +55,8 @@ class AddressBook {
 
   // Of those who have not ended:
 
-  /// The n nearest to r, without those who look for it.
+  /// Those in r or next to it, kMostAround at most, and as many others as make them n: the nearest, without those who
+  /// look for r.
   std::vector<Acquaintance*> nearest(Region r, std::size_t n);
   /// Those who look for it, the lowest ranks first; n at most.
   std::vector<Acquaintance*> rivals(Region r, std::size_t n);
@@ -66,7 +69,8 @@ class AddressBook {
 
   static bool fresh(const Acquaintance& a, Micros local) { return a.fellow || local - a.heard < kFresh; }
   static bool ended(const Acquaintance& a) {
-    return !a.fellow && a.unanswered >= kTries && a.asked - a.asked_first >= kPatience;
+    const int tries = a.heard == Acquaintance::kNever ? kTries : kTriesKnown;
+    return !a.fellow && a.unanswered >= tries && a.asked - a.asked_first >= kPatience;
   }
 
  private:

@@ -87,9 +87,10 @@ Standing CrowdPeer::standing(Micros local) const {
   s.home = home_ ? *home_ : wanted_.front();
   if (home_) s.clock = places_.at(*home_).peer->session().session_now(local);
   for (const auto& [region, place] : places_) {
-    const bool in = place.peer->playing() && !place.leaving && place.peer->node().member();
+    const bool member = place.peer->playing() && place.peer->node().member();
+    const bool in = member && !place.leaving;
     const bool founding = !place.by && !place.peer->playing();
-    if (in) add_fellows(region, *place.peer, s.fellows);
+    if (member) add_fellows(region, *place.peer, s.fellows);
     if (founding || (in && !only_waits_to_leave(place.peer->node()))) s.in.push_back(region);
   }
   return s;

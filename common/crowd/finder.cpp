@@ -127,7 +127,7 @@ void Finder::take(const Endpoint& from, const wire::Ask& ask, std::size_t size, 
     a->seeks = regions_of(ask.sender.seeks);
     a->rank = ask.rank;
     a->hinted = local;
-    if (AddressBook::ended(*a)) a->unanswered = 0;
+    a->unanswered = 0;  // it lives, whatever became of its answers
     tell.noted = AddressBook::fresh(*a, local);
     if (!tell.noted && local - a->asked > kAskAgain) this->ask(from, about, local);
   }
@@ -173,19 +173,23 @@ void Finder::take(const Endpoint& from, const wire::Tell& tell, Micros local) {
     a->unanswered = 0;
   }
   take_clock(tell, q.sent, local);
-  for (const wire::Acquaintance& k : tell.known) {
-    const Endpoint at = node::as_seen_from(k.at, from);
-    Acquaintance* a = book_.note(at);
-    if (a == nullptr) continue;
-    a->hinted = local;
-    if (AddressBook::fresh(*a, local)) continue;  // it has said better itself
-    a->in = regions_of(k.where.in);
-    a->seeks = regions_of(k.where.seeks);
-  }
+  for (const wire::Acquaintance& k : tell.known) hear_say(k, node::as_seen_from(k.at, from), q.about, local);
   const auto search = searches_.find(q.about);
   if (search == searches_.end() || q.sent < search->second.began || !tell.noted) return;
   search->second.noted.try_emplace(from, local);
   search->second.told[from] = q.sent;
+}
+
+void Finder::hear_say(const wire::Acquaintance& of, const Endpoint& at, Region about, Micros local) {
+  Acquaintance* a = book_.note(at);
+  if (a == nullptr) return;
+  a->hinted = local;
+  const auto search = searches_.find(about);
+  const bool there = std::find(of.where.in.begin(), of.where.in.end(), id_of(about)) != of.where.in.end();
+  if (search != searches_.end() && there && !a->is_in(about)) search->second.rumour.try_emplace(at, local);
+  if (AddressBook::fresh(*a, local)) return;  // it has said better itself
+  a->in = regions_of(of.where.in);
+  a->seeks = regions_of(of.where.seeks);
 }
 
 // The shorter the trip, the nearer to the truth.
@@ -213,7 +217,7 @@ void Finder::advance(const Standing& standing, const std::vector<Region>& sought
   std::erase_if(distrust_, [local](const auto& d) { return d.second <= local; });
   std::erase_if(searches_,
                 [&](const auto& s) { return std::find(sought.begin(), sought.end(), s.first) == sought.end(); });
-  for (const Region r : sought) searches_.try_emplace(r, Search{local, local, 0, {}, {}, {}});
+  for (const Region r : sought) searches_.try_emplace(r, Search{local, local, 0, {}, {}, {}, {}});
   for (auto& [r, search] : searches_) look(r, search, local);
   for (const Finding& f : findings_) searches_.erase(f.region);
   note_strangers(local);
@@ -253,11 +257,14 @@ void Finder::note_nearest(Search& search, const std::vector<Acquaintance*>& near
   search.nearest = std::move(now);
 }
 
-// After it has noted that this peer looks for the region, not before `since`, and just now.
+// After it has noted that this peer looks for the region, not before `since`, and just now; and once more if others
+// have said since that it is there: it may have come in meanwhile, and who was there may have left.
 bool Finder::has_said(const Search& search, const Acquaintance& a, Micros since, Micros local) {
   const auto told = search.told.find(a.at);
-  return told != search.told.end() && local - told->second <= kJustNow &&
-         told->second >= std::max(since, search.noted.at(a.at));
+  if (told == search.told.end() || local - told->second > kJustNow) return false;
+  const auto rumour = search.rumour.find(a.at);
+  const Micros heard_say = rumour == search.rumour.end() ? since : rumour->second;
+  return told->second >= std::max({since, search.noted.at(a.at), heard_say});
 }
 
 // Asks those nearest, and whether they all have said by now that they know nobody there. Each has to have said so after
@@ -355,7 +362,8 @@ void Finder::keep_acquainted(Micros local) {
   int hints = 0;
   for (const Region post : posts)
     for (Acquaintance* a : book_.all_around(post)) {
-      if (a->fellow || local - a->asked < kAskAgain) continue;
+      // Who is with us elsewhere may not know that we are here.
+      if ((a->fellow && (post == standing_.home || a->is_in(post))) || local - a->asked < kAskAgain) continue;
       if (a->heard == Acquaintance::kNever) {
         if (hints++ < kHintsAtOnce) ask(a->at, post, local);
       } else if (local - a->heard > kCall && (longest == nullptr || a->heard < longest->heard)) {

@@ -89,10 +89,11 @@ class Finder {
  private:
   struct Search {
     Micros began = 0;
-    Micros changed = 0;                ///< when somebody came to be among the nearest
-    Micros settled = 0;                ///< when all was known; 0: it is not
-    std::map<Endpoint, Micros> noted;  ///< who tells others of it, since when at least
-    std::map<Endpoint, Micros> told;   ///< by whom after that, in answer to an Ask sent then
+    Micros changed = 0;                 ///< when somebody came to be among the nearest
+    Micros settled = 0;                 ///< when all was known; 0: it is not
+    std::map<Endpoint, Micros> noted;   ///< who tells others of it, since when at least
+    std::map<Endpoint, Micros> told;    ///< by whom after that, in answer to an Ask sent then
+    std::map<Endpoint, Micros> rumour;  ///< who is there, others say, but has not said so itself; since when they do
     std::set<Endpoint> nearest;
   };
   struct Question {
@@ -106,6 +107,7 @@ class Finder {
   void answer(const Endpoint& to, wire::Tell tell, std::size_t size);
   void ask(const Endpoint& to, Region about, Micros local);
   void look(Region r, Search& search, Micros local);
+  void hear_say(const wire::Acquaintance& of, const Endpoint& at, Region about, Micros local);
   static bool has_said(const Search& search, const Acquaintance& a, Micros since, Micros local);
   void note_nearest(Search& search, const std::vector<Acquaintance*>& nearest, Micros local);
   bool all_said(Region r, Search& search, Micros local);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 namespace padr {
@@ -28,6 +29,11 @@ inline constexpr float kTickSeconds = 1.0F / 60.0F;
 /// Microseconds on whatever clock the caller keeps (session time in the core).
 using Micros = std::int64_t;
 inline constexpr Micros kMicrosPerSecond = 1'000'000;
+
+/// So many seconds, to the nearest microsecond.
+inline Micros in_micros(double seconds) {
+  return std::llround(seconds * static_cast<double>(kMicrosPerSecond));
+}
 
 /// Session time at which tick t begins, rounded down to whole microseconds.
 constexpr Micros tick_start(Tick t) {

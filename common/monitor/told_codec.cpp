@@ -15,13 +15,8 @@ constexpr std::uint32_t kCutIn = 8;
 constexpr float kMostMs = 1.0e9F;
 constexpr int kMostRate = 60;  // 1/s
 
-void put_address(const Endpoint& at, file::Address& out) {
-  out.set_address(wire::address_bytes(at));
-  out.set_port(at.port);
-}
-
 bool take_address(const file::Address& in, Endpoint& at) {
-  return in.address().empty() ? in.port() == 0 : wire::take_endpoint(in.address(), in.port(), at);
+  return in.address().empty() ? in.port() == 0 : wire::take_endpoint(in, at);
 }
 
 void put_origin(const Origin& o, file::Origin& out) {
@@ -43,7 +38,7 @@ void put(const Hello& h, file::Hello& out) {
   out.set_version(h.version.substr(0, kEach));
   out.set_control(h.control);
   out.set_token(h.token);
-  if (h.at.is_set()) put_address(h.at, *out.mutable_at());
+  if (h.at.is_set()) wire::put_endpoint(h.at, *out.mutable_at());
   out.set_slots(static_cast<std::uint32_t>(h.slots));
   out.set_life(static_cast<std::uint32_t>(h.life));
   out.set_scenario_seed(h.scenario_seed);
@@ -100,7 +95,7 @@ void put(const LinkStatus& l, file::Link& out) {
   out.set_incarnation(l.incarnation);
   out.set_flags((l.there ? kThere : 0) | (l.measured ? kMeasured : 0) | (l.cut_out ? kCutOut : 0) |
                 (l.cut_in ? kCutIn : 0));
-  if (l.at.is_set()) put_address(l.at, *out.mutable_at());
+  if (l.at.is_set()) wire::put_endpoint(l.at, *out.mutable_at());
   out.set_round_trip_ms(l.round_trip_ms);
   out.set_delay_in_ms(l.delay_in_ms);
   out.set_loss_in(l.loss_in);

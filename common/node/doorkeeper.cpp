@@ -170,6 +170,12 @@ void Doorkeeper::on_enter(const Endpoint& from, const wire::Enter& enter, Record
   node.order(order);
 }
 
+void Doorkeeper::pass_on(const Endpoint& from, const wire::Enter& enter, const Endpoint& coordinator) {
+  const Guest* guest = guest_at(from, enter.nonce);
+  if (guest != nullptr && !guest->ordered && !same_place(coordinator, from))
+    desk_.send(from, wire::Redirect{enter.nonce, coordinator});
+}
+
 void Doorkeeper::advance(Micros local) {
   std::erase_if(guests_, [local](const Guest& g) { return local - g.since > kStay; });
 }

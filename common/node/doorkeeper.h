@@ -20,6 +20,8 @@ class Doorkeeper {
   void on_pull(const Endpoint& from, const wire::Pull& pull, const RecordedNode& node, std::vector<Endpoint> gone);
   /// `may_admit`: nothing else about who is there is being decided.
   void on_enter(const Endpoint& from, const wire::Enter& enter, RecordedNode& node, bool may_admit);
+  /// Somebody else is the coordinator by now: who has not been admitted yet is to ask there.
+  void pass_on(const Endpoint& from, const wire::Enter& enter, const Endpoint& coordinator);
   /// Forgets those who have not come in.
   void advance(Micros local);
   /// Who is being let in: one a slot at most.

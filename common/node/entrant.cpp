@@ -49,6 +49,10 @@ void Entrant::pull(Micros local) {
   desk_.send(by_, p);
 }
 
+void Entrant::on_redirect(const Endpoint& from, const wire::Redirect& redirect) {
+  if (from == by_ && redirect.nonce == nonce_ && entering_) lost_ = true;
+}
+
 // Not at once: whoever looks between two advances must not take for the end what is only another beginning.
 void Entrant::on_unreachable(const Endpoint& at) {
   if (at == by_) lost_ = true;
@@ -56,7 +60,9 @@ void Entrant::on_unreachable(const Endpoint& at) {
 
 void Entrant::advance(Micros local) {
   lost_ = lost_ || local - heard_ > kPatience;
-  if (lost_) return desk_.fail("peer at " + to_string(by_) + " has ended, or fallen silent, while letting us in");
+  if (lost_)
+    return desk_.fail("peer at " + to_string(by_) +
+                      " has ended, fallen silent, or sends us elsewhere while letting us in");
   if (offset_.samples() < OffsetEstimator::kKept && local - pinged_ >= kPing) {
     pinged_ = local;
     desk_.send(by_, wire::Ping{local});

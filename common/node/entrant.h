@@ -15,6 +15,8 @@ class Entrant {
 
   void on_pong(const Endpoint& from, const wire::Pong& pong, Micros local);
   void on_piece(const Endpoint& from, const wire::Piece& piece, Micros local);
+  /// Who lets us in may not any more.
+  void on_redirect(const Endpoint& from, const wire::Redirect& redirect);
   /// The machine at `at` says that nobody listens there.
   void on_unreachable(const Endpoint& at);
   void advance(Micros local);
@@ -24,7 +26,7 @@ class Entrant {
   /// All is here: `transfer` has it, and the session's clock is set.
   bool ready() const { return ready_; }
   const wire::Bytes& transfer() const { return transfer_; }
-  /// Who lets us in has ended, or fallen silent.
+  /// Who lets us in has ended, fallen silent, or sends us elsewhere.
   bool lost() const { return lost_; }
   const Endpoint& by() const { return by_; }
   Micros round_trip() const { return offset_.round_trip(); }

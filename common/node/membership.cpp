@@ -1,5 +1,6 @@
 #include "common/node/membership.h"
 
+#include <iterator>
 #include <utility>
 
 #include "common/node/session_objection.h"
@@ -45,8 +46,11 @@ void Membership::receive(const Endpoint& from, const wire::Header& header, const
     return sides_.on_probe(from, header.sender, *probe, node_.node(), local);
   if (const auto* pull = std::get_if<wire::Pull>(&message))
     return doorkeeper_.on_pull(from, *pull, node_, sides_.gone());
-  if (const auto* enter = std::get_if<wire::Enter>(&message))
-    return doorkeeper_.on_enter(from, *enter, node_, coordinator() == desk_.self && !removals_.busy() && !doubts());
+  if (const auto* enter = std::get_if<wire::Enter>(&message)) {
+    const PeerId c = coordinator();
+    if (c != desk_.self && c != kNoPeer) return doorkeeper_.pass_on(from, *enter, desk_.roster[c]);
+    return doorkeeper_.on_enter(from, *enter, node_, c == desk_.self && !removals_.busy() && !doubts());
+  }
   const auto member = sender(from, header);
   if (!member || !hears(*member)) return;
   if (const auto* poll = std::get_if<wire::Poll>(&message)) removals_.on_poll(*member, *poll, node_);
@@ -80,13 +84,23 @@ void Membership::on_unreachable(const Endpoint& at) {
 
 // One process is one peer: if another slot's was there, that life of it is over. Several may come to be known at once,
 // so this is asked when all of them are: where somebody was who sat there before says nothing of who does now.
-void Membership::end_former_lives(const std::vector<MemberChange>& changes) {
+void Membership::note_former_lives(const std::vector<MemberChange>& changes) {
   for (const MemberChange& c : changes) {
     if (c.kind != MemberChange::Kind::kAdmitted || c.slot == desk_.self) continue;
     for (PeerId p = 0; p < desk_.roster.size(); ++p)
       if (p != desk_.self && p != c.slot && same_place(desk_.roster[p], desk_.roster[c.slot]) &&
           node_.node().other(p).incarnation < c.incarnation)
-        node_.give_up(p);
+        former_[p] = node_.node().other(p).incarnation;
+  }
+}
+
+// Until it knows that it has been let in anew it goes on as before, and what it says meanwhile is no sign of life.
+void Membership::end_former_lives() {
+  for (auto it = former_.begin(); it != former_.end();) {
+    const Neighbour& n = node_.node().other(it->first);
+    const bool over = !n.there() || n.incarnation != it->second;
+    if (!over && !Removals::suspected(node_.node(), it->first)) node_.give_up(it->first);
+    it = over ? former_.erase(it) : std::next(it);
   }
 }
 
@@ -109,13 +123,14 @@ void Membership::follow_changes() {
     sides_.on_change(c);
     changes_.push_back(c);
   }
-  end_former_lives(changes);
+  note_former_lives(changes);
 }
 
 void Membership::advance(Micros local) {
   guard_.advance(node_, removals_);
   removals_.advance(node_);
   follow_changes();
+  end_former_lives();
   sides_.advance(node_.node());
   doorkeeper_.advance(local);
   int present = 1;

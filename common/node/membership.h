@@ -47,7 +47,8 @@ class Membership {
  private:
   std::optional<PeerId> sender(const Endpoint& from, const wire::Header& header) const;
   void follow_changes();
-  void end_former_lives(const std::vector<MemberChange>& changes);
+  void note_former_lives(const std::vector<MemberChange>& changes);
+  void end_former_lives();
   /// Somebody is about to be declared gone.
   bool doubts() const;
   bool stuck();
@@ -59,7 +60,8 @@ class Membership {
   Guard guard_;
   Sides sides_;
   std::vector<MemberChange> changes_;
-  std::map<PeerId, Tick> refused_;  ///< since when nobody listens where it was
+  std::map<PeerId, Tick> refused_;          ///< since when nobody listens where it was
+  std::map<PeerId, std::uint32_t> former_;  ///< slots and incarnations of lives that are over
   Tick confirmed_ = -1;
   Tick confirmed_at_ = 0;
   bool told_ = false;

@@ -3,6 +3,7 @@
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 namespace padr::node {
 
@@ -11,6 +12,7 @@ template <std::size_t kSize>
 class NumberWindow {
  public:
   bool pass(std::uint64_t seq) {
+    loss_.reset();
     if (seq > newest_) {
       const std::uint64_t by = seq - newest_;
       seen_ = by >= kSize ? std::bitset<kSize>{} : seen_ << by;
@@ -30,12 +32,19 @@ class NumberWindow {
   void start_after(std::uint64_t seq) {
     newest_ = seq;
     seen_.set();
+    loss_.reset();
   }
 
   /// Whether enough has come to speak of loss.
   bool judged() const { return newest_ >= kEnough; }
   /// Share of the link's recent datagrams that have not come, 0 .. 1; those that may still be under way are left out.
   float loss() const {
+    if (!loss_) loss_ = count_loss();
+    return *loss_;
+  }
+
+ private:
+  float count_loss() const {
     constexpr std::size_t kRecent = 200;
     const std::size_t sent = newest_ < kRecent ? newest_ : kRecent;
     if (!judged()) return 0;
@@ -44,11 +53,11 @@ class NumberWindow {
     return static_cast<float>(missing) / static_cast<float>(sent - kUnderWay);
   }
 
- private:
   static constexpr std::size_t kUnderWay = 8;
   static constexpr std::uint64_t kEnough = 2 * kUnderWay;
   std::bitset<kSize> seen_;
   std::uint64_t newest_ = 0;
+  mutable std::optional<float> loss_;  ///< asked for more often than it changes
 };
 
 /// Of a link: 17 s at one datagram a tick.

@@ -119,7 +119,10 @@ void Session::dispatch(const Endpoint& from, const wire::Header& header, const w
       entrant_ = std::make_unique<Entrant>(desk_, from, welcome->nonce, local);
     }
   }
-  if (const auto* redirect = std::get_if<wire::Redirect>(&message)) joiner_->on_redirect(from, *redirect, local);
+  if (const auto* redirect = std::get_if<wire::Redirect>(&message)) {
+    if (entrant_) entrant_->on_redirect(from, *redirect);
+    joiner_->on_redirect(from, *redirect, local);
+  }
   if (const auto* refuse = std::get_if<wire::Refuse>(&message)) joiner_->on_refuse(from, *refuse);
   if (const auto* pong = std::get_if<wire::Pong>(&message)) {
     if (entrant_ && desk_.phase == SessionPhase::kEntering) return entrant_->on_pong(from, *pong, local);

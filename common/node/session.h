@@ -62,7 +62,7 @@ class Session {
   SessionPhase phase() const { return desk_.phase; }
   /// Why, once the phase is kFailed.
   const std::string& failure() const { return desk_.failure; }
-  /// It failed because who was letting us in has ended, or fallen silent.
+  /// It failed because who was letting us in has ended, fallen silent, or sent us elsewhere.
   bool lost_doorkeeper() const { return desk_.phase == SessionPhase::kFailed && entrant_ && entrant_->lost(); }
   /// This peer's number; kNoPeer until it is a member.
   PeerId self() const { return desk_.self; }

@@ -10,15 +10,10 @@ namespace padr::sync {
 namespace {
 
 constexpr Tick kClean = std::numeric_limits<Tick>::max();
-// What a step costs however little there is to it, in steps of one body.
-constexpr std::size_t kLeastCost = 16;
-// So many steps are made in a tick whatever they cost: more than one, or a replay would never catch up, and enough to
-// have done with what comes late at every tick by the delay of a link.
-constexpr int kLeastSteps = 4;
-
-std::size_t cost_of(const Fold& fold) {
-  return std::max(kLeastCost, fold.world().listed());
-}
+// Confirmed states are kept this long for whoever wants to compare with what somebody else sends.
+constexpr Tick kKeptConfirmed = kTicksPerSecond / 2;
+// Of the states that may be kept there is memory for this part from the start, of a session for 2.1 s.
+constexpr std::size_t kUsualPart = 4;
 
 }  // namespace
 
@@ -27,7 +22,8 @@ AgreedWorld::AgreedWorld(const Scene& scene, const AgreedConfig& config, Confirm
       on_confirmed_(std::move(on_confirmed)),
       log_(config.slots),
       predicted_(scene, config.slots, config.peers, config.authority),
-      dirty_(kClean) {
+      dirty_(kClean),
+      budget_(config.replay_budget) {
   if (!config.replay) follower_ = std::make_unique<Fold>(scene, config.slots, config.peers, config.authority);
   for (PeerId p = 0; p < config.peers; ++p) log_.begin(p, 0, -1);
   begin();
@@ -40,6 +36,7 @@ AgreedWorld::AgreedWorld(const Scene& scene, const AgreedConfig& config, const T
       log_(config.slots),
       predicted_(scene, config.slots, 0, config.authority),
       dirty_(kClean),
+      budget_(config.replay_budget),
       in_(false) {
   predicted_.restore(start.state);
   if (!config.replay) {
@@ -52,35 +49,38 @@ AgreedWorld::AgreedWorld(const Scene& scene, const AgreedConfig& config, const T
 }
 
 void AgreedWorld::begin() {
-  begin_tick();
+  budget_.begin(now());
   follows_confirmed_ = !config_.replay;
+  most_contacts_ = predicted_.world().usual_contacts();
   save_predicted(current_);
   confirmed_ = current_;
   if (config_.replay) {
     begin_history();
-    history_.at(now()) = current_;
   } else {
-    know_nothing_newest();
+    expect_arrivals();
   }
   log_.prune(now(), now());
   announce(confirmed_);
 }
 
+// With what is confirmed.
 void AgreedWorld::begin_history() {
   history_.resize(config_.kept_ticks);
+  FoldState& first = history_.place(confirmed_.tick);
+  make_room(first.world);
+  first = confirmed_;
+  history_.reserve(config_.kept_ticks / kUsualPart);
   local_ = std::make_unique<LocalReplay>(predicted_.world().scene(), config_.slots, config_.authority);
 }
 
-void AgreedWorld::know_nothing_newest() {
-  const auto slots = static_cast<std::size_t>(config_.slots);
-  newest_avatar_.assign(slots, -1);
-  newest_body_.assign(slots, std::vector<Tick>(static_cast<std::size_t>(predicted_.world().bodies()), -1));
+void AgreedWorld::expect_arrivals() {
+  arrivals_.emplace(config_.slots, predicted_.world().bodies());
 }
 
 void AgreedWorld::set_replay(bool on) {
   if (on == config_.replay) return;
   do {
-    left_ = std::numeric_limits<std::size_t>::max();
+    budget_.lift();
     catch_up();
   } while (behind_ || dirty_ != kClean);
   config_.replay = on;
@@ -92,9 +92,9 @@ void AgreedWorld::set_replay(bool on) {
 }
 
 void AgreedWorld::begin_replay() {
+  arrivals_.reset();
   follows_confirmed_ = false;
   begin_history();
-  history_.at(confirmed_.tick) = confirmed_;
   rewind_to(confirmed_.tick);
 }
 
@@ -104,21 +104,20 @@ void AgreedWorld::end_replay() {
   local_.reset();
   follower().restore(confirmed_);
   follows_confirmed_ = true;
-  know_nothing_newest();
+  expect_arrivals();
   for (const Bundle& b : log_.since(confirmed_.tick)) {
     if (b.tick > now()) {
-      arrived_.push_back(b);
-      continue;
+      arrivals_->add(b);
+    } else {
+      arrivals_->note(b);
     }
-    Bundle known = b;
-    only_newest(known);
   }
 }
 
 bool AgreedWorld::insert(const Bundle& bundle) {
   if (!log_.insert(bundle)) return false;
   if (!config_.replay) {
-    arrived_.push_back(bundle);
+    arrivals_->add(bundle);
   } else if (comes_next(bundle)) {
     refused_ += static_cast<std::uint64_t>(predicted_.apply(bundle));
     told_now_ = true;
@@ -153,7 +152,7 @@ std::vector<Bundle> AgreedWorld::hold(PeerId peer) {
 
 void AgreedWorld::undo(PeerId peer, std::uint32_t from, Tick earliest) {
   if (config_.replay && note_late(earliest)) local_->concerns_all();
-  std::erase_if(arrived_, [&](const Bundle& b) { return b.peer == peer && b.index >= from; });
+  if (arrivals_) arrivals_->take_back(peer, from);
 }
 
 void AgreedWorld::enter(Tick since) {
@@ -165,10 +164,12 @@ const FoldState* AgreedWorld::confirmed_at(Tick t) const {
   return t <= confirmed_.tick && history_.has(t) ? &history_.at(t) : nullptr;
 }
 
-void AgreedWorld::apply_known(Fold& fold) {
+std::uint64_t AgreedWorld::apply_known(Fold& fold) const {
   const Tick t = fold.tick();
-  if (t == config_.fault.tick) fold.disturb(config_.fault.entity, config_.fault.by);
-  for (const Bundle& b : log_.at(t)) refused_ += static_cast<std::uint64_t>(fold.apply(b));
+  if (config_.replay && t == config_.fault.tick) fold.disturb(config_.fault.entity, config_.fault.by);
+  std::uint64_t refused = 0;
+  for (const Bundle& b : log_.at(t)) refused += static_cast<std::uint64_t>(fold.apply(b));
+  return refused;
 }
 
 // As many contacts as there once were may be there again: every place that is kept has room for them at once, not when
@@ -188,28 +189,20 @@ void AgreedWorld::save_predicted(FoldState& out) {
 void AgreedWorld::advance_predicted() {
   predicted_.step();
   if (!config_.replay) return;
-  save_predicted(history_.at(now()));
-  apply_known(predicted_);
+  save_predicted(history_.place(now()));
+  refused_ += apply_known(predicted_);
 }
 
 void AgreedWorld::rewind_to(Tick t) {
   const Tick target = now();
   predicted_.restore(history_.has(t) ? history_.at(t) : confirmed_);
-  if (!history_.has(now())) save_predicted(history_.at(now()));
-  apply_known(predicted_);
+  if (!history_.has(now())) save_predicted(history_.place(now()));
+  refused_ += apply_known(predicted_);
   while (now() < target) {
     advance_predicted();
-    spend(cost_of(predicted_));
+    budget_.spend_step(predicted_);
     ++replayed_steps_;
   }
-}
-
-void AgreedWorld::spend(std::size_t cost) {
-  left_ -= std::min(left_, cost);
-}
-
-bool AgreedWorld::may_step() {
-  return left_ > 0 || least_-- > 0;
 }
 
 Fold& AgreedWorld::follower() {
@@ -227,12 +220,12 @@ void AgreedWorld::fall_behind() {
 
 void AgreedWorld::step_behind() {
   Fold& f = *follower_;
-  apply_known(f);
+  refused_ += apply_known(f);
   f.step();
-  spend(cost_of(f));
+  budget_.spend_step(f);
   ++replayed_steps_;
   const bool kept = now() - f.tick() < static_cast<Tick>(config_.kept_ticks);
-  if (kept) f.save(history_.at(f.tick()));
+  if (kept) f.save(history_.place(f.tick()));
   // Older than what is kept: who confirms it has to do so now.
   if (f.tick() != confirmed_.tick + 1 || f.tick() > std::min(confirmable(), dirty_)) return;
   if (kept)
@@ -245,18 +238,18 @@ void AgreedWorld::step_behind() {
 // True once it has caught up.
 bool AgreedWorld::catch_up_behind() {
   while (follower_->tick() < now()) {
-    if (!may_step()) return false;
+    if (!budget_.may_step()) return false;
     step_behind();
   }
   behind_ = false;
   predicted_.restore(history_.at(now()));
-  apply_known(predicted_);
+  refused_ += apply_known(predicted_);
   return true;
 }
 
 bool AgreedWorld::is_too_long() const {
   const Tick steps = now() - (history_.has(dirty_) ? dirty_ : confirmed_.tick);
-  return steps > kLeastSteps && static_cast<std::size_t>(steps) * cost_of(predicted_) > left_;
+  return !budget_.bears(steps, predicted_);
 }
 
 bool AgreedWorld::replay() {
@@ -286,14 +279,14 @@ void AgreedWorld::settle() {
 // The fault lies in the ticks of the fold itself, so everything has to be folded for it.
 bool AgreedWorld::replay_locally() {
   if (config_.fault.tick >= dirty_) return false;
-  const bool done = local_->run(history_, log_, dirty_, now(), left_);
-  left_ = local_->left();
+  const bool done = local_->run(history_, log_, dirty_, now(), budget_.left());
+  budget_.leave(local_->left());
   if (!done) return false;
   if (log_.at(now()).empty()) {
     predicted_.restore_only(history_.at(now()), local_->changed(), local_->unchanged());
   } else {
     predicted_.restore(history_.at(now()));
-    apply_known(predicted_);
+    refused_ += apply_known(predicted_);
   }
   return true;
 }
@@ -304,47 +297,18 @@ bool AgreedWorld::catch_up() {
     const bool told = std::exchange(told_now_, false);
     if (!replay() && !told) return false;
   } else {
-    if (arrived_.empty()) return false;
-    for (const Bundle& b : arrived_) arrive(b);
-    arrived_.clear();
+    if (!arrivals_->any()) return false;
+    refused_ += arrivals_->apply_to(predicted_);
   }
   look();
   return true;
 }
 
-// As if true now, but never an older word on an entity after a newer one of the same peer.
-void AgreedWorld::arrive(const Bundle& bundle) {
-  Bundle b = bundle;
-  only_newest(b);
-  b.tick = now();
-  refused_ += static_cast<std::uint64_t>(predicted_.apply(b));
-}
-
-void AgreedWorld::only_newest(Bundle& b) {
-  if (b.leave) newest_avatar_[b.peer] = kClean;
-  if (b.admission) {
-    newest_avatar_[b.admission->slot] = -1;
-    newest_body_[b.admission->slot].assign(newest_body_[b.admission->slot].size(), -1);
-  }
-  if (b.avatar && b.tick <= newest_avatar_[b.peer] && !b.leave) b.avatar.reset();
-  if (b.avatar) newest_avatar_[b.peer] = b.tick;
-  std::vector<Tick>& newest = newest_body_[b.peer];
-  std::erase_if(b.bodies, [&](const BodyUpdate& u) { return b.tick <= newest[u.body]; });
-  for (const BodyUpdate& u : b.bodies) newest[u.body] = b.tick;
-}
-
 void AgreedWorld::step() {
-  if (begun_ < now()) begin_tick();  // nobody confirms
+  if (budget_.begun() < now()) budget_.begin(now());  // nobody confirms
   catch_up();
   advance_predicted();
   look();
-}
-
-// A tick's budget is for all that is done from one confirm to the next.
-void AgreedWorld::begin_tick() {
-  begun_ = now();
-  left_ = config_.replay_budget;
-  least_ = kLeastSteps;
 }
 
 // Where this tick has no updates the history has it already.
@@ -374,7 +338,8 @@ void AgreedWorld::confirm() {
   if (confirmed_.tick < upto && !history_.has(confirmed_.tick + 1) && !behind_) confirm_by_folding(upto);
   if (confirmed_.tick < upto && history_.has(confirmed_.tick + 1)) confirm_from_kept(upto);
   log_.prune(confirmed_.tick, keep_);
-  begin_tick();
+  history_.forget_before(confirmed_.tick - kKeptConfirmed);
+  budget_.begin(now());
 }
 
 void AgreedWorld::confirm_from_kept(Tick upto) {
@@ -389,18 +354,17 @@ void AgreedWorld::confirm_by_folding(Tick upto) {
   Fold& fold = follower();
   if (!follows_confirmed_) fold.restore(confirmed_);
   follows_confirmed_ = true;
-  while (fold.tick() < upto && !history_.has(fold.tick() + 1) && may_step()) {
-    if (config_.replay && fold.tick() == config_.fault.tick) fold.disturb(config_.fault.entity, config_.fault.by);
-    for (const Bundle& b : log_.at(fold.tick())) fold.apply(b);
+  while (fold.tick() < upto && !history_.has(fold.tick() + 1) && budget_.may_step()) {
+    apply_known(fold);  // what is refused has been counted in predicted
     fold.step();
-    spend(cost_of(fold));
+    budget_.spend_step(fold);
     fold.save(confirmed_);
     announce(confirmed_);
   }
 }
 
 void AgreedWorld::announce(const FoldState& s) {
-  if (on_confirmed_) on_confirmed_(s, LazyHash(s));
+  if (on_confirmed_) on_confirmed_(s, LazyHash(s, hasher_));
 }
 
 }  // namespace padr::sync

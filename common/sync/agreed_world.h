@@ -3,11 +3,15 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "common/sync/arrivals.h"
 #include "common/sync/fold.h"
 #include "common/sync/history.h"
 #include "common/sync/local_replay.h"
+#include "common/sync/replay_budget.h"
+#include "common/sync/state_hash.h"
 #include "common/sync/transfer.h"
 #include "common/sync/update_log.h"
 
@@ -104,11 +108,11 @@ class AgreedWorld {
   void begin();
   void begin_history();
   void look();
-  void begin_tick();
   bool comes_next(const Bundle& bundle) const;
   /// Updates of the slot numbered `from` and up are not in the log any more, the first of them of tick `earliest`.
   void undo(PeerId peer, std::uint32_t from, Tick earliest);
-  void apply_known(Fold& fold);
+  /// Updates of the tick at which it is; how many of their bodies were refused.
+  std::uint64_t apply_known(Fold& fold) const;
   void advance_predicted();
   void make_room(world::Snapshot& s) const;
   void save_predicted(FoldState& out);
@@ -118,8 +122,6 @@ class AgreedWorld {
   void fall_behind();
   bool catch_up_behind();
   void step_behind();
-  void spend(std::size_t cost);
-  bool may_step();
   bool is_too_long() const;
   void settle();
   /// Updates of this tick have changed. Returns whether something has been folded with them already.
@@ -127,12 +129,9 @@ class AgreedWorld {
   /// The newest tick whose kept state is what the log says.
   Tick replayed_to() const;
   Tick confirmable() const;
-  void arrive(const Bundle& bundle);
   void begin_replay();
   void end_replay();
-  void know_nothing_newest();
-  /// Takes out of it what is older than what has been here.
-  void only_newest(Bundle& b);
+  void expect_arrivals();
   Tick complete_tick() const;
   void announce(const FoldState& s);
   void confirm_from_kept(Tick upto);
@@ -141,6 +140,7 @@ class AgreedWorld {
 
   AgreedConfig config_;
   ConfirmedSink on_confirmed_;
+  StateHasher hasher_;
   UpdateLog log_;
   Fold predicted_;
   FoldState current_;  ///< predicted as of now, if it is not in the history
@@ -149,16 +149,12 @@ class AgreedWorld {
   std::unique_ptr<LocalReplay> local_;  ///< with replay
   Tick dirty_;                          ///< earliest tick whose updates have changed since predicted was computed
   bool told_now_ = false;               ///< predicted has updates of this tick that the state as of now has not
-  std::vector<Bundle> arrived_;         ///< without replay: not yet applied
-  std::vector<Tick> newest_avatar_;     ///< without replay: by peer
-  std::vector<std::vector<Tick>> newest_body_;  ///< without replay: by peer, then body
+  std::optional<Arrivals> arrivals_;    ///< without replay
   /// Without replay confirmed's own world; with it the one of what is too long for a tick, made when it is needed.
   std::unique_ptr<Fold> follower_;
   bool behind_ = false;             ///< the follower is replaying, to catch up with predicted
   bool follows_confirmed_ = false;  ///< the follower is where confirmed is
-  Tick begun_ = 0;                  ///< when its budget has been given to this tick
-  std::size_t left_ = 0;            ///< of this tick's budget
-  int least_ = 0;                   ///< steps that this tick may make beyond it
+  ReplayBudget budget_;             ///< for all that is done from one confirm to the next
   FoldState confirmed_;
   std::size_t most_parted_ = 16;
   std::size_t most_contacts_ = 0;  ///< that every kept state is to have room for

@@ -100,10 +100,10 @@ void Shown::stop(std::size_t e) {
   blends_[e].age = -1;
 }
 
-void Shown::count_snap(Vec2 stride, Vec2 last_stride, Vec2 velocity) {
-  const Vec2 off = stride - velocity * kTickSeconds;
+void Shown::count_snap(Vec2 stride, Vec2 last_stride, Vec2 straight) {
+  const Vec2 off = stride - straight;
   if (dot(off, off) <= kSnap * kSnap) return;  // most strides
-  const float beyond = distance_to_segment(stride, last_stride, velocity * kTickSeconds);
+  const float beyond = distance_to_segment(stride, last_stride, straight);
   if (beyond <= kSnap) return;
   ++snaps_;
   snap_metres_ += static_cast<double>(beyond);
@@ -112,21 +112,27 @@ void Shown::count_snap(Vec2 stride, Vec2 last_stride, Vec2 velocity) {
 
 void Shown::advance(const std::vector<world::Kinematics>& live, const std::vector<bool>& own) {
   for (std::size_t e = 0; e < shown_.size(); ++e) {
-    const Vec2 before = shown_[e];
+    Vec2& shown = shown_[e];
+    Vec2& stride = stride_[e];
     const Vec2 now = live[e].position;
-    if (before == now && busy_[e] == 0 && !first_) {  // most entities, most of the time
-      stride_[e] = {};
+    const Vec2 straight = live[e].velocity * kTickSeconds;
+    const Vec2 before = shown;
+    const bool busy = busy_[e] != 0;
+    if (before == now && !busy && !first_) {  // most entities, most of the time
+      stride = {};
       continue;
     }
-    const Vec2 velocity = live[e].velocity;
-    shown_[e] = first_ ? now : lead(e, now, velocity, own[e]);
-    const Vec2 stride = first_ ? velocity * kTickSeconds : shown_[e] - before;
-    count_snap(stride, stride_[e], velocity);
+    shown = busy && !first_ ? lead(e, now, live[e].velocity, own[e]) : now;
+    const Vec2 moved = first_ ? straight : shown - before;
+    count_snap(moved, stride, straight);
     // After a jump it goes on as it should, not as it jumped.
-    const bool leads = blends_[e].age >= 0 || offset_[e] != Vec2{};
-    stride_[e] = leads ? stride : velocity * kTickSeconds;
+    stride = straight;
+    if (!busy) continue;
     jump_[e] = {};
-    busy_[e] = leads ? 1 : 0;
+    if (blends_[e].age >= 0 || offset_[e] != Vec2{})
+      stride = moved;
+    else
+      busy_[e] = 0;
   }
   first_ = false;
 }

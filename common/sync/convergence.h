@@ -55,7 +55,7 @@ class Shown {
   Vec2 exponential(std::size_t e, Vec2 live, bool corrected);
   Vec2 projective(std::size_t e, Vec2 live, Vec2 velocity, bool corrected);
   void stop(std::size_t e);
-  void count_snap(Vec2 stride, Vec2 last_stride, Vec2 velocity);
+  void count_snap(Vec2 stride, Vec2 last_stride, Vec2 straight);
 
   Convergence how_;
   std::vector<Vec2> shown_;

@@ -28,6 +28,8 @@ constexpr Tick kEchoAlone = 3;
 // Who has said nothing yet may be waiting for a first word that got lost, without which it must not speak: a newcomer
 // for its admission.
 constexpr Tick kUnheard = 24;
+// And as long as it has said nothing, what it has been sent goes along with whatever goes out, so many times at most.
+constexpr int kFirstWords = 8;
 
 }  // namespace
 
@@ -51,6 +53,13 @@ bool OutLink::lost(const Flight& f, Tick now) const {
   return newest_seen_sent_ > f.sent + slack || now - f.sent > timeout * std::min(f.times, 4);
 }
 
+// Goes along with another datagram.
+bool OutLink::echoes(const Flight& f, Tick now) const {
+  if (now - f.sent < kEcho) return false;
+  if (fresh_ && heard_seq_ == 0) return f.times < kFirstWords;
+  return loss_ >= kLossy && f.times == 1;
+}
+
 // What is not acknowledged is to be soon, and for that the other end must hear that it is not.
 Tick OutLink::interval(const Context& c, std::uint32_t end) const {
   if (c.calm && loss_ < kLossy) return kCalmMarkInterval;
@@ -65,9 +74,14 @@ void OutLink::empty_packet() {
   packet_.updates = std::move(updates);
 }
 
-// Where everybody falls quiet at once, all would go on sending their marks in the same tick. So one mark of a row is
-// early, and from then on they come in the peer's own phase.
-bool OutLink::mark_is_due(const Context& c) const {
+// Where everybody falls quiet at once, or begins, all would go on sending their marks in the same tick. So one mark of
+// a row is early, and from then on they come in the peer's own phase. Who has just come in is waited for, and begins at
+// once.
+bool OutLink::mark_is_due(const Context& c) {
+  if (last_sent_ == kNever && !fresh_) {
+    last_sent_ = c.now - 1;
+    marked_ = true;
+  }
   const Tick since = c.now - last_sent_;
   return since >= interval_ || (marked_ && since > 0 && (c.now + c.phase) % interval_ == 0);
 }
@@ -94,7 +108,7 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
     if (must && fits(i)) {
       urgent = true;
       chosen_.push_back(i);
-    } else if (!must && loss_ >= kLossy && f.times == 1 && c.now - f.sent >= kEcho) {
+    } else if (!must && echoes(f, c.now)) {
       repeated_.push_back(i);
     }
   }

@@ -15,8 +15,8 @@ namespace padr::sync {
 /// their loss shows, and a mark now and then when there is nothing to say.
 class OutLink {
  public:
-  /// `acked`: the receiver has our updates below this already.
-  explicit OutLink(std::uint32_t acked) : acked_(acked) {}
+  /// To or of somebody who has just come in. `acked`: the receiver has our updates below this already.
+  explicit OutLink(std::uint32_t acked) : acked_(acked), fresh_(true) {}
   OutLink() = default;
 
   /// What this peer says on the link besides its updates.
@@ -55,7 +55,8 @@ class OutLink {
   };
   bool arrived(std::uint32_t index) const;
   bool lost(const Flight& f, Tick now) const;
-  bool mark_is_due(const Context& c) const;
+  bool echoes(const Flight& f, Tick now) const;
+  bool mark_is_due(const Context& c);
   Tick interval(const Context& c, std::uint32_t end) const;
   Flight& flight(std::uint32_t index);
   void empty_packet();
@@ -69,10 +70,12 @@ class OutLink {
   Ring<Tick> sent_at_{kRemembered + 1};  ///< tick of datagram seq_ - size + 1 + i
   std::uint32_t acked_ = 0;
   std::uint32_t acked_beyond_ = 0;
+  bool fresh_ = false;          ///< begun with an admission
   Tick newest_seen_sent_ = -1;  ///< when the newest datagram known to have arrived was sent
   std::uint32_t newest_seen_ = 0;
   Ring<Flight> flights_{32};  ///< updates acked_ + i
-  Tick last_sent_ = -1000;
+  static constexpr Tick kNever = -1000;
+  Tick last_sent_ = kNever;
   Tick interval_ = 15;   ///< between marks
   bool marked_ = false;  ///< the last datagram had nothing but its mark
   Tick gap_since_ = -1;

@@ -193,26 +193,4 @@ void Fold::restore_part(const FoldState& s, const std::vector<EntityId>& in, con
   world_.restore_only(s.world, in, out);
 }
 
-std::uint64_t hash_of(const FoldState& s) {
-  WideHasher h;
-  h.add(static_cast<std::uint64_t>(s.tick), s.members.size(), s.authority.size(), 0);
-  world::add_to_hash(h, s.world);
-  for (std::size_t p = 0; p < s.members.size(); ++p) {
-    const Member& m = s.members[p];
-    const AvatarModel& a = s.avatars[p];
-    h.add(static_cast<std::uint64_t>(m.present) | static_cast<std::uint64_t>(m.incarnation) << 1U |
-              static_cast<std::uint64_t>(m.going) << 33U,
-          static_cast<std::uint64_t>(a.present) | static_cast<std::uint64_t>(a.at_rest) << 1U |
-              static_cast<std::uint64_t>(a.kind) << 2U | static_cast<std::uint64_t>(a.since) << 8U,
-          Hasher::word(a.velocity.x, a.velocity.y), Hasher::word(a.control.x, a.control.y));
-  }
-  for (std::size_t b = 0; b < s.authority.size(); ++b) {
-    const Authority& a = s.authority[b];
-    h.add(static_cast<std::uint64_t>(a.owner) | static_cast<std::uint64_t>(a.released) << 8U,
-          static_cast<std::uint64_t>(a.epoch), static_cast<std::uint64_t>(a.claimed), s.holds[b]);
-  }
-  add_to_hash(h, s.residents);
-  return h.value();
-}
-
 }  // namespace padr::sync

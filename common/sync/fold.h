@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,23 +29,6 @@ struct FoldState {
   std::vector<Authority> authority;  ///< by body
   std::vector<PeerSet> holds;        ///< by body: whose avatars hold it
   Residents residents;               ///< of a region of a crowd
-};
-
-std::uint64_t hash_of(const FoldState& s);
-
-/// The hash of a state for whoever may not want it: worked out when it is first read, as the number that it is.
-class LazyHash {
- public:
-  /// `s` must be there, and the same, for as long as this is.
-  explicit LazyHash(const FoldState& s) : state_(&s) {}
-  operator std::uint64_t() const {  // NOLINT(google-explicit-constructor): stands for it
-    if (!known_) known_ = hash_of(*state_);
-    return *known_;
-  }
-
- private:
-  const FoldState* state_;
-  mutable std::optional<std::uint64_t> known_;
 };
 
 /// The deterministic fold of a log of updates: bodies play out by physics, avatars follow their models, a modelled

@@ -19,6 +19,7 @@ LiveWorld::LiveWorld(const Scene& scene, const FoldState& start, PeerId self, bo
       keep_(reach_.size(), true) {
   for (PeerId p = 0; p < world_.slots(); ++p) world_.set_free(p, p == self || !authority);
   for (EntityId b = 0; b < world_.bodies(); ++b) world_.set_present(b, false);
+  view_.change().contacts.reserve(world_.usual_contacts());
   adopt(start, std::vector<bool>(reach_.size(), false), true);
 }
 
@@ -76,18 +77,22 @@ bool LiveWorld::may_touch(EntityId own, EntityId other) const {
   return p == self_ || (holds_[own] & only(p)) != 0;
 }
 
-bool LiveWorld::is_near(EntityId own, EntityId other) const {
-  return within_reach(view_.position(own), reach_[own], view_.position(other), reach_[other]) && may_touch(own, other);
-}
-
 void LiveWorld::gather_near() {
   ReachBox box;
-  for (const EntityId e : own_) box.enclose(view_.position(e), reach_[e]);
+  near_.clear();
+  for (const EntityId e : own_) {
+    near_.push_back({e, view_.position(e), reach_[e]});
+    box.enclose(view_.position(e), reach_[e]);
+  }
   const std::vector<world::Kinematics>& all = view_.kinematics();
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (box.is_clear_of(all[i].position, reach_[i])) continue;
+    const Vec2 there = all[i].position;
+    if (box.is_clear_of(there, reach_[i])) continue;
     const auto e = static_cast<EntityId>(i);
-    if (out_[e] && std::any_of(own_.begin(), own_.end(), [&](EntityId own) { return is_near(own, e); })) take(e);
+    const auto is_near = [&](const Placed& own) {
+      return within_reach(own.at, own.reach, there, reach_[i]) && may_touch(own.entity, e);
+    };
+    if (out_[e] && std::any_of(near_.begin(), near_.end(), is_near)) take(e);
   }
 }
 

@@ -53,13 +53,17 @@ class LiveWorld {
   const Residents& residents() const { return residents_; }
 
  private:
+  struct Placed {
+    EntityId entity;
+    Vec2 at;      ///< m
+    float reach;  ///< m
+  };
   void take_tables(const FoldState& predicted);
   void adopt_entity(EntityId e, const world::Kinematics& there);
   void advance(std::optional<Vec2> target, const FoldState& predicted);
   void place_moving(EntityId b, Vec2 v);
   void gather(const FoldState& predicted);
   void gather_near();
-  bool is_near(EntityId own, EntityId other) const;
   bool gather_touching(const std::vector<world::ContactState>& contacts);
   bool join(EntityId a, EntityId b);
   void take(EntityId e);
@@ -78,6 +82,7 @@ class LiveWorld {
   std::vector<float> reach_;  ///< by entity, m: nothing of it is farther from its centre
   std::vector<Jump> jumps_;
   std::vector<EntityId> own_;
+  std::vector<Placed> near_;  ///< the own, where they are
   bool same_ = true;
   std::vector<EntityId> stepped_;
   std::vector<EntityId> changed_;  ///< what has been done to it since, not by a step

@@ -21,6 +21,7 @@ bool is_order(const Bundle& b) {
 // Continuous collision looks at where things go, too, and not only at where they are.
 LocalReplay::LocalReplay(const Scene& scene, int slots, bool authority)
     : fold_(scene, slots, 0, authority), never_(scene.continuous), reach_(reaches(scene, slots)) {
+  contacts_.reserve(fold_.world().usual_contacts());
   left_out_.assign(reach_.size(), false);
   clear();
   fold_.leave_out({}, left_out_);
@@ -100,8 +101,8 @@ bool LocalReplay::meets_others(const FoldState& others, const std::vector<Bundle
   const auto look = [&](EntityId e, Vec2 there) {
     if (!box_.is_clear_of(there, reach_[e]) && meets(e, there)) take(e);
   };
-  const std::vector<world::Kinematics>& they = others.world.entities;
-  for (std::size_t e = 0; e < they.size(); ++e) look(static_cast<EntityId>(e), they[e].position);
+  EntityId e = 0;
+  for (const world::Kinematics& k : others.world.entities) look(e++, k.position);
   for (const Bundle& b : told) {
     if (b.avatar) look(fold_.world().avatar(b.peer), b.avatar->position);
     for (const BodyUpdate& u : b.bodies)

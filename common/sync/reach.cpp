@@ -30,8 +30,7 @@ void replace_contacts(world::Snapshot& into, const world::Snapshot& part, const 
   std::erase_if(into.parted, is_replaced);
   if (!part.contacts.empty()) {
     into.contacts.insert(into.contacts.end(), part.contacts.begin(), part.contacts.end());
-    std::sort(into.contacts.begin(), into.contacts.end(),
-              [](const world::ContactState& a, const world::ContactState& b) { return a.key < b.key; });
+    world::sort_by_key(into.contacts);
   }
   into.parted.insert(into.parted.end(), part.parted.begin(), part.parted.end());
 }

@@ -19,12 +19,6 @@ constexpr float kProxyShift = 0.01F;  // m, by one step
 constexpr float kProxySpeed = 0.3F;   // m/s
 // An update takes along what its avatar or its held bodies are off by more than Box2D's own slop.
 constexpr float kAlongMetres = 0.005F;
-// A wrong velocity is an error to come: it counts with what it will have shifted the body by after this time.
-constexpr float kErrorHorizon = 0.1F;  // s
-
-// A word takes a tick at least; the second is for what the first adds to the velocity.
-constexpr float kSoon = 2 * kTickSeconds;
-
 // Box2D's own limits of sleep. It cannot be left to Box2D here: what touches a sleeping body of somebody else's is
 // woken by it every tick.
 constexpr float kStillSpeed = 0.01F;                       // m/s
@@ -216,18 +210,9 @@ void Reporter::report_proxies(const Situation& s) {
   }
 }
 
-Reporter::BodyError Reporter::error_of(const Situation& s, EntityId b) const {
-  const BodyState truth = s.live->world().state(b);
-  const world::Kinematics& believed = s.predicted->world.entities[b];
-  const Vec2 shift = truth.position - believed.position;
-  const Vec2 drift = truth.velocity - believed.velocity;
-  const float turn = std::abs(truth.angle - believed.angle) * rim_[b];
-  BodyError e;
-  e.metres = std::max(length(shift), turn);
-  e.soon_metres = length(shift + drift * kSoon);
-  e.ahead_metres = std::max(length(shift + drift * kErrorHorizon), turn);
-  e.differs = truth != BodyState{believed.position, believed.angle, believed.velocity, believed.spin, believed.awake};
-  return e;
+EntityError Reporter::error_of(const Situation& s, EntityId e) const {
+  const float rim = e < rim_.size() ? rim_[e] : 0;  // an avatar does not turn
+  return {s.live->world().state(e), s.predicted->world.entities[e], rim};
 }
 
 bool Reporter::at_rest(const Situation& s, EntityId b) {
@@ -250,7 +235,7 @@ void Reporter::report_rest(const Situation& s, EntityId b, bool differs) {
 void Reporter::report_bodies(const Situation& s) {
   for (const EntityId b : mine_) {
     const bool rests = at_rest(s, b);
-    const BodyError e = error_of(s, b);
+    const EntityError e = error_of(s, b);
     const bool always = technique_.every_tick && s.live->world().state(b).awake;
     const bool off = technique_.body_threshold > 0 && std::max(e.metres, e.ahead_metres) > technique_.body_threshold;
     if (!always && rests && s.everyone_has >= claim_told_[b]) {
@@ -305,9 +290,7 @@ bool Reporter::settled_but_wrong(const Situation& s, const BodyState& truth) {
 }
 
 bool Reporter::anything_differs(const Situation& s) const {
-  const EntityId avatar = s.live->avatar();
-  const world::Kinematics& k = s.predicted->world.entities[avatar];
-  if (s.live->world().state(avatar) != BodyState{k.position, k.angle, k.velocity, k.spin, k.awake}) return true;
+  if (error_of(s, s.live->avatar()).differs) return true;
   for (const EntityId b : mine_)
     if (error_of(s, b).differs) return true;
   return false;
@@ -350,11 +333,7 @@ void Reporter::report_avatar(const Situation& s) {
 // largest errors allowed of an avatar and of a body: then everything is told that is off at all.
 void Reporter::bound_the_sum(const Situation& s) {
   if (technique_.body_threshold <= 0) return;
-  const EntityId avatar = s.live->avatar();
-  const world::Kinematics& believed = s.predicted->world.entities[avatar];
-  const Vec2 shift = s.live->world().position(avatar) - believed.position;
-  const Vec2 drift = s.live->world().velocity(avatar) - believed.velocity;
-  const float avatar_error = avatar_ ? 0 : length(shift + drift * kSoon);
+  const float avatar_error = avatar_ ? 0 : error_of(s, s.live->avatar()).soon_metres;
   float sum = avatar_error;
   for (const EntityId b : mine_) {
     const BodyUpdate* told = collected(b);

@@ -5,6 +5,7 @@
 
 #include "common/sync/aim.h"
 #include "common/sync/contact_chain.h"
+#include "common/sync/entity_error.h"
 #include "common/sync/fold.h"
 #include "common/sync/live_world.h"
 #include "common/sync/model_error.h"
@@ -55,12 +56,6 @@ class Reporter {
   int contests_lost() const { return contests_lost_; }
 
  private:
-  struct BodyError {
-    float metres = 0;        ///< shift, with rotation as metres at the rim
-    float soon_metres = 0;   ///< the position's shift two ticks on
-    float ahead_metres = 0;  ///< the same after the difference in velocity has acted for kErrorHorizon
-    bool differs = false;    ///< in any bit
-  };
   void note_owned(const Situation& s);
   void report_contacts(const Situation& s);
   void report_touch(const Situation& s, EntityId b);
@@ -78,7 +73,7 @@ class Reporter {
   bool may_claim(const Situation& s, EntityId b) const { return may_claim(*s.predicted, b); }
   bool at_rest(const Situation& s, EntityId b);
   bool owns(const Situation& s, EntityId b) const { return s.predicted->authority[b].holder() == self_; }
-  BodyError error_of(const Situation& s, EntityId b) const;
+  EntityError error_of(const Situation& s, EntityId e) const;
   BodyUpdate& entry(EntityId b, Cause cause);
   /// What is being collected of the body; null: nothing.
   const BodyUpdate* collected(EntityId b) const;

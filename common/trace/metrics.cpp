@@ -33,62 +33,79 @@ InconsistencyMeter::InconsistencyMeter(std::vector<PeerId> slots, int bodies)
       gone_from_(slots_.size(), std::numeric_limits<Tick>::max()),
       series_(slots_.size()) {}
 
-void InconsistencyMeter::view(std::size_t viewer, Tick tick, View v) {
-  pending_[tick].views[viewer] = std::move(v);
-  settle(tick);
+InconsistencyMeter::PendingTicks::iterator InconsistencyMeter::pending(Tick tick) {
+  if (const auto found = pending_.find(tick); found != pending_.end()) return found;
+  if (spare_.empty())
+    return pending_
+        .emplace(tick, Pending{std::vector<View>(slots_.size()), std::vector<char>(slots_.size(), 0), false, {}})
+        .first;
+  PendingTicks::node_type node = std::move(spare_.back());
+  spare_.pop_back();
+  node.key() = tick;
+  return pending_.insert(std::move(node)).position;
+}
+
+void InconsistencyMeter::view(std::size_t viewer, Tick tick, const View& v) {
+  const auto at = pending(tick);
+  at->second.views[viewer] = v;
+  at->second.there[viewer] = 1;
+  settle(at);
 }
 
 void InconsistencyMeter::gone(std::size_t viewer, Tick from) {
   gone_from_[viewer] = std::min(gone_from_[viewer], from);
-  std::vector<Tick> ticks;
-  for (const auto& [tick, p] : pending_)
-    if (tick >= from) ticks.push_back(tick);
-  for (const Tick t : ticks) settle(t);
+  for (auto at = pending_.lower_bound(from); at != pending_.end();) settle(at++);
 }
 
-void InconsistencyMeter::truth(Tick tick, Truth t) {
-  Pending& p = pending_[tick];
-  p.has_truth = true;
-  p.truth = std::move(t);
-  settle(tick);
+void InconsistencyMeter::truth(Tick tick, const Truth& t) {
+  const auto at = pending(tick);
+  at->second.has_truth = true;
+  at->second.truth = t;
+  settle(at);
 }
 
 bool InconsistencyMeter::ready(Tick tick, const Pending& p) const {
   if (!p.has_truth) return false;
   for (std::size_t v = 0; v < slots_.size(); ++v)
-    if (tick >= came_at_[v] && tick < gone_from_[v] && !p.views.contains(v)) return false;
+    if (tick >= came_at_[v] && tick < gone_from_[v] && p.there[v] == 0) return false;
   return true;
 }
 
-void InconsistencyMeter::settle(Tick tick) {
-  const auto found = pending_.find(tick);
-  if (found == pending_.end() || !ready(tick, found->second)) return;
-  measure(tick, found->second);
-  pending_.erase(found);
+void InconsistencyMeter::settle(PendingTicks::iterator at) {
+  auto& [tick, p] = *at;
+  if (!ready(tick, p)) return;
+  measure(tick, p);
+  p.has_truth = false;
+  std::fill(p.there.begin(), p.there.end(), char{0});
+  spare_.push_back(pending_.extract(at));
 }
 
 InconsistencyPoint inconsistency_of(const View& view, const std::vector<const View*>& by_slot, const Truth& truth,
                                     int bodies, Tick tick) {
-  InconsistencyPoint point;
-  point.tick = tick;
+  float avatars_m = 0;
+  float bodies_m = 0;
+  float shown_m = 0;
   for (std::size_t e = 0; e < truth.owner.size(); ++e) {
-    if (!truth.present[e]) continue;
     const PeerId owner = truth.owner[e];
     const View* owners = owner == kNoPeer ? nullptr : by_slot[owner];
+    if (!truth.present[e]) continue;
     const Vec2 there = owners != nullptr ? owners->live[e] : truth.agreed[e];
-    const float error = distance(view.live[e], there);
-    (e < static_cast<std::size_t>(bodies) ? point.bodies_m : point.avatars_m) += error;
-    point.shown_m += distance(view.shown[e], there);
+    const Vec2 live = view.live[e];
+    const Vec2 shown = view.shown[e];
+    // Most are where they should be, in most views.
+    if (live != there) (e < static_cast<std::size_t>(bodies) ? bodies_m : avatars_m) += distance(live, there);
+    if (shown != there) shown_m += distance(shown, there);
   }
-  return point;
+  return {tick, avatars_m, bodies_m, shown_m};
 }
 
 void InconsistencyMeter::measure(Tick tick, const Pending& p) {
-  std::vector<const View*> by_slot(kMaxPeers, nullptr);
-  for (const auto& [viewer, view] : p.views) by_slot[slots_[viewer]] = &view;
-  for (const auto& [viewer, view] : p.views) {
-    if (tick >= gone_from_[viewer]) continue;
-    series_[viewer].push_back(inconsistency_of(view, by_slot, p.truth, bodies_, tick));
+  by_slot_.assign(kMaxPeers, nullptr);
+  for (std::size_t v = 0; v < slots_.size(); ++v)
+    if (p.there[v] != 0) by_slot_[slots_[v]] = &p.views[v];
+  for (std::size_t v = 0; v < slots_.size(); ++v) {
+    if (p.there[v] == 0 || tick >= gone_from_[v]) continue;
+    series_[v].push_back(inconsistency_of(p.views[v], by_slot_, p.truth, bodies_, tick));
   }
 }
 

@@ -66,12 +66,12 @@ class InconsistencyMeter {
   /// two be there at a time, the later one's view is the slot's.
   InconsistencyMeter(std::vector<PeerId> slots, int bodies);
 
-  void view(std::size_t viewer, Tick tick, View v);
+  void view(std::size_t viewer, Tick tick, const View& v);
   /// The viewer has no view of ticks before this one. To be said before any view is.
   void came(std::size_t viewer, Tick from) { came_at_[viewer] = from; }
   /// The viewer has no view of ticks from this one on: it has left.
   void gone(std::size_t viewer, Tick from);
-  void truth(Tick tick, Truth t);
+  void truth(Tick tick, const Truth& t);
 
   Inconsistency result(std::size_t viewer) const;
   /// The mean over peers, ticks weighted alike; peaks are the highest of any.
@@ -80,11 +80,14 @@ class InconsistencyMeter {
 
  private:
   struct Pending {
-    std::map<std::size_t, View> views;  ///< by viewer
+    std::vector<View> views;  ///< by viewer
+    std::vector<char> there;  ///< by viewer: whether that view is
     bool has_truth = false;
     Truth truth;
   };
-  void settle(Tick tick);
+  using PendingTicks = std::map<Tick, Pending>;
+  PendingTicks::iterator pending(Tick tick);
+  void settle(PendingTicks::iterator at);
   bool ready(Tick tick, const Pending& p) const;
   void measure(Tick tick, const Pending& p);
 
@@ -92,7 +95,9 @@ class InconsistencyMeter {
   std::vector<PeerId> slots_;  ///< by viewer
   std::vector<Tick> came_at_;
   std::vector<Tick> gone_from_;
-  std::map<Tick, Pending> pending_;
+  PendingTicks pending_;
+  std::vector<PendingTicks::node_type> spare_;  ///< with the memory of what has been measured
+  std::vector<const View*> by_slot_;
   std::vector<std::vector<InconsistencyPoint>> series_;
 };
 

@@ -2,24 +2,25 @@
 
 namespace padr::trace {
 
-Truth truth_of(const sync::FoldState& confirmed, bool authority) {
-  const std::size_t entities = confirmed.world.entities.size();
-  const std::size_t bodies = confirmed.authority.size();
-  Truth t;
-  t.owner.reserve(entities);
-  t.present.reserve(entities);
-  t.agreed.reserve(entities);
-  for (std::size_t e = 0; e < entities; ++e) {
-    t.agreed.push_back(confirmed.world.entities[e].position);
-    if (e < bodies) {
-      t.owner.push_back(authority ? confirmed.authority[e].holder() : PeerId{0});
-      t.present.push_back(true);
-    } else {
-      const auto peer = static_cast<PeerId>(e - bodies);
-      t.owner.push_back(peer);
-      t.present.push_back(confirmed.avatars[peer].present);
-    }
+void take_truth(const sync::FoldState& confirmed, bool authority, Truth& out) {
+  out.owner.clear();
+  out.present.clear();
+  out.agreed.clear();
+  for (const world::Kinematics& k : confirmed.world.entities) out.agreed.push_back(k.position);
+  for (const sync::Authority& a : confirmed.authority) {
+    out.owner.push_back(authority ? a.holder() : PeerId{0});
+    out.present.push_back(true);
   }
+  PeerId peer = 0;
+  for (const sync::AvatarModel& m : confirmed.avatars) {
+    out.owner.push_back(peer++);
+    out.present.push_back(m.present);
+  }
+}
+
+Truth truth_of(const sync::FoldState& confirmed, bool authority) {
+  Truth t;
+  take_truth(confirmed, authority, t);
   return t;
 }
 

@@ -15,16 +15,25 @@ inline std::string address_bytes(const Endpoint& e) {
   return bytes;
 }
 
+/// Into a message that has an address and a port.
+template <typename Message>
+void put_endpoint(const Endpoint& e, Message& out) {
+  out.set_address(address_bytes(e));
+  out.set_port(e.port);
+}
+
 /// False unless it is a place that can be sent to.
-inline bool take_endpoint(const std::string& address, std::uint32_t port, Endpoint& out) {
+template <typename Message>
+bool take_endpoint(const Message& in, Endpoint& out) {
+  const std::string& address = in.address();
   const bool keyed = address.size() == out.address.size() + out.key.size();
-  if ((!keyed && address.size() != out.address.size()) || port > 0xFFFF) return false;
+  if ((!keyed && address.size() != out.address.size()) || in.port() > 0xFFFF) return false;
   std::copy_n(address.begin(), out.address.size(), out.address.begin());
   if (keyed) {
     std::copy(address.end() - static_cast<std::ptrdiff_t>(out.key.size()), address.end(), out.key.begin());
     if (!out.has_key()) return false;
   }
-  out.port = static_cast<std::uint16_t>(port);
+  out.port = static_cast<std::uint16_t>(in.port());
   return out.is_set();
 }
 

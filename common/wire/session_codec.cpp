@@ -67,8 +67,7 @@ struct Encoder {
   void operator()(const Redirect& m) const {
     auto& r = *out.mutable_redirect();
     r.set_nonce(m.nonce);
-    r.set_address(address_bytes(m.founder));
-    r.set_port(m.founder.port);
+    put_endpoint(m.founder, r);
   }
   void operator()(const Refuse& m) const {
     out.mutable_refuse()->set_nonce(m.nonce);
@@ -89,9 +88,7 @@ struct Encoder {
     for (std::size_t i = 0; i < m.members.size(); ++i) {
       auto& member = *s.add_members();
       member.set_peer(static_cast<std::uint32_t>(m.first + i));
-      if (m.first + i == 0) continue;
-      member.set_address(address_bytes(m.members[i]));
-      member.set_port(m.members[i].port);
+      if (m.first + i != 0) put_endpoint(m.members[i], member);
     }
   }
   void operator()(const Ready& m) const {
@@ -120,8 +117,7 @@ struct Encoder {
     t.set_noted(m.noted);
     for (const Acquaintance& k : m.known) {
       auto& known = *t.add_known();
-      known.set_address(address_bytes(k.at.place()));
-      known.set_port(k.at.port);
+      put_endpoint(k.at.place(), known);
       put(k.where, known);
     }
   }
@@ -150,7 +146,7 @@ std::optional<SessionMessage> take(const Session::Welcome& in) {
 
 std::optional<SessionMessage> take(const Session::Redirect& in) {
   Redirect r{in.nonce(), {}};
-  if (!take_endpoint(in.address(), in.port(), r.founder)) return std::nullopt;
+  if (!take_endpoint(in, r.founder)) return std::nullopt;
   return r;
 }
 
@@ -178,8 +174,7 @@ std::optional<SessionMessage> take(const Session::Start& in) {
     const auto& m = in.members(static_cast<int>(i));
     const std::size_t p = first + i;
     if (m.peer() != p) return std::nullopt;
-    if (p == 0 ? !m.address().empty() || m.port() != 0 : !take_endpoint(m.address(), m.port(), s.members[i]))
-      return std::nullopt;
+    if (p == 0 ? !m.address().empty() || m.port() != 0 : !take_endpoint(m, s.members[i])) return std::nullopt;
   }
   return s;
 }
@@ -215,7 +210,7 @@ std::optional<SessionMessage> take(const Session::Tell& in) {
   if (t.clock < 0 || t.clock > kMaxClock || static_cast<std::size_t>(in.known_size()) > kMostKnown) return std::nullopt;
   for (const auto& k : in.known()) {
     Acquaintance& known = t.known.emplace_back();
-    if (!take_endpoint(k.address(), k.port(), known.at) || known.at.has_key()) return std::nullopt;
+    if (!take_endpoint(k, known.at) || known.at.has_key()) return std::nullopt;
     if (!take_whereabouts(k, known.where)) return std::nullopt;
   }
   t.noted = in.noted();

@@ -201,7 +201,7 @@ class Reader {
       to.first = s.first();
       if (s.have() < s.first() || s.have() >= kMost) return false;
       out.have.push_back(s.have());
-      if (s.address().empty() ? s.port() != 0 : !take_endpoint(s.address(), s.port(), to.at)) return false;
+      if (s.address().empty() ? s.port() != 0 : !take_endpoint(s, to.at)) return false;
     }
     return true;
   }
@@ -209,7 +209,7 @@ class Reader {
   bool read_gone(sync::Transfer& out) const {
     if (static_cast<std::size_t>(in_.gone_size()) > sync::Transfer::kMostGone) return false;
     for (const Message::Place& g : in_.gone())
-      if (!take_endpoint(g.address(), g.port(), out.gone.emplace_back())) return false;
+      if (!take_endpoint(g, out.gone.emplace_back())) return false;
     return true;
   }
 
@@ -246,9 +246,7 @@ Bytes encode_transfer(const sync::Transfer& t) {
     Message::Slot& to = *out.add_slots();
     to.set_first(t.slots[p].first);
     to.set_have(t.have[p]);
-    if (!t.slots[p].at.is_set()) continue;
-    to.set_address(address_bytes(t.slots[p].at));
-    to.set_port(t.slots[p].at.port);
+    if (t.slots[p].at.is_set()) put_endpoint(t.slots[p].at, to);
   }
   for (const sync::Bundle& b : t.tail) {
     PassedOn& to = *out.add_tail();
@@ -257,11 +255,7 @@ Bytes encode_transfer(const sync::Transfer& t) {
     to.set_tick(static_cast<std::uint32_t>(b.tick));
     put_update(b, b.tick, b.index + 1, *to.mutable_update());
   }
-  for (const Endpoint& at : t.gone) {
-    Message::Place& to = *out.add_gone();
-    to.set_address(address_bytes(at));
-    to.set_port(at.port);
-  }
+  for (const Endpoint& at : t.gone) put_endpoint(at, *out.add_gone());
   Bytes bytes(out.ByteSizeLong());
   out.SerializeToArray(bytes.data(), static_cast<int>(bytes.size()));
   return bytes;

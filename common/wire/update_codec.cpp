@@ -116,8 +116,7 @@ void put_orders(const Bundle& b, Update& out) {
     a.set_slot(b.admission->slot);
     a.set_incarnation(b.admission->incarnation);
     a.set_first(b.admission->first);
-    a.set_address(address_bytes(b.admission->at));
-    a.set_port(b.admission->at.port);
+    put_endpoint(b.admission->at, a);
     for (const std::uint32_t have : b.admission->have) a.add_have(have);
   }
   for (const sync::Removal& r : b.removals) {
@@ -141,8 +140,7 @@ bool take_orders(const Update& in, int depth, Bundle& out) {
   if (in.has_admission()) {
     const Admission& a = in.admission();
     sync::Admission& to = out.admission.emplace();
-    if (a.slot() >= kMaxPeers || a.have_size() > kMaxPeers || !take_endpoint(a.address(), a.port(), to.at))
-      return false;
+    if (a.slot() >= kMaxPeers || a.have_size() > kMaxPeers || !take_endpoint(a, to.at)) return false;
     to.slot = static_cast<PeerId>(a.slot());
     to.incarnation = a.incarnation();
     to.first = a.first();

@@ -24,6 +24,8 @@ class BodyList {
   void prepare();
   /// Slots of the bodies that are in the list, ascending.
   const std::vector<std::uint32_t>& listed() const { return listed_; }
+  /// Whether it is one of them, or has been woken since.
+  bool is_listed(std::size_t slot) const { return is_listed_[slot] != 0; }
 
  private:
   void mark(std::uint32_t slot);

@@ -5,20 +5,19 @@
 
 namespace padr::world {
 
-ContactState read_contact(b2Contact& c) {
+void read_contact(b2Contact& c, ContactState& s) {
   const b2Manifold& m = *c.GetManifold();
-  ContactState s;
   s.key = contact_key(c);
   s.local_normal = from_b2(m.localNormal);
   s.local_point = from_b2(m.localPoint);
   s.type = static_cast<std::uint8_t>(m.type);
   s.count = static_cast<std::uint8_t>(m.pointCount);
   s.touching = c.IsTouching();
-  for (std::size_t i = 0; i < s.count; ++i) {
+  for (std::size_t i = 0; i < s.points.size(); ++i) {
     const b2ManifoldPoint& p = m.points[i];
-    s.points[i] = {from_b2(p.localPoint), p.normalImpulse, p.tangentImpulse, p.id.key};
+    s.points[i] = {};
+    if (i < s.count) s.points[i] = {from_b2(p.localPoint), p.normalImpulse, p.tangentImpulse, p.id.key};
   }
-  return s;
 }
 
 void write_contact(b2Contact& c, const ContactState& s) {

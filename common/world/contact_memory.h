@@ -15,7 +15,8 @@ inline b2Vec2 to_b2(Vec2 v) {
 
 // What a contact remembers from one step to the next.
 
-ContactState read_contact(b2Contact& c);
+/// Fills in all of `s`. A state that is made elsewhere and then copied has to wait for what has just been written.
+void read_contact(b2Contact& c, ContactState& s);
 void write_contact(b2Contact& c, const ContactState& s);
 void forget_contact(b2Contact& c);
 /// Whether there is anything to forget.

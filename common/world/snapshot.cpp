@@ -1,13 +1,29 @@
 #include "common/world/snapshot.h"
 
+#include <algorithm>
+#include <bit>
+
 namespace padr::world {
+namespace {
+
+// A world's kinematics have no -0, so there is nothing to make alike.
+std::uint64_t exact(float a, float b) {
+  return static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(a)) << 32U | std::bit_cast<std::uint32_t>(b);
+}
+
+}  // namespace
+
+void sort_by_key(std::vector<ContactState>& contacts) {
+  const auto by_key = [](const ContactState& a, const ContactState& b) { return a.key < b.key; };
+  if (!std::is_sorted(contacts.begin(), contacts.end(), by_key)) std::sort(contacts.begin(), contacts.end(), by_key);
+}
 
 void add_to_hash(WideHasher& h, const Snapshot& s) {
   const auto word = [](Vec2 v) { return Hasher::word(v.x, v.y); };
   h.add(s.entities.size(), s.contacts.size(), 0, 0);
   for (const Kinematics& k : s.entities)
-    h.add(word(k.position), word(k.velocity), Hasher::word(k.angle, k.spin),
-          Hasher::word(k.awake ? 1.0F : 0.0F, k.sleep_time));
+    h.add(exact(k.position.x, k.position.y), exact(k.velocity.x, k.velocity.y), exact(k.angle, k.spin),
+          exact(k.sleep_time, 0) | static_cast<std::uint64_t>(k.awake));
   for (const ContactState& c : s.contacts) {
     const auto& [p, q] = c.points;
     const std::uint64_t kind = static_cast<std::uint64_t>(c.key) << 32U | static_cast<std::uint64_t>(c.type) << 16U |

@@ -59,6 +59,9 @@ struct Snapshot {
   std::vector<std::uint32_t> parted;
 };
 
+/// By key, as a snapshot has them.
+void sort_by_key(std::vector<ContactState>& contacts);
+
 /// Adds every bit of the snapshot, contact memory included.
 void add_to_hash(WideHasher& h, const Snapshot& s);
 

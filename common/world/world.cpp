@@ -8,6 +8,7 @@
 
 #include "common/world/body_list.h"
 #include "common/world/box2d_access.h"
+#include "common/world/box2d_body.h"
 #include "common/world/box2d_math.h"
 #include "common/world/box2d_timer.h"
 #include "common/world/contact_memory.h"
@@ -22,13 +23,7 @@ bool is_kept(const std::vector<bool>& keep, std::uint32_t key) {
   return kept(first_of(key)) || kept(second_of(key));
 }
 
-// Room for so many at once: piece by piece it would be found anew for each of the many snapshots that are kept.
-constexpr std::size_t kUsualContacts = 32;
-
-float inertia_of(const BodyDef& d) {
-  return d.shape == ShapeKind::kCircle ? 0.5F * d.mass * d.radius * d.radius
-                                       : d.mass * (d.half.x * d.half.x + d.half.y * d.half.y) / 3.0F;
-}
+constexpr std::size_t kFewContacts = 32;
 
 }  // namespace
 
@@ -42,42 +37,6 @@ struct World::Box2d final : b2ContactFilter {
     take_portable_math();
     // A world's very first step never warm-starts; an empty one makes all worlds alike from tick 0 on.
     world.Step(kTickSeconds, 1, 1);
-  }
-
-  b2Body* create(const BodyDef& d, b2BodyType type, std::size_t slot, bool fixed_rotation = false) {
-    b2BodyDef def;
-    def.type = type;
-    def.position = to_b2(d.position);
-    def.angle = d.angle;
-    def.fixedRotation = fixed_rotation;
-    def.linearDamping = d.linear_damping;
-    def.angularDamping = d.angular_damping;
-    def.userData.pointer = slot;
-    b2Body* body = world.CreateBody(&def);
-    b2CircleShape circle;
-    b2PolygonShape box;
-    b2FixtureDef fixture;
-    if (d.shape == ShapeKind::kCircle) {
-      circle.m_radius = d.radius;
-      fixture.shape = &circle;
-    } else {
-      box.SetAsBox(d.half.x, d.half.y);
-      fixture.shape = &box;
-    }
-    fixture.density = 1;
-    fixture.friction = d.friction;
-    fixture.restitution = d.restitution;
-    body->CreateFixture(&fixture);
-    if (type == b2_dynamicBody) {
-      // The centre of mass exactly at the origin, so that a transform carries it without rounding.
-      b2MassData mass;
-      mass.mass = d.mass;
-      mass.center.SetZero();
-      mass.I = inertia_of(d);
-      body->SetMassData(&mass);
-      body->SetLinearVelocity(to_b2(d.velocity));
-    }
-    return body;
   }
 
   bool may_collide(std::size_t a, std::size_t b) const {
@@ -99,9 +58,12 @@ struct World::Box2d final : b2ContactFilter {
   /// What has been done to this one shows, and the next step sees it.
   void changed(std::size_t e) {
     const b2Body& b = *bodies[e];
-    seen[e] = {from_b2(b.GetPosition()),       b.GetAngle() + 0.0F,
-               from_b2(b.GetLinearVelocity()), b.GetAngularVelocity() + 0.0F,
-               b.*member(access::SleepTime{}), b.IsAwake()};
+    seen[e] = {from_b2(b.GetPosition()),
+               b.GetAngle() + 0.0F,
+               from_b2(b.GetLinearVelocity()),
+               b.GetAngularVelocity() + 0.0F,
+               b.*member(access::SleepTime{}) + 0.0F,
+               b.IsAwake()};
     if (b.IsAwake()) list.woken(e);
     contacts_known = false;
   }
@@ -109,6 +71,8 @@ struct World::Box2d final : b2ContactFilter {
   void find_and_order();
   bool forget_if_apart(b2Contact& c);
   void forget_forbidden(b2Body& body);
+  void look_after_step();
+  const std::vector<ContactState>& remembered();
   void restore_entity(std::size_t e, const Kinematics& k);
   void wake_and_forget(b2Contact& c);
   b2Contact* find(std::uint32_t key) const;
@@ -126,7 +90,11 @@ struct World::Box2d final : b2ContactFilter {
   mutable std::vector<Contact> contacts;
   mutable bool contacts_known = false;
   mutable std::vector<b2Contact*> scratch;
-  bool in_order = false;              // all contacts, by key
+  bool in_order = false;  // all contacts, by key
+  // What contacts remember, by key, while it is known: in Box2D it lies about in memory, and what sleeps stays as it
+  // is.
+  std::vector<ContactState> memory;
+  bool memory_known = false;
   std::vector<std::uint32_t> parted;  // keys: touched in the last step and parted in it
 };
 
@@ -141,7 +109,7 @@ World::World(const Scene& scene, int slots)
   assert(total < kNoEntity);
   w.present.assign(total, 1);
   w.holds.assign(w.n_bodies, 0);
-  for (const BodyDef& d : scene.bodies) w.bodies.push_back(w.create(d, b2_dynamicBody, w.bodies.size()));
+  for (const BodyDef& d : scene.bodies) w.bodies.push_back(create_body(w.world, d, b2_dynamicBody, w.bodies.size()));
   const AvatarDef& a = scene.avatar;
   for (int p = 0; p < slots; ++p) {
     BodyDef d;
@@ -152,14 +120,16 @@ World::World(const Scene& scene, int slots)
     d.restitution = a.restitution;
     d.position = a.spawns[static_cast<std::size_t>(p)];
     w.present[w.bodies.size()] = 0;
-    b2Body* body = w.create(d, b2_dynamicBody, w.bodies.size(), true);
+    b2Body* body = create_body(w.world, d, b2_dynamicBody, w.bodies.size(), true);
     body->SetGravityScale(a.gravity ? 1.0F : 0.0F);
     body->SetAwake(false);
     w.bodies.push_back(body);
   }
   std::size_t slot = w.bodies.size();
-  for (const BodyDef& d : scene.statics) w.create(d, b2_staticBody, slot++);
+  for (const BodyDef& d : scene.statics) create_body(w.world, d, b2_staticBody, slot++);
   w.seen.resize(w.bodies.size());
+  seen_ = w.seen.data();
+  w.memory.reserve(usual_contacts());
   w.list.begin(w.world, w.bodies);
   for (std::size_t e = 0; e < w.bodies.size(); ++e) w.changed(e);
 }
@@ -202,21 +172,6 @@ void World::set_free(PeerId p, bool free) {
   impl_->forget_forbidden(*impl_->bodies[avatar(p)]);
 }
 
-BodyState World::state(EntityId e) const {
-  const Kinematics& k = impl_->seen[e];
-  return {k.position, k.angle, k.velocity, k.spin, k.awake};
-}
-
-Vec2 World::position(EntityId e) const {
-  return impl_->seen[e].position;
-}
-Vec2 World::velocity(EntityId e) const {
-  return impl_->seen[e].velocity;
-}
-bool World::awake(EntityId e) const {
-  return impl_->seen[e].awake;
-}
-
 void World::set_state(EntityId e, const BodyState& s) {
   const BodyState now = state(e);
   if (now == s) return;
@@ -257,8 +212,7 @@ void World::step() {
   w.list.prepare();
   if (w.list.listed().empty()) return;  // all sleeps, and stays as it is
   w.world.Step(kTickSeconds, scene_->velocity_iterations, scene_->position_iterations);
-  for (b2Contact* c = w.world.GetContactList(); c != nullptr; c = c->GetNext())
-    if (w.forget_if_apart(*c)) w.parted.push_back(contact_key(*c));
+  w.look_after_step();
   for (const std::uint32_t e : w.list.listed()) w.changed(e);
   w.contacts_known = false;
 }
@@ -271,8 +225,45 @@ void World::Box2d::find_and_order() {
   in_order = true;
 }
 
+// Contacts of what is not listed are as they were.
+void World::Box2d::look_after_step() {
+  const bool others_known = memory_known;
+  const auto is_touched = [this](EntityId slot) { return slot < bodies.size() && list.is_listed(slot); };
+  std::erase_if(memory,
+                [&](const ContactState& c) { return is_touched(first_of(c.key)) || is_touched(second_of(c.key)); });
+  scratch.clear();
+  for (const std::uint32_t slot : list.listed())
+    for (b2ContactEdge* e = bodies[slot]->GetContactList(); e != nullptr; e = e->next) {
+      const std::uint32_t other = slot_of(*e->other);
+      const bool twice = other < slot && is_touched(static_cast<EntityId>(other));
+      if (!twice && remembers(*e->contact)) scratch.push_back(e->contact);
+    }
+  std::sort(scratch.begin(), scratch.end(),
+            [](const b2Contact* a, const b2Contact* b) { return contact_key(*a) < contact_key(*b); });
+  for (b2Contact* c : scratch) {
+    if (forget_if_apart(*c)) {
+      parted.push_back(contact_key(*c));
+    } else if (others_known) {
+      read_contact(*c, memory.emplace_back());
+    }
+  }
+  memory_known = others_known;
+  if (memory_known) sort_by_key(memory);
+}
+
+const std::vector<ContactState>& World::Box2d::remembered() {
+  if (memory_known) return memory;
+  memory.clear();
+  for (b2Contact* c = world.GetContactList(); c != nullptr; c = c->GetNext())
+    if (remembers(*c)) read_contact(*c, memory.emplace_back());
+  sort_by_key(memory);
+  memory_known = true;
+  return memory;
+}
+
 void World::Box2d::wake_and_forget(b2Contact& c) {
   forget_contact(c);
+  memory_known = false;
   for (b2Body* b : {c.GetFixtureA()->GetBody(), c.GetFixtureB()->GetBody()}) {
     b->SetAwake(true);
     if (const std::size_t e = b->GetUserData().pointer; e < bodies.size()) changed(e);
@@ -302,20 +293,10 @@ const std::vector<Contact>& World::contacts() const {
   Box2d& w = *impl_;
   if (w.contacts_known) return w.contacts;
   w.contacts.clear();
-  for (b2Contact* c = w.world.GetContactList(); c != nullptr; c = c->GetNext()) {
-    if (!c->IsTouching()) continue;
-    const std::uint32_t key = contact_key(*c);
-    const EntityId second = second_of(key);
-    if (second >= w.bodies.size()) continue;
-    w.contacts.push_back({first_of(key), second});
-  }
-  std::sort(w.contacts.begin(), w.contacts.end());
+  for (const ContactState& c : w.remembered())
+    if (c.touching && second_of(c.key) < w.bodies.size()) w.contacts.push_back({first_of(c.key), second_of(c.key)});
   w.contacts_known = true;
   return w.contacts;
-}
-
-Kinematics World::kinematics(EntityId e) const {
-  return impl_->seen[e];
 }
 
 void World::save(Snapshot& out) const {
@@ -323,15 +304,14 @@ void World::save(Snapshot& out) const {
   save_contacts(out);
 }
 
+std::size_t World::usual_contacts() const {
+  return std::max(kFewContacts, impl_->bodies.size());
+}
+
 void World::save_contacts(Snapshot& out) const {
   out.parted = impl_->parted;
-  out.contacts.clear();
-  out.contacts.reserve(kUsualContacts);
-  for (b2Contact* c = impl_->world.GetContactList(); c != nullptr; c = c->GetNext())
-    if (remembers(*c)) out.contacts.push_back(read_contact(*c));
-  const auto by_key = [](const ContactState& a, const ContactState& b) { return a.key < b.key; };
-  if (!std::is_sorted(out.contacts.begin(), out.contacts.end(), by_key))
-    std::sort(out.contacts.begin(), out.contacts.end(), by_key);
+  out.contacts.reserve(usual_contacts());
+  out.contacts = impl_->remembered();
 }
 
 void World::Box2d::restore_entity(std::size_t e, const Kinematics& k) {
@@ -368,6 +348,7 @@ void World::Box2d::restore_contacts(const Snapshot& s, const std::vector<bool>& 
       if (b2Contact* c = find(state.key)) write_contact(*c, state);
   parted.clear();
   contacts_known = false;
+  memory_known = false;
 }
 
 void World::restore(const Snapshot& s, const std::vector<bool>& keep) {

@@ -40,10 +40,13 @@ class World {
   /// A free avatar collides with every body, held or not: the one that this peer drives.
   void set_free(PeerId p, bool free);
 
-  BodyState state(EntityId e) const;
-  Vec2 position(EntityId e) const;
-  Vec2 velocity(EntityId e) const;
-  bool awake(EntityId e) const;
+  BodyState state(EntityId e) const {
+    const Kinematics& k = seen_[e];
+    return {k.position, k.angle, k.velocity, k.spin, k.awake};
+  }
+  Vec2 position(EntityId e) const { return seen_[e].position; }  ///< m
+  Vec2 velocity(EntityId e) const { return seen_[e].velocity; }  ///< m/s
+  bool awake(EntityId e) const { return seen_[e].awake; }
   /// How many things the last step had to look at: what is awake, and what that may wake.
   std::size_t listed() const;
   /// Overwrites transform, then velocity, then sleep flag. Skipped when equal: overwriting with the same is not a
@@ -59,8 +62,11 @@ class World {
   /// Entities that touch, sorted, as of the last step.
   const std::vector<Contact>& contacts() const;
 
-  Kinematics kinematics(EntityId e) const;
+  const Kinematics& kinematics(EntityId e) const { return seen_[e]; }
   void save(Snapshot& out) const;
+  /// So many contacts, as many as entities, have room in every snapshot that is saved: piece by piece room would be
+  /// found anew for each of the many that are kept.
+  std::size_t usual_contacts() const;
   /// Of the snapshot only `contacts` and `parted`.
   void save_contacts(Snapshot& out) const;
   /// Takes over the snapshot's state exactly, but leaves entities whose bit in `keep` is set as they are, with the
@@ -74,6 +80,7 @@ class World {
   struct Box2d;
   std::unique_ptr<Box2d> impl_;
   std::unique_ptr<Scene> scene_;
+  const Kinematics* seen_ = nullptr;  ///< by entity id
   int bodies_ = 0;
   int slots_ = 0;
 };

@@ -3,17 +3,12 @@
 #include <algorithm>
 
 namespace padr::bench {
-namespace {
-
-constexpr PeerId kOwn = 0;  // the avatar that touches whatever it meets
-
-}  // namespace
-
-BareWorld::BareWorld(const Scene& scene, int avatars)
+BareWorld::BareWorld(const Scene& scene, int avatars, PeerId own)
     : world_({scene.gravity.x, scene.gravity.y}),
       velocity_iterations_(scene.velocity_iterations),
       position_iterations_(scene.position_iterations),
       n_bodies_(scene.bodies.size()),
+      own_(own),
       holds_(scene.bodies.size(), 0) {
   world_.SetWarmStarting(scene.warm_starting);
   world_.SetContinuousPhysics(scene.continuous);
@@ -59,8 +54,8 @@ void BareWorld::add(const BodyDef& d, b2BodyType type, bool avatar) {
 bool BareWorld::ShouldCollide(b2Fixture* a, b2Fixture* b) {
   const auto [body, other] = std::minmax(a->GetBody()->GetUserData().pointer, b->GetBody()->GetUserData().pointer);
   const bool with_avatar = body < n_bodies_ && other >= n_bodies_ && bodies_[other]->GetType() == b2_dynamicBody;
-  if (!with_avatar || other == n_bodies_ + kOwn) return true;
-  return (holds_[body] & only(static_cast<PeerId>(other - n_bodies_))) != 0;
+  const auto whose = static_cast<PeerId>(other - n_bodies_);
+  return !with_avatar || whose == own_ || (holds_[body] & only(whose)) != 0;
 }
 
 void BareWorld::put(const std::vector<world::Kinematics>& entities, const std::vector<PeerSet>& holds) {

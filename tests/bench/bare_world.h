@@ -14,7 +14,9 @@ namespace padr::bench {
 /// world::World, which is left out with all that it does before and after a step.
 class BareWorld final : b2ContactFilter {
  public:
-  BareWorld(const Scene& scene, int avatars);
+  /// `own`: whose avatar touches whatever it meets, as in that peer's live world; kNoPeer: nobody's, as in a predicted
+  /// one.
+  BareWorld(const Scene& scene, int avatars, PeerId own = 0);
 
   /// Everything is there now; `holds` as in FoldState. What is there already is left alone.
   void put(const std::vector<world::Kinematics>& entities, const std::vector<PeerSet>& holds);
@@ -28,6 +30,7 @@ class BareWorld final : b2ContactFilter {
   int velocity_iterations_;
   int position_iterations_;
   std::size_t n_bodies_;
+  PeerId own_;
   std::vector<b2Body*> bodies_;
   std::vector<PeerSet> holds_;
 };

@@ -20,13 +20,9 @@
 #include <string>
 #include <vector>
 
-#include "common/link/netem_spec.h"
-#include "common/link/shim.h"
-#include "common/model/rng.h"
-#include "common/node/node.h"
-#include "common/scenarios/input.h"
 #include "common/scenarios/scenarios.h"
 #include "common/wire/codec.h"
+#include "tests/bench/party.h"
 
 namespace padr::bench {
 namespace {
@@ -142,45 +138,31 @@ void look_into(const sync::StatePacket& p, std::uint32_t acked, History& history
 /// Peers on links that are all alike.
 class Play {
  public:
-  Play(const Scene& scene, int peers, const std::string& netem) : histories_(static_cast<std::size_t>(peers)) {
-    const link::NetemSpec spec = link::parse_netem(netem);
-    for (int p = 0; p < peers; ++p) {
-      node::NodeConfig c;
-      c.self = static_cast<PeerId>(p);
-      c.peers = c.slots = peers;
-      nodes_.push_back(std::make_unique<node::Node>(scene, c));
-      inputs_.push_back(scenarios::make_input("wander", {scene, p, 1, {}}));
-      auto& row = shims_.emplace_back();
-      for (int q = 0; q < peers; ++q)
-        row.push_back(std::make_unique<link::Shim>(
-            spec, derive_seed(1, static_cast<std::uint64_t>(p), static_cast<std::uint64_t>(q))));
-    }
-  }
+  Play(const Scene& scene, int peers, const std::string& netem)
+      : mesh_(scene, peers, netem, "wander", 1), histories_(static_cast<std::size_t>(peers)) {}
 
   void tick(Sums& sums) {
     const Micros now = tick_start(++now_);
-    for (auto& row : shims_)
-      for (std::size_t to = 0; to < nodes_.size(); ++to)
-        while (auto d = row[to]->release(now)) nodes_[to]->receive(*d, now);
-    for (std::size_t p = 0; p < nodes_.size(); ++p) {
-      nodes_[p]->step(inputs_[p]->target(now_));
-      for (const node::Outgoing& o : nodes_[p]->outgoing()) {
+    for (auto& row : mesh_.shims)
+      for (std::size_t to = 0; to < mesh_.nodes.size(); ++to)
+        while (auto d = row[to]->release(now)) mesh_.nodes[to]->receive(*d, now);
+    for (std::size_t p = 0; p < mesh_.nodes.size(); ++p) {
+      mesh_.nodes[p]->step(mesh_.inputs[p]->target(now_));
+      for (const node::Outgoing& o : mesh_.nodes[p]->outgoing()) {
         ++sums.datagrams;
         sums.bytes += static_cast<double>(o.bytes.size()) + kIpUdpBytes;
         wire::SealError error{};
         const auto opened = wire::open(o.bytes, error);
         const sync::StatePacket* packet = decoder_.decode(opened->payload, static_cast<PeerId>(p));
-        look_into(*packet, nodes_[p]->other(o.to).link.acked(), histories_[p], sums);
-        shims_[p][o.to]->accept(now, o.bytes);
+        look_into(*packet, mesh_.nodes[p]->other(o.to).link.acked(), histories_[p], sums);
+        mesh_.shims[p][o.to]->accept(now, o.bytes);
       }
     }
   }
 
  private:
   Tick now_ = 0;
-  std::vector<std::unique_ptr<node::Node>> nodes_;
-  std::vector<std::unique_ptr<scenarios::InputSource>> inputs_;
-  std::vector<std::vector<std::unique_ptr<link::Shim>>> shims_;  ///< from, to
+  Mesh mesh_;
   std::vector<History> histories_;
   wire::StateDecoder decoder_;
 };

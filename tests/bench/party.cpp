@@ -66,15 +66,15 @@ Scene restless_room(int bodies, int spawns) {
   return scene;
 }
 
-Party::Party(const Scene& scene, int peers, const std::string& netem, const std::string& input, std::uint64_t seed) {
+Mesh::Mesh(const Scene& scene, int peers, const std::string& netem, const std::string& input, std::uint64_t seed) {
   const link::NetemSpec spec = link::parse_netem(netem);
   for (int p = 0; p < peers; ++p) {
     node::NodeConfig c;
     c.self = static_cast<PeerId>(p);
     c.peers = c.slots = peers;
-    nodes_.push_back(std::make_unique<node::Node>(scene, c));
-    inputs_.push_back(scenarios::make_input(input, {scene, p, seed, {}}));
-    auto& row = shims_.emplace_back();
+    nodes.push_back(std::make_unique<node::Node>(scene, c));
+    inputs.push_back(scenarios::make_input(input, {scene, p, seed, {}}));
+    auto& row = shims.emplace_back();
     for (int q = 0; q < peers; ++q)
       row.push_back(std::make_unique<link::Shim>(
           spec, derive_seed(seed, static_cast<std::uint64_t>(p), static_cast<std::uint64_t>(q))));
@@ -83,30 +83,30 @@ Party::Party(const Scene& scene, int peers, const std::string& netem, const std:
 
 std::vector<std::vector<std::byte>> Party::arrived(std::size_t at) {
   std::vector<std::vector<std::byte>> all;
-  for (std::size_t from = 0; from < nodes_.size(); ++from)
-    while (auto d = shims_[from][at]->release(tick_start(now_))) all.push_back(std::move(*d));
+  for (std::size_t from = 0; from < mesh_.nodes.size(); ++from)
+    while (auto d = mesh_.shims[from][at]->release(tick_start(now_))) all.push_back(std::move(*d));
   return all;
 }
 
 Party::Frame Party::frame(std::size_t p) {
   const auto datagrams = arrived(p);
-  const Vec2 target = inputs_[p]->target(now_);
+  const Vec2 target = mesh_.inputs[p]->target(now_);
   Frame f;
   f.datagrams = datagrams.size();
   const std::uint64_t before = allocations();
   f.seconds = seconds_of([&] {
-    for (const auto& d : datagrams) nodes_[p]->receive(d, tick_start(now_));
-    nodes_[p]->step(target);
+    for (const auto& d : datagrams) mesh_.nodes[p]->receive(d, tick_start(now_));
+    mesh_.nodes[p]->step(target);
   });
   f.allocations = allocations() - before;
-  for (const node::Outgoing& o : nodes_[p]->outgoing()) shims_[p][o.to]->accept(tick_start(now_), o.bytes);
+  for (const node::Outgoing& o : mesh_.nodes[p]->outgoing()) mesh_.shims[p][o.to]->accept(tick_start(now_), o.bytes);
   return f;
 }
 
 Party::Frame Party::tick() {
   ++now_;
   const Frame first = frame(0);
-  for (std::size_t p = 1; p < nodes_.size(); ++p) frame(p);
+  for (std::size_t p = 1; p < mesh_.nodes.size(); ++p) frame(p);
   return first;
 }
 

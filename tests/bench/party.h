@@ -41,11 +41,21 @@ inline std::uint64_t whole_replays(const sync::AgreedWorld& a) {
   return a.replayed_steps() - a.locally_replayed_steps();
 }
 
-/// Nodes in lock step, every directed link through a shim; the first one's frames are measured.
+/// Nodes, every directed link through a shim.
+struct Mesh {
+  /// `input`: as for padr-peer --input, of all of them; `seed`: of the inputs and the network.
+  Mesh(const Scene& scene, int peers, const std::string& netem, const std::string& input, std::uint64_t seed);
+
+  std::vector<std::unique_ptr<node::Node>> nodes;
+  std::vector<std::unique_ptr<scenarios::InputSource>> inputs;
+  std::vector<std::vector<std::unique_ptr<link::Shim>>> shims;  ///< from, to
+};
+
+/// A mesh in lock step; the first one's frames are measured.
 class Party {
  public:
-  /// `input`: as for padr-peer --input, of all of them; `seed`: of the inputs and the network.
-  Party(const Scene& scene, int peers, const std::string& netem, const std::string& input, std::uint64_t seed = 1);
+  Party(const Scene& scene, int peers, const std::string& netem, const std::string& input, std::uint64_t seed = 1)
+      : mesh_(scene, peers, netem, input, seed) {}
 
   struct Frame {
     double seconds = 0;             ///< all datagrams of one tick, the step, and what goes out, encoded
@@ -55,16 +65,14 @@ class Party {
   /// One tick of all of them; the first one's frame.
   Frame tick();
 
-  const node::Node& first() const { return *nodes_[0]; }
+  const node::Node& first() const { return *mesh_.nodes[0]; }
 
  private:
   std::vector<std::vector<std::byte>> arrived(std::size_t at);
   Frame frame(std::size_t p);
 
   Tick now_ = 0;
-  std::vector<std::unique_ptr<node::Node>> nodes_;
-  std::vector<std::unique_ptr<scenarios::InputSource>> inputs_;
-  std::vector<std::vector<std::unique_ptr<link::Shim>>> shims_;  ///< from, to
+  Mesh mesh_;
 };
 
 }  // namespace padr::bench

@@ -212,7 +212,7 @@ def run(options):
 
 
 def parse(arguments):
-    p = argparse.ArgumentParser(prog="peers.py", usage=__doc__)
+    p = argparse.ArgumentParser(prog="peers.py", usage=__doc__.replace("%", "%%"))
     p.add_argument("peer")
     p.add_argument("bench")
     p.add_argument("--peers", default="4,8,16,32,64")

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "common/crowd/plane.h"
+#include "common/sync/state_hash.h"
 #include "common/wire/codec.h"
 #include "common/wire/transfer_codec.h"
 

@@ -136,14 +136,14 @@ void push_about(std::uint64_t seed, const std::string& loss) {
 }
 
 TEST(Crowd, NoBodyIsLostOrDoubledUnderLossWhateverIsPushedWhere) {
-  push_about(test::seed(), "2%");
+  push_about(test::seed(), "10%");
 }
 
 // 20: who had come in was taken for who had sat in another's slot before, and declared gone. 22: two who each had
-// changed their mind left a region to one another. 30: two coordinators gave out one slot. (With a lab that told who is
-// where.)
+// changed their mind left a region to one another. 30: two coordinators gave out one slot. (These with a lab that told
+// who is where.) 65: who kept a region left it to another one in the time between what each of them said.
 TEST(Crowd, NorWithSeedsThatHaveFailed) {
-  for (const std::uint64_t seed : {20U, 22U, 30U}) push_about(seed, "10%");
+  for (const std::uint64_t seed : {20U, 22U, 30U, 65U}) push_about(seed, "10%");
 }
 
 TEST(Crowd, ARegionThatAllHaveLeftIsKeptAsItWas) {
@@ -228,8 +228,7 @@ TEST(Crowd, WhatAPeerTellsDoesNotGrowWithTheCrowd) {
     steps.push_back(sum().second - before.second);
     EXPECT_GT(run.compared(), 0U);
     EXPECT_EQ(run.different(), 0U);
-    // Of 120 that come within seconds two may found one region; then it has two sides until they have met.
-    EXPECT_LT(run.split(), run.confirmed() / 20);
+    EXPECT_EQ(run.split(), 0U) << "though 120 come within 6 s, no two found one region";
   }
   EXPECT_LT(bytes[1], 1.25 * bytes[0]);
   EXPECT_LT(steps[1], 1.2 * steps[0]);

@@ -140,6 +140,38 @@ TEST(Finder, WhoHasEndedIsForgotten) {
   EXPECT_FALSE(net[2].found.at({1, 0})) << "nobody is there any more";
 }
 
+// Once, whoever had lost four answers of another one in a row overlooked that one, and founded the region that it was
+// in.
+TEST(Finder, WhoHasEverAnsweredIsNotGivenUpForFourLostAnswers) {
+  AddressBook book;
+  const auto ask = [&book](const Endpoint& at, int times) {
+    for (int i = 0; i < times; ++i) {
+      Acquaintance* a = book.note(at);
+      a->asked = (i + 1) * 600'000;
+      if (a->unanswered++ == 0) a->asked_first = a->asked;
+    }
+    return AddressBook::ended(*book.find(at));
+  };
+  EXPECT_FALSE(ask(at_port(1), 3));
+  EXPECT_TRUE(ask(at_port(2), 4)) << "a hint that nobody stands for";
+  book.note(at_port(3))->heard = 0;
+  EXPECT_FALSE(ask(at_port(3), 7));
+  book.note(at_port(4))->heard = 0;
+  EXPECT_TRUE(ask(at_port(4), 8));
+}
+
+TEST(Finder, AllNextToARegionAreNearestToIt) {
+  AddressBook book;
+  const Region r{0, 0};
+  for (int i = 0; i < 60; ++i) book.note(at_port(i))->in = {{i % 3 - 1, i < 30 ? 1 : -1}};
+  for (int i = 60; i < 70; ++i) book.note(at_port(i))->in = {{5, i}};
+  EXPECT_EQ(book.nearest(r, 4).size(), AddressBook::kMostAround);
+  EXPECT_EQ(book.nearest({5, 64}, 1).size(), 3U) << "itself and both beside it";
+  EXPECT_EQ(book.nearest({20, 20}, 4).size(), 4U) << "where nobody is near";
+  book.note(at_port(7))->seeks = {r};
+  for (const Acquaintance* a : book.nearest(r, 4)) EXPECT_NE(a->at, at_port(7)) << "who looks for it is not in it";
+}
+
 TEST(Finder, TwoSidesOfARegionAreStrangersAfterAWhile) {
   Net net(2);
   net[0].sought = {{0, 0}};

@@ -4,6 +4,7 @@
 #include "common/crowd/plane.h"
 #include "common/sync/admit.h"
 #include "common/sync/fold.h"
+#include "common/sync/state_hash.h"
 
 namespace padr::sync {
 namespace {

@@ -8,7 +8,8 @@ from peers import PATIENCE, Case, main, run, signal, time
 NETEM = "delay 30ms 10ms loss 2%"
 SIDE, REACH = 24.0, 6.0  # m, of a region, and beyond its border for guests
 SETTLE = 8.0  # s: who is lost is out by then, and who stands has come in
-PLACES = [(4 + 10 * n, 6 + 7 * (n % 3)) for n in range(9)]  # over four regions in a row
+# Over four regions in a row, each in a lane of its own: two who meet head on stop one another.
+PLACES = [(4 + 10 * n, 4 + 2 * n) for n in range(9)]
 LATE = [(20, 20), (50, 4)]
 
 
@@ -30,9 +31,9 @@ class Crowd(Case):
                          "--netem-seed", n + 1, *arguments)  # fmt: skip
 
     def test_who_is_near_is_known_and_believes_the_same(self):
-        first = self.walker(0, PLACES[0], (30, 12))
+        first = self.walker(0, PLACES[0], (30, 4))
         join = ["--join", f"127.0.0.1:{first.port()}"]
-        peers = [first] + [self.walker(n, at, (at[0] + (26 if n < 5 else -26), 12), *join)
+        peers = [first] + [self.walker(n, at, (at[0] + (26 if n < 5 else -26), at[1]), *join)
                            for n, at in enumerate(PLACES[1:], 1)]  # fmt: skip
         lost = self.walker(20, (36, 20), (36, 12), *join)
         for peer in [*peers, lost]:

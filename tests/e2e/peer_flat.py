@@ -3,7 +3,7 @@
 
 Usage: peer_flat.py PATH_TO_PADR_PEER [--seconds S] [--peers N] [--netem SPEC]
 
-After a warm-up of 20 s (own logs are kept for 15 s) resident memory, updates sent and steps replayed of the first third of
+After a warm-up of 20 s (own logs are kept for 15 s) resident memory of its own, updates sent and steps replayed of the first third of
 the time are held against those of the last. Exit: 0 flat, 1 not.
 """
 
@@ -22,9 +22,10 @@ MOST_MEMORY, MOST_RATE = 1.05, 2.0  # last third by first third
 STATUS = re.compile(r"status: +([\d.]+) s .* sent ([\d.]+) updates/s ([\d.]+) kbit/s .* replay ([\d.]+)/tick")
 
 
-def resident_kib(peer):
+def own_kib(peer):
+    """What it has allocated, as far as it is resident: of files that are mapped the system keeps as much as it likes."""
     with open(f"/proc/{peer.process.pid}/status", encoding="ascii") as file:
-        return int(re.search(r"VmRSS:\s+(\d+) kB", file.read())[1])
+        return int(re.search(r"RssAnon:\s+(\d+) kB", file.read())[1])
 
 
 def play(options):
@@ -40,7 +41,7 @@ def play(options):
         memory = [[] for _ in peers]
         while time.monotonic() - begin < options.seconds:
             for peer, samples in zip(peers, memory):
-                samples.append((time.monotonic() - begin, resident_kib(peer)))
+                samples.append((time.monotonic() - begin, own_kib(peer)))
             time.sleep(1)
         for peer in peers:
             peer.process.send_signal(signal.SIGINT)

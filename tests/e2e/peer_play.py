@@ -106,6 +106,19 @@ class Leaving(Case):
     def test_sigterm_too(self):
         self.check_goodbye(signal.SIGTERM)
 
+    def test_says_goodbye_however_short_it_lingers(self):
+        # Of many, who has a high number says it some ticks after the signal.
+        peers = self.session(6, "--linger", 0.01)
+        for p in peers:
+            p.wait_for(r"status: ")
+        number = {int(p.wait_for(r"this is peer (\d+)")[1]): p for p in peers}
+        number[5].process.send_signal(signal.SIGINT)
+        self.assertEqual(number.pop(5).end(10), 0)
+        for p in number.values():
+            p.wait_for("peer 5 has left", 5)
+            p.process.send_signal(signal.SIGINT)
+        self.assertEqual([p.end(10) for p in number.values()], [0] * 5)
+
     def test_second_signal_quits_at_once(self):
         # A link that delivers nothing: the goodbye cannot arrive, so the first signal alone would take all of --linger.
         peers = self.session(2, "--linger", 60)

@@ -62,6 +62,25 @@ TEST(Joining, ManyAtOnceGetSlotsOfTheirOwn) {
   EXPECT_EQ(party.judge().violation(), "");
 }
 
+// The lowest slot is free, so the first who is let in is the coordinator from then on, and whoever was letting in the
+// others may not any more: it tells them whom to ask.
+TEST(Joining, SeveralAtOnceAllComeInThoughTheFirstOfThemBecomesTheCoordinator) {
+  for (std::uint64_t seed = 60; seed < 70; ++seed) {
+    Party party(3, "delay 40ms 10ms loss 5%", seed);
+    party.run(5);
+    party.net().leave(0);
+    party.run(5);
+    for (int i = 0; i < 4; ++i) {
+      party.net().start(1 + i % 2);
+      party.run(0.1);
+    }
+    const auto took = party.run_until(3.5, [&] { return party.united(); });
+    ASSERT_TRUE(took.has_value()) << "seed " << seed << "\n" << party.story();
+    party.run(2);
+    EXPECT_EQ(party.judge().violation(), "");
+  }
+}
+
 TEST(Joining, AFullSessionRefuses) {
   lab::GatheringConfig config = party_config(2, "delay 10ms", 15);
   config.slots = 2;

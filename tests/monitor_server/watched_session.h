@@ -7,6 +7,7 @@
 #include "common/monitor/codec.h"
 #include "common/monitor/sampler.h"
 #include "common/scenarios/scenarios.h"
+#include "common/sync/state_hash.h"
 #include "tools/lab/simulation.h"
 
 namespace padr::test {

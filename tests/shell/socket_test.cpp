@@ -79,6 +79,29 @@ TEST_F(Sockets, OneThatCannotGoKeepsNobodyBack) {
   EXPECT_EQ(here_.stats().send_errors, 3U);
 }
 
+// What the machine says of one datagram may be told to the next one that is sent, and is then no error of any read. But
+// as long as it has not been read in full, the socket is ready: whoever waits for it then never rests.
+TEST_F(Sockets, ARefusalIsToldOnceAndLeavesNothingThatWakesAgain) {
+  Endpoint closed;
+  {
+    UdpSocket gone(io_, any_port());
+    closed = to_endpoint(gone.local());
+  }
+  std::vector<Endpoint> refused;
+  int wakes = 0;
+  here_.start([](const Endpoint&, std::span<const std::byte>) {}, [&](const Endpoint& at) { refused.push_back(at); },
+              [&] { ++wakes; });
+  for (std::uint8_t i = 0; i < 3; ++i) {
+    here_.post(to_, datagram(8, i));
+    here_.post(closed, datagram(9, i));
+    here_.post(to_, datagram(10, i));
+    flush(3);
+    for (int n = 0; n < 1000; ++n) io_.poll_one();
+  }
+  EXPECT_EQ(refused, std::vector<Endpoint>(3, closed));
+  EXPECT_LE(wakes, 12) << "of 3000 times that it could have";
+}
+
 // From the link to the socket, through the loop and out at the other end: once buffers have grown, nothing is
 // allocated.
 TEST_F(Sockets, SteadyTrafficAllocatesNothing) {

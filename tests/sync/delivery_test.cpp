@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace padr::sync {
 namespace {
 
@@ -22,6 +24,12 @@ struct Script {
   std::optional<StatePacket> at(Tick t, bool gap = false, std::size_t room = 1000) {
     const StatePacket* p = link.compose({t, 0, 0, gap}, own, 0, forty, room);
     return p == nullptr ? std::nullopt : std::optional(*p);
+  }
+  /// Whether the first update goes out then, after another one if `news`.
+  bool tells_first(Tick t, bool news) {
+    if (news) update(t);
+    const auto p = at(t, false, 100'000);
+    return p && !p->updates.empty() && p->updates.front().index == 0;
   }
   void loses(std::uint32_t per_cent) {
     StatePacket p;
@@ -87,22 +95,55 @@ TEST(Delivery, WhereNothingHappensMarksAreFewerUntilSomethingDoes) {
   EXPECT_TRUE(at(108)) << "in this peer's phase";
 }
 
-TEST(Delivery, MarksOfARowComeInThePeersPhase) {
+// Or else all who begin together would send their first marks, to everybody, in the same tick.
+TEST(Delivery, MarksComeInThePeersPhaseFromTheFirstOn) {
   for (const Tick phase : {0, 11, 22, 44}) {
     Script s;
     std::vector<Tick> sent;
     for (Tick t = 0; t <= 300; ++t)
       if (s.link.compose({t, 0, 0, false, true, false, phase}, s.own, 0, forty, 1000) != nullptr) sent.push_back(t);
-    ASSERT_GE(sent.size(), 7U);
-    for (std::size_t i = 1; i < sent.size(); ++i) {
-      const Tick gap = sent[i] - sent[i - 1];
-      EXPECT_LE(gap, 45);
-      if (i > 2) {
-        EXPECT_EQ(gap, 45);
-      }
-    }
-    EXPECT_EQ((sent.back() + phase) % 45, 0);
+    ASSERT_GE(sent.size(), 6U);
+    EXPECT_LT(sent.front(), 45);
+    for (const Tick t : sent) EXPECT_EQ((t + phase) % 45, 0) << t;
   }
+}
+
+TEST(Delivery, AfterAnUpdateTheNextMarkButOneIsInPhaseAgain) {
+  Script s;
+  std::vector<Tick> sent;
+  for (Tick t = 0; t <= 300; ++t) {
+    if (t == 100) s.update(t);
+    if (s.link.compose({t, 0, 0, false, true, false, 11}, s.own, 0, forty, 1000) != nullptr) sent.push_back(t);
+    if (t == 110) s.hear(t, 1, 1, s.link.sent());
+  }
+  const auto update = std::find(sent.begin(), sent.end(), 100);
+  ASSERT_GE(sent.end() - update, 4);
+  EXPECT_LE(update[1] - update[0], 45);
+  for (auto t = update + 2; t != sent.end(); ++t) EXPECT_EQ((*t + 11) % 45, 0) << *t;
+}
+
+TEST(Delivery, WhoHasJustComeInBeginsAtOnceAndIsToldItsFirstWordsUntilItHasSpoken) {
+  Script s;
+  s.link = OutLink(0);
+  s.update(5);
+  ASSERT_TRUE(s.tells_first(7, false));
+  int times = 1;
+  for (Tick t = 8; t < 24; ++t) times += s.tells_first(t, t % 3 == 0) ? 1 : 0;
+  EXPECT_GE(times, 5) << "with each of the others";
+  s.hear(24, 1, 1, s.link.sent());
+  s.update(25);
+  const auto after = s.at(25);
+  ASSERT_TRUE(after);
+  EXPECT_NE(after->updates.front().index, 0U);
+}
+
+TEST(Delivery, NoFirstWordIsToldWithoutEnd) {
+  Script s;
+  s.link = OutLink(0);
+  s.update(0);
+  int times = 0;
+  for (Tick t = 0; t < 60; ++t) times += s.tells_first(t, true) ? 1 : 0;
+  EXPECT_LE(times, 10);
 }
 
 TEST(Delivery, WhereMarksGetLostTheyAreNotSaved) {

@@ -4,6 +4,7 @@
 
 #include "common/model/rng.h"
 #include "common/sync/agreed_world.h"
+#include "common/sync/state_hash.h"
 #include "tests/seed.h"
 #include "tests/world/test_scene.h"
 

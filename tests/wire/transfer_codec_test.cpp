@@ -8,6 +8,7 @@
 #include <set>
 
 #include "common/sync/admit.h"
+#include "common/sync/state_hash.h"
 #include "tests/seed.h"
 #include "tests/wire/listing.h"
 #include "tests/wire/samples.h"

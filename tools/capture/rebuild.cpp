@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/sync/state_hash.h"
 #include "common/wire/transfer_codec.h"
 #include "tools/capture/chronicle.h"
 

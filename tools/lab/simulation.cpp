@@ -29,9 +29,9 @@ Simulation::Simulation(SimulationConfig config)
           hashes_[p].push_back(hash);
           if (config_.on_confirmed) config_.on_confirmed(p, s);
           if (p != 0) return;
-          trace::Truth truth = trace::truth_of(s, authority);
-          flips_.owners(s.tick, truth.owner);
-          meter_.truth(s.tick, std::move(truth));
+          trace::take_truth(s, authority, truth_);
+          flips_.owners(s.tick, truth_.owner);
+          meter_.truth(s.tick, truth_);
           if (config_.settle_ticks > 0) agreed_hashes_.push_back(node::state_hash(s));
         }));
     for (PeerId q = 0; q < n; ++q)
@@ -79,11 +79,10 @@ Vec2 Simulation::target_of(PeerId p) {
 void Simulation::sample_views() {
   for (PeerId p = 0; p < nodes_.size(); ++p) {
     const world::View& w = node(p).live().world();
-    trace::View v;
-    v.live.reserve(static_cast<std::size_t>(w.entities()));
-    for (EntityId e = 0; e < w.entities(); ++e) v.live.push_back(w.position(e));
-    v.shown = now_ == 0 ? v.live : node(p).shown().positions();
-    meter_.view(p, now_, std::move(v));
+    view_.live.clear();
+    for (const world::Kinematics& k : w.kinematics()) view_.live.push_back(k.position);
+    view_.shown = now_ == 0 ? view_.live : node(p).shown().positions();
+    meter_.view(p, now_, view_);
     if (config_.settle_ticks > 0) live_hashes_[p].push_back(node(p).live_hash());
   }
 }

@@ -78,6 +78,8 @@ class Simulation {
   std::vector<std::optional<Vec2>> stands_;  ///< by peer: where its avatar stopped after the end of input
   std::vector<std::vector<std::unique_ptr<link::Shim>>> shims_;
   std::vector<std::vector<std::uint64_t>> hashes_;  ///< by peer: of every confirmed tick
+  trace::View view_;                                ///< these two: memory that is used again
+  trace::Truth truth_;
   trace::InconsistencyMeter meter_;
   trace::FlipMeter flips_;
   std::uint64_t compared_ = 0;

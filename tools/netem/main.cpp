@@ -8,7 +8,6 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
-#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -28,10 +27,6 @@ namespace {
 
 namespace asio = boost::asio;
 using boost::system::error_code;
-
-Micros micros(double seconds) {
-  return std::llround(seconds * static_cast<double>(kMicrosPerSecond));
-}
 
 std::string text_of(const link::NetemSpec& spec) {
   const std::string text = to_string(spec);
@@ -70,7 +65,7 @@ int run(const Options& options) {
   });
 
   std::vector<std::unique_ptr<Relay>> relays;
-  const Relay::Limits limits{options.max_clients, micros(options.client_idle)};
+  const Relay::Limits limits{options.max_clients, in_micros(options.client_idle)};
   for (const LinkOptions& l : options.links) {
     relays.push_back(std::make_unique<Relay>(io, clock, l, derive_seed(options.seed, relays.size()), limits));
     spdlog::info("{}: there {}, back {}, seed {}", relays.back()->name(), text_of(l.to_target), text_of(l.to_client),
@@ -90,12 +85,12 @@ int run(const Options& options) {
   });
   std::unique_ptr<Periodic> reports;
   if (options.stats_interval > 0) {
-    reports = std::make_unique<Periodic>(io, std::max<Micros>(micros(options.stats_interval), 10'000),
+    reports = std::make_unique<Periodic>(io, std::max<Micros>(in_micros(options.stats_interval), 10'000),
                                          [&] { print_stats("now"); });
   }
   asio::steady_timer end(io);
   if (options.duration > 0) {
-    end.expires_after(std::chrono::microseconds(micros(options.duration)));
+    end.expires_after(std::chrono::microseconds(in_micros(options.duration)));
     end.async_wait([&io](const error_code& error) {
       if (!error) io.stop();
     });

@@ -104,7 +104,7 @@ class Analysis {
     trace::View v;
     for (const BodyState& state : c.reader.live().states) v.live.push_back(state.position);
     v.shown = c.reader.live().shown;
-    meter_.view(c.life, s.tick, std::move(v));
+    meter_.view(c.life, s.tick, v);
   }
 
   void take(Cursor& c, const trace::Received& r) {

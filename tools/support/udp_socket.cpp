@@ -114,7 +114,9 @@ void UdpSocket::read() {
       messages[i].msg_hdr.msg_namelen = static_cast<socklen_t>(from[i].capacity());
     const int got = recvmmsg(socket_.native_handle(), messages.data(), kBatch, MSG_DONTWAIT, nullptr);
     if (got < 0) {
-      if (errno == EAGAIN || errno == EWOULDBLOCK) return;
+      // Woken by news alone, of which a datagram sent since has been told: as long as they are there, no wait would
+      // last.
+      if (errno == EAGAIN || errno == EWOULDBLOCK) return round == 0 ? read_refusals() : void();
       // News about an earlier datagram, mostly, in which case there is more to be read of it.
       if (errno != ECONNREFUSED) ++stats_.receive_errors;
       last_error_ = error_code(errno, boost::system::system_category()).message();

@@ -58,7 +58,7 @@ void Session::sample() {
   truth.owner = past.owner;
   truth.present.assign(past.owner.size(), true);
   truth.agreed.assign(past.owner.size(), {});
-  meter_.truth(now_, std::move(truth));
+  meter_.truth(now_, truth);
   past_.push_back(std::move(past));
   if (past_.size() > kPast) past_.pop_front();
   measure_delayed();

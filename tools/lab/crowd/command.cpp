@@ -5,6 +5,9 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <limits>
+#include <memory>
+#include <utility>
 
 #include "common/model/user_error.h"
 #include "tools/lab/crowd/census.h"
@@ -29,15 +32,31 @@ std::string text(const char* format, Args... args) {
   return line.data();
 }
 
-/// What is counted over the whole run, by all peers together.
+/// Who strolls so far from the edge of the crowd's ground, m, has neighbours all around, whatever the crowd's size.
+constexpr float kInner = 12;
+
+constexpr std::array kMeans = {
+    &CrowdRow::regions_each, &CrowdRow::members,   &CrowdRow::links,        &CrowdRow::updates,
+    &CrowdRow::kbps,         &CrowdRow::cpu_us,    &CrowdRow::inner_kbps,   &CrowdRow::inner_cpu_us,
+    &CrowdRow::neighbours,   &CrowdRow::avatars_m, &CrowdRow::per_avatar_m, &CrowdRow::bodies_m,
+    &CrowdRow::unseen,       &CrowdRow::handovers, &CrowdRow::entered,      &CrowdRow::late};
+constexpr std::array kOfNear = {&CrowdRow::per_avatar_m, &CrowdRow::unseen};
+constexpr std::array kSums = {&CrowdRow::failed,    &CrowdRow::bodies_over, &CrowdRow::compared,
+                              &CrowdRow::different, &CrowdRow::confirmed,   &CrowdRow::split};
+
+/// What is counted over the whole run, by so many peers together.
 struct Sums {
+  int peers = 0;
   double updates = 0, bytes = 0, cpu = 0, handovers = 0, entered = 0, late = 0;
 
-  static Sums of(const CrowdRun& run) {
+  /// Of those who stroll so far from the edge, m.
+  static Sums of(const CrowdRun& run, float from_edge = std::numeric_limits<float>::lowest()) {
     Sums s;
-    s.cpu = run.cpu_seconds();
     for (int i = 0; i < run.persons(); ++i) {
+      if (run.from_edge(i) < from_edge) continue;
       const crowd::CrowdStats& c = run.peer(i).stats();
+      ++s.peers;
+      s.cpu += run.cpu_seconds(i);
       s.updates += static_cast<double>(run.peer(i).updates());
       s.bytes += static_cast<double>(c.wire_bytes);
       s.handovers += static_cast<double>(c.handovers);
@@ -46,7 +65,38 @@ struct Sums {
     }
     return s;
   }
+  /// What each of them has sent since, kbit/s.
+  double kbps(const Sums& before, double seconds) const { return each(bytes - before.bytes, seconds) * 8 / 1000; }
+  /// What a tick of each of them has taken since, us.
+  double cpu_us(const Sums& before, double seconds) const {
+    return each(cpu - before.cpu, seconds) * 1e6 / kTicksPerSecond;
+  }
+
+ private:
+  double each(double sum, double seconds) const { return sum / (seconds * std::max(1, peers)); }
 };
+
+/// Of crowds of one size: what is counted is added up, all else is the mean, of those near somebody over all of those.
+CrowdRow mean_of(std::vector<CrowdRow> rows) {
+  for (CrowdRow& r : rows)
+    for (double CrowdRow::*of_near : kOfNear) r.*of_near *= r.neighbours;
+  CrowdRow all = rows.front();
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const CrowdRow& r = rows[i];
+    for (double CrowdRow::*mean : kMeans) all.*mean += r.*mean;
+    for (std::uint64_t CrowdRow::*sum : kSums) all.*sum += r.*sum;
+    all.regions += r.regions;
+    all.inner += r.inner;
+    all.bodies.bodies += r.bodies.bodies;
+    all.bodies.lost += r.bodies.lost;
+    all.bodies.doubled += r.bodies.doubled;
+  }
+  for (double CrowdRow::*mean : kMeans) all.*mean /= static_cast<double>(rows.size());
+  if (all.neighbours > 0)
+    for (double CrowdRow::*of_near : kOfNear) all.*of_near /= all.neighbours;
+  all.crowds = static_cast<int>(rows.size());
+  return all;
+}
 
 const char* const kHead =
     "  peers  regions  each  members  links  updates/s  kbit/s   us/tick   CPU  near  avatars m  each m  bodies m  "
@@ -57,6 +107,11 @@ std::string line_of(const CrowdRow& r, const CrowdRow& base) {
               r.regions, r.regions_each, r.members, r.links, r.updates, r.kbps, r.cpu_us,
               base.cpu_us > 0 ? r.cpu_us / base.cpu_us : 0, r.neighbours, r.avatars_m, r.per_avatar_m, r.bodies_m,
               r.handovers, r.late);
+}
+
+std::string inner_of(const CrowdRow& r) {
+  return text("%7d: %d of them %g m or more from the edge: %.1f kbit/s, %.1f us/tick\n", r.peers, r.inner,
+              static_cast<double>(kInner), r.inner_kbps, r.inner_cpu_us);
 }
 
 std::string footnote_of(const CrowdRow& r) {
@@ -101,6 +156,10 @@ void CrowdCommand::declare(CLI::App& app) {
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
   technique_.declare(app);
+  app.add_option("--fill", fill_,
+                 "Crowds of each size in turn until they are so many peers, with seeds one after another")
+      ->check(CLI::Range(0, kMostPeers))
+      ->capture_default_str();
   app.add_option("--jobs", jobs_, "Threads; the results are the same with any number")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
@@ -111,21 +170,25 @@ void CrowdCommand::declare(CLI::App& app) {
       "strolls about a square of 24 m, runs into bodies and others, and is in the regions that it is near. Who is in\n"
       "a region they find out from one another; a region that two found at once has several sides, which agree with\n"
       "themselves, until they come together. CPU is thread time of a peer's tick, and its ratio to the first run's.\n"
+      "At the edge of a crowd peers have fewer neighbours, and more of a small crowd are there: what those take and\n"
+      "send who stroll 12 m or more from it is told apart. A processor has a small crowd at hand and not a large one,\n"
+      "which real peers, each a process of its own, do not notice: with --fill it has as many peers to attend to,\n"
+      "whatever the size of a crowd, and what is told is the mean of the crowds, or their sum if it is a number.\n"
       "Inconsistency is what a peer has wrong of what is near it, summed, and that of one avatar.\n"
       "Example:\n"
       "  padr-lab crowd --peers 4,50,200 --seconds 20 --seed 1\n"
       "Exit: 0 all who were on one side confirmed the same worlds, 1 some differed, 2 usage.");
 }
 
-CrowdRunConfig CrowdCommand::config_of(int peers) const {
+CrowdRunConfig CrowdCommand::config_of(int peers, std::uint64_t seed) const {
   CrowdRunConfig c;
   c.plane = plane_;
-  c.plane.seed = seed_;
+  c.plane.seed = seed;
   c.technique = technique_.technique();
   c.relevance = !uniform_;
   c.shoves = shoves_;
   c.netem = support::parse_netem_flag("--netem", netem_, nullptr);
-  c.seed = seed_;
+  c.seed = seed;
   c.peers = peers;
   c.room = static_cast<float>(room_);
   c.arrivals = arrivals_;
@@ -133,55 +196,97 @@ CrowdRunConfig CrowdCommand::config_of(int peers) const {
   return c;
 }
 
-CrowdRow CrowdCommand::measure(int peers) const {
-  CrowdRun run(config_of(peers));
-  const auto ticks = [](double s) { return static_cast<Tick>(std::lround(s * kTicksPerSecond)); };
-  while (run.now() < ticks(warm_up_ + peers / arrivals_)) run.advance();
-  Census census(static_cast<float>(near_));
-  const Sums before = Sums::of(run);
-  double links = 0;
-  run.take_links();
-  const Tick end = run.now() + ticks(seconds_);
-  Tick second = run.now() + kTicksPerSecond;
-  Tick look = run.now();
-  while (run.now() < end) {
-    run.advance();
-    if (run.now() >= look) census.look(run);
-    if (run.now() >= look) look = run.now() + kLook;
-    if (run.now() < second) continue;
-    links += static_cast<double>(run.take_links());
-    second += kTicksPerSecond;
+/// One crowd, and what is counted of it.
+class CrowdCommand::Watched {
+ public:
+  Watched(const CrowdRunConfig& config, float near) : plane_(config.plane), run_(config), census_(near) {}
+
+  void advance() { run_.advance(); }
+  Tick now() const { return run_.now(); }
+  void begin() {
+    before_ = Sums::of(run_);
+    inner_before_ = Sums::of(run_, kInner);
+    run_.take_links();
+    second_ = run_.now() + kTicksPerSecond;
+    look_ = run_.now();
   }
-  const Sums after = Sums::of(run);
-  const double each_second = 1 / (seconds_ * peers);
+  void advance_and_look() {
+    run_.advance();
+    if (run_.now() >= look_) {
+      census_.look(run_);
+      look_ = run_.now() + kLook;
+    }
+    if (run_.now() < second_) return;
+    links_ += static_cast<double>(run_.take_links());
+    second_ += kTicksPerSecond;
+  }
+  CrowdRow row(double seconds) const;
+
+ private:
+  crowd::Plane plane_;
+  CrowdRun run_;
+  Census census_;
+  Sums before_, inner_before_;
+  double links_ = 0;
+  Tick second_ = 0;
+  Tick look_ = 0;
+};
+
+CrowdRow CrowdCommand::Watched::row(double seconds) const {
+  const Sums after = Sums::of(run_);
+  const Sums inner = Sums::of(run_, kInner);
+  const double each_second = 1 / (seconds * run_.persons());
   CrowdRow r;
-  r.peers = peers;
-  r.regions = run.regions();
-  r.regions_each = census.regions();
-  for (const auto& [region, members] : run.members()) r.members += static_cast<double>(members.size());
+  r.peers = run_.persons();
+  r.regions = run_.regions();
+  r.regions_each = census_.regions();
+  for (const auto& [region, members] : run_.members()) r.members += static_cast<double>(members.size());
   r.members /= static_cast<double>(std::max<std::size_t>(1, r.regions));
-  r.links = links * each_second;
-  r.updates = (after.updates - before.updates) * each_second;
-  r.kbps = (after.bytes - before.bytes) * 8 / 1000 * each_second;
-  r.cpu_us = (after.cpu - before.cpu) * 1e6 * each_second / kTicksPerSecond;
-  r.neighbours = census.neighbours();
-  r.avatars_m = census.avatars();
-  r.per_avatar_m = census.per_avatar();
-  r.bodies_m = census.bodies();
-  r.unseen = census.unseen();
-  r.handovers = (after.handovers - before.handovers) * each_second;
-  r.entered = (after.entered - before.entered) * each_second;
-  r.late = (after.late - before.late) * each_second / kTicksPerSecond;
-  for (int i = 0; i < run.persons(); ++i) {
-    r.failed += run.peer(i).stats().failed;
-    r.bodies_over += run.peer(i).customs().entries();
+  r.links = links_ * each_second;
+  r.updates = (after.updates - before_.updates) * each_second;
+  r.kbps = after.kbps(before_, seconds);
+  r.cpu_us = after.cpu_us(before_, seconds);
+  r.inner = inner.peers;
+  r.inner_kbps = inner.kbps(inner_before_, seconds);
+  r.inner_cpu_us = inner.cpu_us(inner_before_, seconds);
+  r.neighbours = census_.neighbours();
+  r.avatars_m = census_.avatars();
+  r.per_avatar_m = census_.per_avatar();
+  r.bodies_m = census_.bodies();
+  r.unseen = census_.unseen();
+  r.handovers = (after.handovers - before_.handovers) * each_second;
+  r.entered = (after.entered - before_.entered) * each_second;
+  r.late = (after.late - before_.late) * each_second / kTicksPerSecond;
+  for (int i = 0; i < run_.persons(); ++i) {
+    r.failed += run_.peer(i).stats().failed;
+    r.bodies_over += run_.peer(i).customs().entries();
   }
-  r.bodies = inventory_of(run, plane_);
-  r.compared = run.compared();
-  r.different = run.different();
-  r.confirmed = run.confirmed();
-  r.split = run.split();
+  r.bodies = inventory_of(run_, plane_);
+  r.compared = run_.compared();
+  r.different = run_.different();
+  r.confirmed = run_.confirmed();
+  r.split = run_.split();
   return r;
+}
+
+CrowdRow CrowdCommand::measure(int peers) const {
+  std::vector<std::unique_ptr<Watched>> crowds;
+  const int several = std::max(1, fill_ / peers);
+  crowds.reserve(static_cast<std::size_t>(several));
+  for (int i = 0; i < several; ++i)
+    crowds.push_back(
+        std::make_unique<Watched>(config_of(peers, seed_ + static_cast<std::uint64_t>(i)), static_cast<float>(near_)));
+  const auto ticks = [](double s) { return static_cast<Tick>(std::lround(s * kTicksPerSecond)); };
+  while (crowds.front()->now() < ticks(warm_up_ + peers / arrivals_))
+    for (const auto& c : crowds) c->advance();
+  for (const auto& c : crowds) c->begin();
+  const Tick end = crowds.front()->now() + ticks(seconds_);
+  while (crowds.front()->now() < end)
+    for (const auto& c : crowds) c->advance_and_look();
+  std::vector<CrowdRow> rows;
+  rows.reserve(crowds.size());
+  for (const auto& c : crowds) rows.push_back(c->row(seconds_));
+  return mean_of(std::move(rows));
 }
 
 std::string CrowdCommand::json(const std::vector<std::string>& command, const std::vector<CrowdRow>& rows) const {
@@ -189,9 +294,15 @@ std::string CrowdCommand::json(const std::vector<std::string>& command, const st
   j.begin_object().field("command", support::shell_line(command)).field("revision", support::revision());
   j.field("seed", seed_).field("seconds", seconds_).field("netem", netem_).key("crowds").begin_array();
   for (const CrowdRow& r : rows) {
-    j.begin_object().field("peers", r.peers).field("regions", r.regions).field("regions_per_peer", r.regions_each);
+    j.begin_object()
+        .field("peers", r.peers)
+        .field("crowds", r.crowds)
+        .field("regions", r.regions)
+        .field("regions_per_peer", r.regions_each);
     j.field("members_per_region", r.members).field("links_per_peer", r.links).field("updates_per_s", r.updates);
     j.field("kbit_per_s", r.kbps).field("cpu_us_per_tick", r.cpu_us).field("neighbours", r.neighbours);
+    j.field("inner_peers", r.inner).field("inner_kbit_per_s", r.inner_kbps);
+    j.field("inner_cpu_us_per_tick", r.inner_cpu_us);
     j.field("avatar_inconsistency_m", r.avatars_m).field("per_avatar_m", r.per_avatar_m);
     j.field("body_inconsistency_m", r.bodies_m).field("unseen", r.unseen).field("crossings_per_s", r.handovers);
     j.field("entered_per_s", r.entered).field("late", r.late).field("failed_entries", r.failed);
@@ -207,7 +318,7 @@ std::string CrowdCommand::json(const std::vector<std::string>& command, const st
 }
 
 int CrowdCommand::run(const std::vector<std::string>& command) {
-  (void)config_of(1);
+  (void)config_of(1, seed_);
   std::vector<CrowdRow> rows;
   const bool table = json_ != "-";
   if (table) std::cout << kHead;
@@ -226,6 +337,8 @@ int CrowdCommand::run(const std::vector<std::string>& command) {
     split += r.split;
   }
   if (table) {
+    for (const CrowdRow& r : rows)
+      if (r.inner > 0) std::cout << inner_of(r);
     for (const CrowdRow& r : rows) std::cout << footnote_of(r);
     std::cout << compared << " confirmed hashes compared, " << different << " different\n"
               << split << " of " << confirmed << " ticks of regions confirmed on several sides\n";

@@ -12,6 +12,7 @@ namespace padr::lab {
 /// What a crowd of one size cost and was worth, per peer where not said otherwise.
 struct CrowdRow {
   int peers = 0;
+  int crowds = 1;           ///< that it is the mean of; what is counted is their sum
   std::size_t regions = 0;  ///< in all
   double regions_each = 0;
   double members = 0;  ///< of a region
@@ -19,6 +20,9 @@ struct CrowdRow {
   double updates = 0;  ///< 1/s
   double kbps = 0;     ///< sent, headers included
   double cpu_us = 0;   ///< a tick
+  int inner = 0;       ///< who stroll well within the crowd's ground; of them:
+  double inner_kbps = 0;
+  double inner_cpu_us = 0;
   double neighbours = 0;
   double avatars_m = 0;
   double per_avatar_m = 0;
@@ -44,8 +48,9 @@ class CrowdCommand {
   int run(const std::vector<std::string>& command);
 
  private:
+  class Watched;
   CrowdRow measure(int peers) const;
-  CrowdRunConfig config_of(int peers) const;
+  CrowdRunConfig config_of(int peers, std::uint64_t seed) const;
   std::string json(const std::vector<std::string>& command, const std::vector<CrowdRow>& rows) const;
 
   support::TechniqueFlags technique_;
@@ -60,6 +65,7 @@ class CrowdCommand {
   crowd::Plane plane_;
   bool uniform_ = false;
   double shoves_ = 0;
+  int fill_ = 0;
   int jobs_ = 1;
   std::string json_;
 };

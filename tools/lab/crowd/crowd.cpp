@@ -75,6 +75,7 @@ void CrowdRun::place(int person) {
   const float side = std::min(config_.stroll, ground);
   o.lower = {std::clamp(start.x - side / 2, 0.0F, ground - side), std::clamp(start.y - side / 2, 0.0F, ground - side)};
   o.upper = o.lower + Vec2{side, side};
+  p.from_edge = std::min({o.lower.x, o.lower.y, ground - o.upper.x, ground - o.upper.y});
   o.start = start;
   o.slot = person;
   p.input = std::make_unique<scenarios::Wander>(o, derive_seed(config_.seed, 0x3A1));
@@ -201,12 +202,6 @@ void CrowdRun::note_members() {
   members_.clear();
   for (int i = 0; i < persons(); ++i)
     for (const crowd::Post& post : persons_[at(i)].peer->posts()) members_[post.region].push_back(i);
-}
-
-double CrowdRun::cpu_seconds() const {
-  double sum = 0;
-  for (const Person& p : persons_) sum += p.cpu;
-  return sum;
 }
 
 std::size_t CrowdRun::take_links() {

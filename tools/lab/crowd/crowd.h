@@ -55,8 +55,10 @@ class CrowdRun {
   /// Regions that somebody is in.
   std::size_t regions() const { return members_.size(); }
   const std::map<crowd::Region, std::vector<int>>& members() const { return members_; }
-  /// Thread time that the peers have taken so far, s.
-  double cpu_seconds() const;
+  /// Thread time that the peer has taken so far, s.
+  double cpu_seconds(int person) const { return persons_[at(person)].cpu; }
+  /// From where it strolls to the edge of the crowd's ground, m: beyond that nobody is.
+  float from_edge(int person) const { return persons_[at(person)].from_edge; }
   /// Pairs that have had something to tell one another since the last call.
   std::size_t take_links();
 
@@ -90,6 +92,7 @@ class CrowdRun {
     std::vector<Confirmed> confirmed;
     std::set<int> spoken_to;
     double cpu = 0;
+    float from_edge = 0;
     std::optional<Vec2> stands;
     Tick comes = 0;  ///< nothing is there before
   };

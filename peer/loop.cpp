@@ -1,0 +1,176 @@
+#include "peer/loop.h"
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+
+#include "peer/addresses.h"
+#include "tools/support/netem_flags.h"
+#include "tools/support/run_main.h"
+
+namespace padr::peer {
+namespace {
+
+/// What is still in the links when all is over may take so long to leave.
+constexpr Micros kDrain = 300'000;
+
+}  // namespace
+
+Loop::Loop(const Options& options, Log& log, const support::Clock& clock)
+    : options_(options), log_(log), clock_(clock), io_(1), signals_(io_, SIGINT, SIGTERM), timer_(io_) {
+  const std::optional<support::Udp::endpoint> join = join_address(io_, options);
+  socket_ = std::make_unique<support::UdpSocket>(io_, listen_address(io_, options, join));
+  local_ = support::to_endpoint(socket_->local());
+  if (join) join_ = support::to_endpoint(*join);
+}
+
+std::vector<std::string> Loop::shape_links() {
+  Egress::Specs specs;
+  specs.all = options_.netem;
+  specs.seed = options_.netem_seed;
+  std::vector<std::string> lines{"links out: " + support::describe(specs.all) + ", seed " + std::to_string(specs.seed)};
+  for (const NetemOverride& n : options_.netem_to) {
+    std::string where = "peer " + std::to_string(n.peer.value_or(0));
+    if (n.peer) {
+      specs.by_peer[*n.peer] = n.spec;
+    } else {
+      const support::Udp family = socket_->local().protocol();
+      const Endpoint to = support::to_endpoint(support::resolve(io_, "--netem-to", *n.address, &family));
+      specs.by_address[to] = n.spec;
+      where = to_string(to);
+    }
+    lines.push_back("link to " + where + ": " + support::describe(n.spec));
+  }
+  egress_ = std::make_unique<Egress>(std::move(specs), [this](const Endpoint& to, std::span<const std::byte> bytes) {
+    if (!cuts_.is_cut(to)) socket_->post(to, bytes);
+  });
+  return lines;
+}
+
+void Loop::open_files() {
+  if (!options_.pcap.empty()) packets_ = std::make_unique<PacketLog>(options_, *socket_);
+  if (!options_.json.empty() && options_.json != "-")
+    json_ = std::make_unique<support::OutputFile>("--json", options_.json);
+}
+
+void Loop::say_where(const std::vector<std::string>& links) {
+  log_.net->info("listening on {}", to_string(local_));
+  for (const std::string& line : links) log_.net->info("{}", line);
+}
+
+int Loop::run() {
+  start();
+  wake();
+  io_.run();
+  finish();
+  log_.session->log(exit_code_ == 0 ? spdlog::level::info : spdlog::level::err, "ended: {}", reason_);
+  return exit_code_;
+}
+
+void Loop::start() {
+  socket_->start([this](const Endpoint& from, std::span<const std::byte> bytes) { take(from, bytes); },
+                 [this](const Endpoint& at) { unreachable(at, clock_.now()); }, [this] { wake(); });
+  await_signal();
+}
+
+void Loop::finish() {
+  if (packets_) {
+    packets_->close();
+    if (packets_->dropped() > 0)
+      log_.net->error("--pcap: {} datagrams are not in it, the disk was too slow", packets_->dropped());
+  }
+  write_summary();
+}
+
+void Loop::take(const Endpoint& from, std::span<const std::byte> datagram) {
+  if (cuts_.is_cut(from)) return;
+  if (packets_) packets_->received(from, datagram, PacketLog::now());
+  if (!ending()) receive(from, datagram, clock_.now());
+}
+
+void Loop::flush() {
+  // Before it goes: nobody must seem to have received it earlier.
+  const std::int64_t time = packets_ ? PacketLog::now() : 0;
+  socket_->flush([this, time](const Endpoint& to, std::span<const std::byte> datagram, bool sent) {
+    if (sent) {
+      if (packets_) packets_->sent(to, datagram, time);
+    } else if (net_limit_.pass(clock_.now())) {
+      log_.net->warn("cannot send to {}: {} ({} such messages held back)", to_string(to), socket_->last_error(),
+                     net_limit_.take_suppressed());
+    }
+  });
+}
+
+void Loop::wake() {
+  const Micros now = clock_.now();
+  if (!ending()) advance(now);
+  egress_->pump(now);
+  flush();
+  if (ending() && (!egress_->next_due() || now >= *drain_until_)) {
+    io_.stop();
+    return;
+  }
+  set_timer(now);
+}
+
+bool Loop::is_time_for_status(Micros since, Micros now) {
+  if (options_.status_interval <= 0) return false;
+  const Micros interval = std::max<Micros>(in_micros(options_.status_interval), 1);
+  if (next_status_ < 0) next_status_ = since + interval;
+  if (now < next_status_) return false;
+  next_status_ += interval * ((now - next_status_) / interval + 1);
+  return true;
+}
+
+void Loop::set_timer(Micros now) {
+  Micros due = ending() ? *drain_until_ : next_due();
+  if (const auto next = egress_->next_due()) due = std::min(due, *next);
+  due = std::max(due, now);
+  if (due == timer_due_) return;  // datagrams that came in between seldom change it
+  timer_due_ = due;
+  timer_.expires_at(clock_.at(due));
+  timer_.async_wait([this](const boost::system::error_code& error) {
+    if (error) return;
+    timer_due_.reset();
+    wake();
+  });
+}
+
+void Loop::await_signal() {
+  signals_.async_wait([this](const boost::system::error_code& error, int signal) {
+    if (!error) on_signal(signal == SIGINT ? "SIGINT" : "SIGTERM");
+  });
+}
+
+void Loop::on_signal(const std::string& name) {
+  if (stopping_ || ending()) {
+    exit_code_ = support::kExitFailure;
+    reason_ = "quit at once on a second " + name;
+    io_.stop();
+    return;
+  }
+  stopping_ = true;
+  await_signal();
+  stop(name, clock_.now());
+  wake();
+}
+
+void Loop::end(int code, const std::string& reason) {
+  exit_code_ = code;
+  reason_ = reason;
+  drain_until_ = clock_.now() + kDrain;
+}
+
+void Loop::write_summary() {
+  if (options_.json.empty()) return;
+  const std::string text = summary_text();
+  if (options_.json == "-") {
+    std::fputs(text.c_str(), stdout);
+    std::fflush(stdout);
+    return;
+  }
+  json_->write(text);
+  json_->close();
+}
+
+}  // namespace padr::peer
