@@ -47,6 +47,10 @@ std::vector<std::uint32_t> nearest_ids(std::vector<Region> regions, Region about
   return ids;
 }
 
+void note_first(Micros& when, Micros local) {
+  if (when == Acquaintance::kNever) when = local;
+}
+
 bool far_apart(Region a, Region b) {
   return squared_distance(a, b) > 2;
 }
@@ -185,8 +189,14 @@ void Finder::hear_say(const wire::Acquaintance& of, const Endpoint& at, Region a
   if (a == nullptr) return;
   a->hinted = local;
   const auto search = searches_.find(about);
-  const bool there = std::find(of.where.in.begin(), of.where.in.end(), id_of(about)) != of.where.in.end();
-  if (search != searches_.end() && there && !a->is_in(about)) search->second.rumour.try_emplace(at, local);
+  if (search != searches_.end()) {
+    const auto has = [about](const std::vector<std::uint32_t>& ids) {
+      return std::find(ids.begin(), ids.end(), id_of(about)) != ids.end();
+    };
+    auto& rumours = search->second.rumours;
+    if (has(of.where.in) && !a->is_in(about)) note_first(rumours[at].there, local);
+    if (has(of.where.seeks) && !a->looks_for(about)) note_first(rumours[at].looks, local);
+  }
   if (AddressBook::fresh(*a, local)) return;  // it has said better itself
   a->in = regions_of(of.where.in);
   a->seeks = regions_of(of.where.seeks);
@@ -258,13 +268,13 @@ void Finder::note_nearest(Search& search, const std::vector<Acquaintance*>& near
 }
 
 // After it has noted that this peer looks for the region, not before `since`, and just now; and once more if others
-// have said since that it is there: it may have come in meanwhile, and who was there may have left.
+// have said since that it is there, or looks for it: it may have come in meanwhile, and who was there may have left.
 bool Finder::has_said(const Search& search, const Acquaintance& a, Micros since, Micros local) {
   const auto told = search.told.find(a.at);
   if (told == search.told.end() || local - told->second > kJustNow) return false;
-  const auto rumour = search.rumour.find(a.at);
-  const Micros heard_say = rumour == search.rumour.end() ? since : rumour->second;
-  return told->second >= std::max({since, search.noted.at(a.at), heard_say});
+  const auto it = search.rumours.find(a.at);
+  const Rumour rumour = it == search.rumours.end() ? Rumour{} : it->second;
+  return told->second >= std::max({since, search.noted.at(a.at), rumour.there, rumour.looks});
 }
 
 // Asks those nearest, and whether they all have said by now that they know nobody there. Each has to have said so after
@@ -288,14 +298,28 @@ bool Finder::all_said(Region r, Search& search, Micros local) {
   }
   const bool nobody = nearest.empty() && rivals.empty();
   const bool settled = local - search.changed >= kSettle;
-  if (!config_.contact) return all && (settled || nobody);
+  if (!config_.contact) return all && (settled || nobody) && all_rumoured_said(r, search, local);
   // Others who have just come may be known already: the contact knows the crowd, or comes before them.
   if ((nobody || !contact_met_) && local - hailed_ >= kAskAgain) {
     hailed_ = local;
     ask(*config_.contact, r, local);
   }
   const bool alone = nobody && local - search.began > 2 * kSettle;
-  return contact_met_ && (trip_ >= 0 || standing_.clock > 0) && settled && all && (!nobody || alone);
+  const bool clear = contact_met_ && (trip_ >= 0 || standing_.clock > 0) && settled && all && (!nobody || alone);
+  return clear && all_rumoured_said(r, search, local);
+}
+
+// They may be neither near, nor rivals, by what they have said themselves, which others know better by now. The last to
+// be asked: hardly any search comes so far.
+bool Finder::all_rumoured_said(Region r, Search& search, Micros local) {
+  bool all = true;
+  for (const auto& [at, rumour] : search.rumours) {
+    const Acquaintance* a = book_.find(at);
+    if (a == nullptr || AddressBook::ended(*a) || has_said(search, *a, search.began, local)) continue;
+    all = false;
+    if (local - a->asked >= kAskAgain) ask(at, r, local);
+  }
+  return all;
 }
 
 bool Finder::gives_way(Region r, Micros local) {

@@ -87,13 +87,18 @@ class Finder {
   static constexpr Micros kStranger = 3 * kMicrosPerSecond;
 
  private:
+  /// What others say of somebody that it has not said itself; since when they do.
+  struct Rumour {
+    Micros there = Acquaintance::kNever;
+    Micros looks = Acquaintance::kNever;  ///< for the region, too
+  };
   struct Search {
     Micros began = 0;
     Micros changed = 0;                 ///< when somebody came to be among the nearest
     Micros settled = 0;                 ///< when all was known; 0: it is not
     std::map<Endpoint, Micros> noted;   ///< who tells others of it, since when at least
     std::map<Endpoint, Micros> told;    ///< by whom after that, in answer to an Ask sent then
-    std::map<Endpoint, Micros> rumour;  ///< who is there, others say, but has not said so itself; since when they do
+    std::map<Endpoint, Rumour> rumours;
     std::set<Endpoint> nearest;
   };
   struct Question {
@@ -111,6 +116,7 @@ class Finder {
   static bool has_said(const Search& search, const Acquaintance& a, Micros since, Micros local);
   void note_nearest(Search& search, const std::vector<Acquaintance*>& nearest, Micros local);
   bool all_said(Region r, Search& search, Micros local);
+  bool all_rumoured_said(Region r, Search& search, Micros local);
   bool gives_way(Region r, Micros local);
   std::optional<Endpoint> member_of(Region r, Micros local);
   void keep_acquainted(Micros local);

@@ -113,6 +113,26 @@ TEST(Finder, OfAllWhoLookForARegionAtOnceOneFoundsIt) {
   }
 }
 
+// Once, what others said of somebody who had spoken for itself lately was not believed: two who had just met, and then
+// looked for one region, both founded it, though all around had told each of them that the other one was looking.
+TEST(Finder, WhatOthersSayOfSomebodyIsNewerThanWhatItSaidBefore) {
+  for (const double met_before : {0.3, 1.0, 2.0, 5.0})
+    for (const double apart : {0.0, 0.2}) {
+      Net net(7);
+      for (int i = 0; i < 5; ++i) net[i].sought = {{i < 3 ? 4 : 5, i < 3 ? 4 + i : 2 * i - 2}};  // next to 5,5
+      net.run(8);
+      for (const int i : {5, 6}) net[i].sought = {{9, 9}};
+      net.run(met_before);
+      for (const int i : {5, 6}) {
+        net[i].standing.in.clear();
+        net[i].sought = {{5, 5}};
+        net.run(apart);
+      }
+      net.run(8);
+      EXPECT_EQ(net.founders_of({5, 5}), 1) << met_before << " s after they have met, " << apart << " s apart";
+    }
+}
+
 TEST(Finder, WhoWalksFarFindsWhoIsThereThoughNobodyOnTheWayKnowsIt) {
   Net net(8);
   net.loss = 0.05;
