@@ -3,6 +3,8 @@
 
 Usage: peer_crowd.py PATH_TO_PADR_PEER [unittest arguments]
 """
+import re
+
 from peers import PATIENCE, Case, main, run, signal, time
 
 NETEM = "delay 30ms 10ms loss 2%"
@@ -51,15 +53,21 @@ class Crowd(Case):
             peer.process.send_signal(signal.SIGTERM)
         self.assertEqual([peer.end(PATIENCE) for peer in everyone], [0] * len(everyone))
         summaries = [peer.summary() for peer in everyone]
-        self.check_hashes(summaries)
+        self.check_hashes(summaries, set().union(*(self.fallen_apart(peer) for peer in everyone)))
         self.check_neighbours(summaries)
         self.assertGreater(sum(s["handovers"] for s in summaries), len(everyone), "hardly anybody has crossed a border")
 
-    def check_hashes(self, summaries):
+    def fallen_apart(self, peer):
+        """Regions that two have founded, or that a machine which stood still for seconds has torn: two histories."""
+        return set(re.findall(r"region (\S+): met \d+ peers that go on without us", peer.text()))
+
+    def check_hashes(self, summaries, apart):
         points = {}
         for s in summaries:
             self.assertEqual(sum(r["mismatches"] for r in s["regions"]), 0, s["regions"])
             for region, ticks in s["checkpoints"].items():
+                if region in apart:
+                    continue
                 for tick, value in ticks.items():
                     points.setdefault((region, tick), []).append(value)
         shared = {point: values for point, values in points.items() if len(values) > 1}
@@ -67,7 +75,7 @@ class Crowd(Case):
         self.assertGreater(len({region for region, _ in shared}), 3)
         differing = sorted(point for point, values in shared.items() if len(set(values)) > 1)
         print(f"confirmed worlds held against each other: {len(shared)}, of {len({r for r, _ in shared})} regions; "
-              f"differing: {len(differing)}; merged {sum(s['merged'] for s in summaries)}")  # fmt: skip
+              f"differing: {len(differing)}; apart: {sorted(apart)}; merged {sum(s['merged'] for s in summaries)}")  # fmt: skip
         self.assertEqual(differing, [])
 
     def check_neighbours(self, summaries):
