@@ -63,8 +63,8 @@ class Player {
   void advance(Micros now);
   /// When to call it next.
   Micros next_due() const;
-  /// What to send, in order; empty afterwards. State datagrams are of the present life.
-  std::vector<node::Parcel> take_outgoing() { return participant_.take_outgoing(); }
+  /// As in Participant. State datagrams are of the present life.
+  std::span<const node::Parcel> take_outgoing() { return participant_.take_outgoing(); }
 
   /// Says goodbye with the next step, or a few ticks later where many play. `stay`: also help the others to their end.
   /// Only when playing.

@@ -348,23 +348,21 @@ void CrowdPeer::end_places(Micros local) {
     if (failed) ++stats_.failed;
     retry_[it->first] = local + (failed ? kRetry : 0);
     if (failed && p.by) finder_.distrust(it->first, *p.by, local);
-    for (node::Parcel& parcel : p.peer->take_outgoing()) last_words_.push_back(std::move(parcel));
+    for (const node::Parcel& last : p.peer->take_outgoing()) outgoing_.add(last.to, last.state_to, last.bytes);
     retire(p);
     it = places_.erase(it);
   }
 }
 
-std::vector<node::Parcel> CrowdPeer::take_outgoing() {
-  std::vector<node::Parcel> all = std::exchange(last_words_, {});
+std::span<const node::Parcel> CrowdPeer::take_outgoing() {
   for (auto& [region, place] : places_) {
-    std::vector<node::Parcel> some = place.peer->take_outgoing();
-    std::move(some.begin(), some.end(), std::back_inserter(all));
+    for (const node::Parcel& p : place.peer->take_outgoing()) outgoing_.add(p.to, p.state_to, p.bytes);
     for (node::SessionNote& n : place.peer->take_notes())
       if (notes_.size() < kNotesKept) notes_.emplace_back(region, std::move(n));
     place.peer->take_changes();
   }
-  std::vector<node::Parcel> asks = finder_.take_outgoing();
-  std::move(asks.begin(), asks.end(), std::back_inserter(all));
+  for (const node::Parcel& p : finder_.take_outgoing()) outgoing_.add(p.to, p.state_to, p.bytes);
+  const std::span<const node::Parcel> all = outgoing_.take();
   stats_.datagrams += all.size();
   for (const node::Parcel& p : all) stats_.wire_bytes += p.bytes.size() + node::kIpUdpBytes;
   return all;

@@ -53,7 +53,8 @@ class CrowdPeer {
   void turn(const std::function<Vec2(Tick)>& target, Micros local);
   /// When to take a turn next.
   Micros next_due() const;
-  std::vector<node::Parcel> take_outgoing();
+  /// As in Participant.
+  std::span<const node::Parcel> take_outgoing();
   /// What people should know, and of which region; empty afterwards.
   std::vector<std::pair<Region, node::SessionNote>> take_notes();
   /// Says goodbye everywhere, and no more than that from now on.
@@ -110,7 +111,7 @@ class CrowdPeer {
   Customs customs_;
   Finder finder_;
   CrowdStats stats_;
-  std::vector<node::Parcel> last_words_;  ///< of regions it has left, not yet taken
+  node::Outbox outgoing_;
   std::uint64_t past_updates_ = 0;        ///< of regions it has left
   std::uint64_t attempts_ = 0;
   std::vector<std::pair<Region, node::SessionNote>> notes_;

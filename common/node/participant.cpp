@@ -74,14 +74,16 @@ void Participant::warn_of_drops(const Endpoint& place, Micros local) {
   warned_ = local;
 }
 
-void Participant::post(Parcel parcel) {
-  if (!config_.tamper) return hand_over(std::move(parcel));
-  for (Parcel& p : config_.tamper(std::move(parcel))) hand_over(std::move(p));
+void Participant::post(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes) {
+  if (!config_.tamper && !gate_) return outgoing_.add(to, state_to, bytes);
+  Parcel parcel{to, state_to, wire::Bytes(bytes.begin(), bytes.end())};
+  if (!config_.tamper) return hand_over(parcel);
+  for (const Parcel& p : config_.tamper(std::move(parcel))) hand_over(p);
 }
 
-void Participant::hand_over(Parcel parcel) {
+void Participant::hand_over(const Parcel& parcel) {
   if (gate_) return gate_->send(parcel, local_);
-  outgoing_.push_back(std::move(parcel));
+  outgoing_.add(parcel.to, parcel.state_to, parcel.bytes);
 }
 
 void Participant::take(const Endpoint& from, std::span<const std::byte> datagram, Micros local) {
@@ -283,7 +285,7 @@ Micros Participant::before_step(Micros local) {
 
 void Participant::after_step(Micros local) {
   life_.membership->advance(local);
-  for (const Outgoing& o : life_.node->outgoing()) post({life_.session->roster()[o.to], o.to, o.bytes});
+  for (const Outgoing& o : life_.node->outgoing()) post(life_.session->roster()[o.to], o.to, o.bytes);
   look_for_way_back(local);
   collect(life_);
   collect(coming_);
@@ -311,15 +313,16 @@ void Participant::leave() {
 
 void Participant::collect(Life& life) {
   if (!life.session) return;
-  for (SessionDatagram& d : life.session->take_outgoing()) post({d.to, kNoPeer, std::move(d.bytes)});
+  for (const SessionDatagram& d : life.session->take_outgoing()) post(d.to, kNoPeer, d.bytes);
   for (SessionNote& n : life.session->take_notes()) notes_.push_back(std::move(n));
   if (!life.membership) return;
   for (const MemberChange& c : life.membership->take_changes()) changes_.push_back(c);
 }
 
-std::vector<Parcel> Participant::take_outgoing() {
-  if (gate_) return gate_->take_outgoing();
-  return std::exchange(outgoing_, {});
+std::span<const Parcel> Participant::take_outgoing() {
+  if (gate_)
+    for (const Parcel& p : gate_->take_outgoing()) outgoing_.add(p.to, p.state_to, p.bytes);
+  return outgoing_.take();
 }
 
 std::vector<SessionNote> Participant::take_notes() {

@@ -3,10 +3,12 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "common/node/gate.h"
+#include "common/node/outbox.h"
 #include "common/node/session.h"
 
 namespace padr::node {
@@ -63,8 +65,8 @@ class Participant {
   /// Says goodbye: with the next step when playing, at once before.
   void leave();
 
-  /// What to send, in order; empty afterwards.
-  std::vector<Parcel> take_outgoing();
+  /// What to send, in order; empty afterwards. Good until the next call of any other function.
+  std::span<const Parcel> take_outgoing();
   std::vector<SessionNote> take_notes();
   /// Who came and went, since the last call.
   std::vector<MemberChange> take_changes();
@@ -104,8 +106,8 @@ class Participant {
   void look_for_way_back(Micros local);
   void collect(Life& life);
   void take(const Endpoint& from, std::span<const std::byte> datagram, Micros local);
-  void post(Parcel parcel);
-  void hand_over(Parcel parcel);
+  void post(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes);
+  void hand_over(const Parcel& parcel);
   void warn_of_drops(const Endpoint& place, Micros local);
   NodeConfig node_config(const Session& session) const;
   Node::ConfirmedSink sink();
@@ -122,7 +124,7 @@ class Participant {
   Micros born_;
   Micros try_again_ = 0;
   std::uint64_t tries_ = 0;
-  std::vector<Parcel> outgoing_;
+  Outbox outgoing_;
   std::vector<SessionNote> notes_;
   std::vector<MemberChange> changes_;
 };

@@ -72,7 +72,7 @@ void SmallNet::turn() {
     if (now_ >= peer.next_due()) peer.advance(now_);
     for (int i = 0; i < 2 && peer.playing() && now_ >= peer.next_step(); ++i)
       peer.step({5.0F + static_cast<float>(p), 5}, now_);
-    for (node::Parcel& parcel : peer.take_outgoing()) post(p, std::move(parcel));
+    for (const node::Parcel& parcel : peer.take_outgoing()) post(p, parcel);
     peer.take_notes();
     peer.take_changes();
   }

@@ -148,7 +148,7 @@ void Gathering::turn(int person) {
     const Vec2 target = attraction_.value_or(p.input->target(p.peer->node().now() + 1));
     p.peer->step(target, now);
   }
-  for (node::Parcel& d : p.peer->take_outgoing()) {
+  for (const node::Parcel& d : p.peer->take_outgoing()) {
     const auto to = by_place_.find(d.to);
     if (to != by_place_.end() && on_datagram) on_datagram(p.place, to->second, d.bytes);
     if (to != by_place_.end()) shim(person, to->second).accept(now_, d.bytes);

@@ -131,7 +131,7 @@ void CrowdRun::work_a_tick(std::size_t person, Micros time) {
   for (auto a = p.inbox.begin(); a != next; ++a) p.peer->receive(persons_[at(a->from)].place, a->bytes, time);
   p.inbox.erase(p.inbox.begin(), next);
   p.peer->turn([this, person](Tick t) { return target_of(person, t); }, time);
-  const std::vector<node::Parcel> parcels = p.peer->take_outgoing();
+  const std::span<const node::Parcel> parcels = p.peer->take_outgoing();
   p.cpu += thread_seconds() - before;
   for (const node::Parcel& d : parcels) {
     const int to = person_at(d.to);
