@@ -228,10 +228,27 @@ void Finder::advance(const Standing& standing, const std::vector<Region>& sought
   std::erase_if(searches_,
                 [&](const auto& s) { return std::find(sought.begin(), sought.end(), s.first) == sought.end(); });
   for (const Region r : sought) searches_.try_emplace(r, Search{local, local, 0, {}, {}, {}, {}});
-  for (auto& [r, search] : searches_) look(r, search, local);
+  for (auto& [r, search] : searches_) {
+    forget_unknown(search);
+    look(r, search, local);
+  }
   for (const Finding& f : findings_) searches_.erase(f.region);
   note_strangers(local);
   keep_acquainted(local);
+}
+
+// The book is bounded, whatever others say, and so is what is kept of those in it.
+void Finder::forget_unknown(Search& search) {
+  const auto unknown = [this](const auto& entry) { return book_.find(entry.first) == nullptr; };
+  std::erase_if(search.noted, unknown);
+  std::erase_if(search.told, unknown);
+  std::erase_if(search.rumours, unknown);
+}
+
+std::size_t Finder::sayings() const {
+  std::size_t n = 0;
+  for (const auto& [r, search] : searches_) n += search.noted.size() + search.told.size() + search.rumours.size();
+  return n;
 }
 
 std::optional<Endpoint> Finder::member_of(Region r, Micros local) {

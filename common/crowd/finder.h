@@ -70,6 +70,8 @@ class Finder {
   /// Why this peer cannot be in the crowd; empty if nothing is known.
   const std::string& failure() const { return failure_; }
   std::size_t acquaintances() const { return book_.size(); }
+  /// What is kept of others besides, for the regions that are looked for.
+  std::size_t sayings() const;
   const FinderStats& stats() const { return stats_; }
 
   static constexpr Micros kPace = 50'000;
@@ -112,6 +114,7 @@ class Finder {
   void answer(const Endpoint& to, wire::Tell tell, std::size_t size);
   void ask(const Endpoint& to, Region about, Micros local);
   void look(Region r, Search& search, Micros local);
+  void forget_unknown(Search& search);
   void hear_say(const wire::Acquaintance& of, const Endpoint& at, Region about, Micros local);
   static bool has_said(const Search& search, const Acquaintance& a, Micros since, Micros local);
   void note_nearest(Search& search, const std::vector<Acquaintance*>& nearest, Micros local);

@@ -265,5 +265,29 @@ TEST(Finder, TheBookIsBoundedWhateverOthersSay) {
   EXPECT_LE(finder.acquaintances(), AddressBook::kMost);
 }
 
+// Somebody who answers every question with new names, of which each is said to be in the region sought.
+TEST(Finder, WhatIsKeptForASearchIsBoundedWhateverOthersSay) {
+  Finder finder({Plane{}, at_port(0), 1});
+  int names = 0;
+  for (Micros local = kMicrosPerSecond; local < 300 * kMicrosPerSecond; local += 50'000) {
+    finder.advance({}, {{3, 3}}, local);
+    for (const node::Parcel& p : finder.take_outgoing()) {
+      wire::SealError error{};
+      const auto opened = wire::open(p.bytes, error);
+      const auto message = wire::decode_session(opened->payload);
+      const auto* ask = std::get_if<wire::Ask>(&*message);
+      ASSERT_NE(ask, nullptr);
+      wire::Tell tell{ask->nonce, ask->crowd, ask->about, {{}, {id_of({3, 3})}}, 0};
+      for (int i = 0; i < 8; ++i, ++names)
+        tell.known.push_back({ipv4({10, 1, static_cast<std::uint8_t>(names >> 8), static_cast<std::uint8_t>(names)}, 9),
+                              {{id_of({3, 3})}, {}}});
+      tell.noted = true;
+      finder.receive(p.to, wire::seal({wire::Kind::kSession, kNoPeer, 0}, wire::encode_session(tell)), local + 10'000);
+    }
+  }
+  EXPECT_GT(names, 2000);
+  EXPECT_LE(finder.sayings(), 3 * AddressBook::kMost);
+}
+
 }  // namespace
 }  // namespace padr::crowd
