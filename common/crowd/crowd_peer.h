@@ -112,7 +112,7 @@ class CrowdPeer {
   Finder finder_;
   CrowdStats stats_;
   node::Outbox outgoing_;
-  std::uint64_t past_updates_ = 0;        ///< of regions it has left
+  std::uint64_t past_updates_ = 0;  ///< of regions it has left
   std::uint64_t attempts_ = 0;
   std::vector<std::pair<Region, node::SessionNote>> notes_;
   Micros knocked_ = 0;

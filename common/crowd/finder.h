@@ -96,10 +96,10 @@ class Finder {
   };
   struct Search {
     Micros began = 0;
-    Micros changed = 0;                 ///< when somebody came to be among the nearest
-    Micros settled = 0;                 ///< when all was known; 0: it is not
-    std::map<Endpoint, Micros> noted;   ///< who tells others of it, since when at least
-    std::map<Endpoint, Micros> told;    ///< by whom after that, in answer to an Ask sent then
+    Micros changed = 0;                ///< when somebody came to be among the nearest
+    Micros settled = 0;                ///< when all was known; 0: it is not
+    std::map<Endpoint, Micros> noted;  ///< who tells others of it, since when at least
+    std::map<Endpoint, Micros> told;   ///< by whom after that, in answer to an Ask sent then
     std::map<Endpoint, Rumour> rumours;
     std::set<Endpoint> nearest;
   };

@@ -216,9 +216,9 @@ double fellows_of(const CrowdRun& run) {
   return n;
 }
 
-// What the whole is for: what a peer costs depends on who is in its regions, and does not grow with the crowd. More of a
-// small crowd are at its edge, where fewer others are: so it is what a peer tells for each of them that is compared, and
-// that there is a bound to how many they are. The work is counted in what has no clock.
+// What the whole is for: what a peer costs depends on who is in its regions, and does not grow with the crowd. More of
+// a small crowd are at its edge, where fewer others are: so it is what a peer tells for each of them that is compared,
+// and that there is a bound to how many they are. The work is counted in what has no clock.
 TEST(Crowd, WhatAPeerTellsDoesNotGrowWithTheCrowd) {
   std::vector<double> bytes;
   std::vector<double> fellows;
