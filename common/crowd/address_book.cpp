@@ -72,7 +72,7 @@ void AddressBook::expire(Micros local) {
 
 void AddressBook::set_fellows(const std::map<Endpoint, std::vector<Region>>& fellows) {
   for (auto& [at, a] : all_)
-    if (!fellows.contains(at)) a.fellow = false;
+    if (a.fellow && !fellows.contains(at)) a.fellow = false;
   for (const auto& [at, where] : fellows) {
     Acquaintance* a = note(at);
     if (a == nullptr) continue;
@@ -84,21 +84,26 @@ void AddressBook::set_fellows(const std::map<Endpoint, std::vector<Region>>& fel
 
 std::vector<Acquaintance*> AddressBook::all() {
   std::vector<Acquaintance*> some;
+  some.reserve(all_.size());
   for (auto& [at, a] : all_)
     if (!ended(a)) some.push_back(&a);
   return some;
 }
 
 std::vector<Acquaintance*> AddressBook::nearest(Region r, std::size_t n) {
-  std::vector<Acquaintance*> near = all();
-  std::erase_if(near, [r](const Acquaintance* a) { return a->looks_for(r); });
-  std::stable_sort(near.begin(), near.end(), [r](const Acquaintance* a, const Acquaintance* b) {
-    return squared_distance(*a, r) < squared_distance(*b, r);
-  });
+  std::vector<std::pair<std::int64_t, Acquaintance*>> by_distance;
+  by_distance.reserve(all_.size());
+  for (auto& [at, a] : all_)
+    if (!ended(a) && !a.looks_for(r)) by_distance.emplace_back(squared_distance(a, r), &a);
+  std::stable_sort(by_distance.begin(), by_distance.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   const auto far =
-      std::find_if(near.begin(), near.end(), [r](const Acquaintance* a) { return squared_distance(*a, r) > kNextTo; });
-  const auto around = std::min(static_cast<std::size_t>(far - near.begin()), kMostAround);
-  near.resize(std::min(std::max(n, around), near.size()));
+      std::find_if(by_distance.begin(), by_distance.end(), [](const auto& a) { return a.first > kNextTo; });
+  const auto around = std::min(static_cast<std::size_t>(far - by_distance.begin()), kMostAround);
+  by_distance.resize(std::min(std::max(n, around), by_distance.size()));
+  std::vector<Acquaintance*> near;
+  near.reserve(by_distance.size());
+  for (const auto& [distance, a] : by_distance) near.push_back(a);
   return near;
 }
 
@@ -113,12 +118,14 @@ std::vector<Acquaintance*> AddressBook::rivals(Region r, std::size_t n) {
 
 std::vector<Acquaintance*> AddressBook::to_tell_of(Region r, std::size_t n, Rng& rng) {
   std::vector<std::pair<std::tuple<std::int64_t, int, std::uint32_t>, Acquaintance*>> some;
+  some.reserve(all_.size());
   for (Acquaintance* a : all()) {
     const bool rival = a->looks_for(r);
     some.push_back({{rival ? 0 : squared_distance(*a, r), rival, rival ? a->rank : rng.next_u32()}, a});
   }
-  std::sort(some.begin(), some.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  some.resize(std::min(n, some.size()));
+  const auto end = some.begin() + static_cast<std::ptrdiff_t>(std::min(n, some.size()));
+  std::partial_sort(some.begin(), end, some.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  some.erase(end, some.end());
   std::vector<Acquaintance*> nearest;
   nearest.reserve(some.size());
   for (const auto& [by, a] : some) nearest.push_back(a);

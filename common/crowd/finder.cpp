@@ -84,8 +84,8 @@ void Finder::receive(const Endpoint& from, std::span<const std::byte> datagram, 
   }
 }
 
-void Finder::send(const Endpoint& to, const wire::SessionMessage& message) {
-  outgoing_.push_back({to, kNoPeer, wire::seal({wire::Kind::kSession, kNoPeer, 0}, wire::encode_session(message))});
+void Finder::send(const Endpoint& to, std::span<const std::byte> payload) {
+  outgoing_.push_back({to, kNoPeer, wire::seal({wire::Kind::kSession, kNoPeer, 0}, payload)});
   stats_.bytes += outgoing_.back().bytes.size() + node::kIpUdpBytes;
 }
 
@@ -111,7 +111,7 @@ void Finder::ask(const Endpoint& to, Region about, Micros local) {
     a->asked = local;
     if (a->unanswered++ == 0) a->asked_first = local;
   }
-  send(to, wire::Ask{nonce, crowd_, id_of(about), whereabouts(about), rank_});
+  send(to, wire::encode_session(wire::Ask{nonce, crowd_, id_of(about), whereabouts(about), rank_}));
   ++stats_.asks;
 }
 
@@ -124,7 +124,7 @@ void Finder::take(const Endpoint& from, const wire::Ask& ask, std::size_t size, 
   wire::Tell tell{ask.nonce, crowd_, ask.about, {}, rank_};
   if (ask.crowd != crowd_) {
     ++stats_.strange;
-    return answer(from, std::move(tell), size);
+    return answer(from, tell, size);
   }
   if (Acquaintance* a = book_.note(from)) {
     a->in = regions_of(ask.sender.in);
@@ -140,15 +140,14 @@ void Finder::take(const Endpoint& from, const wire::Ask& ask, std::size_t size, 
   for (const Acquaintance* a : book_.to_tell_of(about, kTold + 1, rng_))
     if (a->at != from && AddressBook::fresh(*a, local) && tell.known.size() < kTold)
       tell.known.push_back({a->at, {nearest_ids(a->in, about), nearest_ids(a->seeks, about)}});
-  answer(from, std::move(tell), size);
+  answer(from, tell, size);
 }
 
 // Whoever asks has proven nothing: no answer is larger than what provoked it.
-void Finder::answer(const Endpoint& to, wire::Tell tell, std::size_t size) {
-  const std::size_t most = size - wire::kHeaderBytes - wire::kTagBytes;
-  while (!tell.known.empty() && wire::encode_session(tell).size() > most) tell.known.pop_back();
-  if (wire::encode_session(tell).size() > most) return;
-  send(to, tell);
+void Finder::answer(const Endpoint& to, const wire::Tell& tell, std::size_t size) {
+  const auto payload = wire::encode_tell_within(tell, size - wire::kHeaderBytes - wire::kTagBytes);
+  if (!payload) return;
+  send(to, *payload);
   ++stats_.tells;
 }
 
@@ -354,12 +353,8 @@ void Finder::distrust(Region r, const Endpoint& member, Micros local) {
 void Finder::note_strangers(Micros local) {
   std::map<std::pair<Region, Endpoint>, Micros> now;
   for (const Acquaintance* a : book_.all()) {
-    const auto fellow = standing_.fellows.find(a->at);
     for (const Region r : a->in) {
-      const bool ours = std::find(standing_.in.begin(), standing_.in.end(), r) != standing_.in.end();
-      const bool known = fellow != standing_.fellows.end() &&
-                         std::find(fellow->second.begin(), fellow->second.end(), r) != fellow->second.end();
-      if (!ours || known) continue;
+      if (!contains(standing_.in, r) || (a->fellow && contains(standing_.fellows.at(a->at), r))) continue;
       if (local - a->heard > kJustNow / 2 && local - a->asked > kAskAgain) ask(a->at, r, local);
       if (local - a->heard > kJustNow) continue;
       const auto since = strangers_.find({r, a->at});

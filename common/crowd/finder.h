@@ -111,7 +111,7 @@ class Finder {
   void take(const Endpoint& from, const wire::Ask& ask, std::size_t size, Micros local);
   void take(const Endpoint& from, const wire::Tell& tell, Micros local);
   void take_clock(const wire::Tell& tell, Micros sent, Micros local);
-  void answer(const Endpoint& to, wire::Tell tell, std::size_t size);
+  void answer(const Endpoint& to, const wire::Tell& tell, std::size_t size);
   void ask(const Endpoint& to, Region about, Micros local);
   void look(Region r, Search& search, Micros local);
   void forget_unknown(Search& search);
@@ -126,7 +126,7 @@ class Finder {
   void note_strangers(Micros local);
   std::vector<Region> posts() const;
   wire::Whereabouts whereabouts(Region about) const;
-  void send(const Endpoint& to, const wire::SessionMessage& message);
+  void send(const Endpoint& to, std::span<const std::byte> payload);
   bool may_answer(Micros local);
 
   Config config_;

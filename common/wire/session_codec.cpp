@@ -217,14 +217,29 @@ std::optional<SessionMessage> take(const Session::Tell& in) {
   return t;
 }
 
+Bytes bytes_of(const Session& message) {
+  Bytes bytes(message.ByteSizeLong());
+  message.SerializeToArray(bytes.data(), static_cast<int>(bytes.size()));
+  return bytes;
+}
+
 }  // namespace
 
 Bytes encode_session(const SessionMessage& message) {
   Session out;
   std::visit(Encoder{out}, message);
-  Bytes bytes(out.ByteSizeLong());
-  out.SerializeToArray(bytes.data(), static_cast<int>(bytes.size()));
-  return bytes;
+  return bytes_of(out);
+}
+
+std::optional<Bytes> encode_tell_within(const Tell& tell, std::size_t most) {
+  Session out;
+  Encoder{out}(tell);
+  auto& known = *out.mutable_tell()->mutable_known();
+  while (out.ByteSizeLong() > most) {
+    if (known.empty()) return std::nullopt;
+    known.RemoveLast();
+  }
+  return bytes_of(out);
 }
 
 std::optional<SessionMessage> decode_session(std::span<const std::byte> payload) {

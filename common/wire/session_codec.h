@@ -132,6 +132,9 @@ inline constexpr Micros kMaxClock = Micros{1} << 53U;
 /// Payload bytes. Texts that are too long are cut; a Join is padded to kMaxPayload, an Ask to kAskPayload, a Ping to no
 /// less than its Pong.
 Bytes encode_session(const SessionMessage& message);
+/// A Tell of no more than `most` payload bytes, with as many of those known, from the first on, as there is room for;
+/// nothing if there is none without any.
+std::optional<Bytes> encode_tell_within(const Tell& tell, std::size_t most);
 
 /// The message, if the bytes are well formed and every value is in the range that its struct states. Texts come out
 /// printable: whatever is not ASCII between space and tilde is replaced by '?', as they end up in logs.
