@@ -82,7 +82,7 @@ CrowdPeer::CrowdPeer(const CrowdConfig& config)
 
 // ---- coming into regions
 
-Standing CrowdPeer::standing(Micros local) const {
+Standing CrowdPeer::standing(bool with_fellows, Micros local) const {
   Standing s;
   s.home = home_ ? *home_ : wanted_.front();
   if (home_) s.clock = places_.at(*home_).peer->session().session_now(local);
@@ -90,7 +90,7 @@ Standing CrowdPeer::standing(Micros local) const {
     const bool member = place.peer->playing() && place.peer->node().member();
     const bool in = member && !place.leaving;
     const bool founding = !place.by && !place.peer->playing();
-    if (member) add_fellows(region, *place.peer, s.fellows);
+    if (member && with_fellows) add_fellows(region, *place.peer, s.fellows);
     if (founding || (in && !only_waits_to_leave(place.peer->node()))) s.in.push_back(region);
   }
   return s;
@@ -103,7 +103,7 @@ void CrowdPeer::find(Micros local) {
     const auto retry = retry_.find(r);
     if (!places_.contains(r) && (retry == retry_.end() || retry->second <= local)) sought.push_back(r);
   }
-  finder_.advance(standing(local), sought, local);
+  finder_.advance(standing(finder_.looks_about(sought, local), local), sought, local);
   for (const Finder::Finding& f : finder_.take_findings()) enter(f.region, f.member, local);
   if (local - knocked_ < kKnock) return;
   knocked_ = local;

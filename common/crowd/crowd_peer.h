@@ -89,7 +89,7 @@ class CrowdPeer {
   void say_goodbye(Micros local);
   void find(Micros local);
   void enter(Region r, const std::optional<Endpoint>& member, Micros local);
-  Standing standing(Micros local) const;
+  Standing standing(bool with_fellows, Micros local) const;
   void tick(Vec2 target, Micros local);
   void lead(Region r, Place& place, const BodyState& before, Vec2 target, Micros local);
   bool drives(const Place& place) const;

@@ -219,9 +219,15 @@ std::optional<Micros> Finder::clock(Micros local) const {
 void Finder::advance(const Standing& standing, const std::vector<Region>& sought, Micros local) {
   if (local < next_) return;
   next_ = local + kPace;
+  const bool about = looks_about(sought, local);
+  std::map<Endpoint, std::vector<Region>> fellows = about ? standing.fellows : std::move(standing_.fellows);
   standing_ = standing;
-  book_.set_fellows(standing.fellows);
-  book_.expire(local);
+  standing_.fellows = std::move(fellows);
+  if (about) {
+    looked_about_ = local;
+    book_.set_fellows(standing_.fellows);
+    book_.expire(local);
+  }
   std::erase_if(questions_, [local](const auto& q) { return local - q.second.sent > kQuestion; });
   std::erase_if(distrust_, [local](const auto& d) { return d.second <= local; });
   std::erase_if(searches_,
@@ -232,7 +238,7 @@ void Finder::advance(const Standing& standing, const std::vector<Region>& sought
     look(r, search, local);
   }
   for (const Finding& f : findings_) searches_.erase(f.region);
-  note_strangers(local);
+  if (about) note_strangers(local);
   keep_acquainted(local);
 }
 

@@ -45,7 +45,12 @@ class Finder {
 
   /// A datagram of no session.
   void receive(const Endpoint& from, std::span<const std::byte> datagram, Micros local);
-  /// Does what is due; `sought` are the regions that this peer wants to be in and is not.
+  /// Whether the next advance() looks at who is with us: always as long as anything is sought, else now and then.
+  bool looks_about(const std::vector<Region>& sought, Micros local) const {
+    return !sought.empty() || local - looked_about_ >= kLookAbout;
+  }
+  /// Does what is due; `sought` are the regions that this peer wants to be in and is not. Unless it looks about, it
+  /// goes on with the fellows that it was told last.
   void advance(const Standing& standing, const std::vector<Region>& sought, Micros local);
   /// When to advance next.
   Micros next_due() const { return next_; }
@@ -75,6 +80,7 @@ class Finder {
   const FinderStats& stats() const { return stats_; }
 
   static constexpr Micros kPace = 50'000;
+  static constexpr Micros kLookAbout = 4 * kPace;
   static constexpr Micros kAskAgain = 300'000;
   /// How long those nearest to a region must have been the same.
   static constexpr Micros kSettle = 500'000;
@@ -148,6 +154,7 @@ class Finder {
   Micros offset_ = 0;         ///< crowd clock less local
   Micros trip_ = -1;          ///< round trip of the Tell that it is from; -1: there was none
   Micros next_ = 0;
+  Micros looked_about_ = Acquaintance::kNever;
   Micros upkeep_ = 0;                     ///< next look at whom to stay acquainted with
   Micros called_ = 0;                     ///< when somebody was asked last for that
   Micros hailed_ = Acquaintance::kNever;  ///< when the contact was asked last
