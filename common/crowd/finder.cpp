@@ -220,9 +220,9 @@ void Finder::advance(const Standing& standing, const std::vector<Region>& sought
   if (local < next_) return;
   next_ = local + kPace;
   const bool about = looks_about(sought, local);
-  std::map<Endpoint, std::vector<Region>> fellows = about ? standing.fellows : std::move(standing_.fellows);
+  std::map<Endpoint, std::vector<Region>> fellows = std::move(standing_.fellows);
   standing_ = standing;
-  standing_.fellows = std::move(fellows);
+  if (!about) standing_.fellows = std::move(fellows);
   if (about) {
     looked_about_ = local;
     book_.set_fellows(standing_.fellows);
