@@ -10,8 +10,6 @@ namespace padr::crowd {
 namespace {
 
 constexpr std::size_t kDirections = 8;
-/// Squared, of two regions that have a side or a corner in common.
-constexpr std::int64_t kNextTo = 2;
 
 /// Eighths of a turn, from the x axis on.
 std::size_t direction(Region from, Region to) {

@@ -77,6 +77,9 @@ class AddressBook {
   std::map<Endpoint, Acquaintance> all_;
 };
 
+/// Squared distance of two regions that have a corner in common, the farthest next to one another.
+inline constexpr std::int64_t kNextTo = 2;
+
 /// Between the middles of two regions, in sides of a region, squared.
 std::int64_t squared_distance(Region a, Region b);
 /// From the nearest region that it is in; the largest number if there is none.

@@ -348,7 +348,7 @@ void CrowdPeer::end_places(Micros local) {
     if (failed) ++stats_.failed;
     retry_[it->first] = local + (failed ? kRetry : 0);
     if (failed && p.by) finder_.distrust(it->first, *p.by, local);
-    for (const node::Parcel& last : p.peer->take_outgoing()) outgoing_.add(last.to, last.state_to, last.bytes);
+    outgoing_.add(p.peer->take_outgoing());
     retire(p);
     it = places_.erase(it);
   }
@@ -356,12 +356,12 @@ void CrowdPeer::end_places(Micros local) {
 
 std::span<const node::Parcel> CrowdPeer::take_outgoing() {
   for (auto& [region, place] : places_) {
-    for (const node::Parcel& p : place.peer->take_outgoing()) outgoing_.add(p.to, p.state_to, p.bytes);
+    outgoing_.add(place.peer->take_outgoing());
     for (node::SessionNote& n : place.peer->take_notes())
       if (notes_.size() < kNotesKept) notes_.emplace_back(region, std::move(n));
     place.peer->take_changes();
   }
-  for (const node::Parcel& p : finder_.take_outgoing()) outgoing_.add(p.to, p.state_to, p.bytes);
+  outgoing_.add(finder_.take_outgoing());
   const std::span<const node::Parcel> all = outgoing_.take();
   stats_.datagrams += all.size();
   for (const node::Parcel& p : all) stats_.wire_bytes += p.bytes.size() + node::kIpUdpBytes;

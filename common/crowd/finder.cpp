@@ -13,8 +13,7 @@ namespace {
 constexpr double kAnswers = 500;
 /// An answer that takes longer is none.
 constexpr Micros kQuestion = 3 * kMicrosPerSecond;
-/// Who has said so within this is where it said, for all that matters.
-constexpr Micros kJustNow = 2 * kMicrosPerSecond;
+constexpr Micros kJustNow = Search::kJustNow;
 constexpr Micros kDistrust = 6 * kMicrosPerSecond;
 /// Between two questions to one of those to stay acquainted with, and between any two of such.
 constexpr Micros kCall = 8 * kMicrosPerSecond;
@@ -47,12 +46,8 @@ std::vector<std::uint32_t> nearest_ids(std::vector<Region> regions, Region about
   return ids;
 }
 
-void note_first(Micros& when, Micros local) {
-  if (when == Acquaintance::kNever) when = local;
-}
-
 bool far_apart(Region a, Region b) {
-  return squared_distance(a, b) > 2;
+  return squared_distance(a, b) > kNextTo;
 }
 
 }  // namespace
@@ -178,9 +173,8 @@ void Finder::take(const Endpoint& from, const wire::Tell& tell, Micros local) {
   take_clock(tell, q.sent, local);
   for (const wire::Acquaintance& k : tell.known) hear_say(k, node::as_seen_from(k.at, from), q.about, local);
   const auto search = searches_.find(q.about);
-  if (search == searches_.end() || q.sent < search->second.began || !tell.noted) return;
-  search->second.noted.try_emplace(from, local);
-  search->second.told[from] = q.sent;
+  if (search == searches_.end() || q.sent < search->second.began() || !tell.noted) return;
+  search->second.note_told(from, q.sent, local);
 }
 
 void Finder::hear_say(const wire::Acquaintance& of, const Endpoint& at, Region about, Micros local) {
@@ -188,17 +182,15 @@ void Finder::hear_say(const wire::Acquaintance& of, const Endpoint& at, Region a
   if (a == nullptr) return;
   a->hinted = local;
   const auto search = searches_.find(about);
+  std::vector<Region> in = regions_of(of.where.in);
+  std::vector<Region> seeks = regions_of(of.where.seeks);
   if (search != searches_.end()) {
-    const auto has = [about](const std::vector<std::uint32_t>& ids) {
-      return std::find(ids.begin(), ids.end(), id_of(about)) != ids.end();
-    };
-    auto& rumours = search->second.rumours;
-    if (has(of.where.in) && !a->is_in(about)) note_first(rumours[at].there, local);
-    if (has(of.where.seeks) && !a->looks_for(about)) note_first(rumours[at].looks, local);
+    if (contains(in, about) && !a->is_in(about)) search->second.note_there(at, local);
+    if (contains(seeks, about) && !a->looks_for(about)) search->second.note_looks(at, local);
   }
   if (AddressBook::fresh(*a, local)) return;  // it has said better itself
-  a->in = regions_of(of.where.in);
-  a->seeks = regions_of(of.where.seeks);
+  a->in = std::move(in);
+  a->seeks = std::move(seeks);
 }
 
 // The shorter the trip, the nearer to the truth.
@@ -232,9 +224,9 @@ void Finder::advance(const Standing& standing, const std::vector<Region>& sought
   std::erase_if(distrust_, [local](const auto& d) { return d.second <= local; });
   std::erase_if(searches_,
                 [&](const auto& s) { return std::find(sought.begin(), sought.end(), s.first) == sought.end(); });
-  for (const Region r : sought) searches_.try_emplace(r, Search{local, local, 0, {}, {}, {}, {}});
+  for (const Region r : sought) searches_.try_emplace(r, local);
   for (auto& [r, search] : searches_) {
-    forget_unknown(search);
+    search.forget_unknown(book_);
     look(r, search, local);
   }
   for (const Finding& f : findings_) searches_.erase(f.region);
@@ -242,17 +234,9 @@ void Finder::advance(const Standing& standing, const std::vector<Region>& sought
   keep_acquainted(local);
 }
 
-// The book is bounded, whatever others say, and so is what is kept of those in it.
-void Finder::forget_unknown(Search& search) {
-  const auto unknown = [this](const auto& entry) { return book_.find(entry.first) == nullptr; };
-  std::erase_if(search.noted, unknown);
-  std::erase_if(search.told, unknown);
-  std::erase_if(search.rumours, unknown);
-}
-
 std::size_t Finder::sayings() const {
   std::size_t n = 0;
-  for (const auto& [r, search] : searches_) n += search.noted.size() + search.told.size() + search.rumours.size();
+  for (const auto& [r, search] : searches_) n += search.sayings();
   return n;
 }
 
@@ -274,29 +258,10 @@ void Finder::look(Region r, Search& search, Micros local) {
     return a->is_in(r) && local - a->heard < kJustNow;  // by whom it could not come in lately
   });
   if (!all_said(r, search, local) || somebody) return;
-  if (search.settled == 0) search.settled = local;
-  if (gives_way(r, local) && local - search.settled < kGiveWay) return;
+  const Micros settled = search.settle(local);
+  if (gives_way(r, local) && local - settled < kGiveWay) return;
   findings_.push_back({r, std::nullopt});
   standing_.in.push_back(r);  // nobody who asks in this moment shall found it, too
-}
-
-// As long as somebody nearer turns up, there may be somebody there.
-void Finder::note_nearest(Search& search, const std::vector<Acquaintance*>& nearest, Micros local) {
-  std::set<Endpoint> now;
-  for (const Acquaintance* a : nearest) now.insert(a->at);
-  const bool more = !std::includes(search.nearest.begin(), search.nearest.end(), now.begin(), now.end());
-  if (more && local - search.began < kSearch) search.changed = local;
-  search.nearest = std::move(now);
-}
-
-// After it has noted that this peer looks for the region, not before `since`, and just now; and once more if others
-// have said since that it is there, or looks for it: it may have come in meanwhile, and who was there may have left.
-bool Finder::has_said(const Search& search, const Acquaintance& a, Micros since, Micros local) {
-  const auto told = search.told.find(a.at);
-  if (told == search.told.end() || local - told->second > kJustNow) return false;
-  const auto it = search.rumours.find(a.at);
-  const Rumour rumour = it == search.rumours.end() ? Rumour{} : it->second;
-  return told->second >= std::max({since, search.noted.at(a.at), rumour.there, rumour.looks});
 }
 
 // Asks those nearest, and whether they all have said by now that they know nobody there. Each has to have said so after
@@ -305,28 +270,28 @@ bool Finder::has_said(const Search& search, const Acquaintance& a, Micros since,
 // been told of the other, that one does not found it before the other knows.
 bool Finder::all_said(Region r, Search& search, Micros local) {
   const std::vector<Acquaintance*> nearest = book_.nearest(r, kNearest);
-  note_nearest(search, nearest, local);
+  search.note_nearest(nearest, local);
   bool all = true;
   for (const Acquaintance* a : nearest) {
-    const bool enough = has_said(search, *a, search.changed, local);
+    const bool enough = search.has_said(*a, search.changed(), local);
     all = all && enough;
     if (!enough && local - a->asked >= kAskAgain) ask(a->at, r, local);
   }
   const std::vector<Acquaintance*> rivals = book_.rivals(r, kRivals);
   for (const Acquaintance* a : rivals) {
-    const bool enough = has_said(search, *a, search.began, local);
+    const bool enough = search.has_said(*a, search.began(), local);
     all = all && enough;
     if ((!enough || a->rank < rank_) && local - a->asked >= kAskAgain) ask(a->at, r, local);
   }
   const bool nobody = nearest.empty() && rivals.empty();
-  const bool settled = local - search.changed >= kSettle;
+  const bool settled = local - search.changed() >= kSettle;
   if (!config_.contact) return all && (settled || nobody) && all_rumoured_said(r, search, local);
   // Others who have just come may be known already: the contact knows the crowd, or comes before them.
   if ((nobody || !contact_met_) && local - hailed_ >= kAskAgain) {
     hailed_ = local;
     ask(*config_.contact, r, local);
   }
-  const bool alone = nobody && local - search.began > 2 * kSettle;
+  const bool alone = nobody && local - search.began() > 2 * kSettle;
   const bool clear = contact_met_ && (trip_ >= 0 || standing_.clock > 0) && settled && all && (!nobody || alone);
   return clear && all_rumoured_said(r, search, local);
 }
@@ -334,14 +299,10 @@ bool Finder::all_said(Region r, Search& search, Micros local) {
 // They may be neither near, nor rivals, by what they have said themselves, which others know better by now. The last to
 // be asked: hardly any search comes so far.
 bool Finder::all_rumoured_said(Region r, Search& search, Micros local) {
-  bool all = true;
-  for (const auto& [at, rumour] : search.rumours) {
-    const Acquaintance* a = book_.find(at);
-    if (a == nullptr || AddressBook::ended(*a) || has_said(search, *a, search.began, local)) continue;
-    all = false;
-    if (local - a->asked >= kAskAgain) ask(at, r, local);
-  }
-  return all;
+  const std::vector<Acquaintance*> rumoured = search.rumoured(book_, local);
+  for (const Acquaintance* a : rumoured)
+    if (local - a->asked >= kAskAgain) ask(a->at, r, local);
+  return rumoured.empty();
 }
 
 bool Finder::gives_way(Region r, Micros local) {

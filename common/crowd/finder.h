@@ -3,13 +3,13 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "common/crowd/address_book.h"
 #include "common/crowd/plane.h"
+#include "common/crowd/search.h"
 #include "common/model/rng.h"
 #include "common/node/parcel.h"
 
@@ -84,8 +84,6 @@ class Finder {
   static constexpr Micros kAskAgain = 300'000;
   /// How long those nearest to a region must have been the same.
   static constexpr Micros kSettle = 500'000;
-  /// Where those nearest change all the time they change after this, too.
-  static constexpr Micros kSearch = 4 * kMicrosPerSecond;
   static constexpr std::size_t kNearest = 4;
   /// Of those who look for the same region so many have to know that this peer does, before it founds it.
   static constexpr std::size_t kRivals = 16;
@@ -95,20 +93,6 @@ class Finder {
   static constexpr Micros kStranger = 3 * kMicrosPerSecond;
 
  private:
-  /// What others say of somebody that it has not said itself; since when they do.
-  struct Rumour {
-    Micros there = Acquaintance::kNever;
-    Micros looks = Acquaintance::kNever;  ///< for the region, too
-  };
-  struct Search {
-    Micros began = 0;
-    Micros changed = 0;                ///< when somebody came to be among the nearest
-    Micros settled = 0;                ///< when all was known; 0: it is not
-    std::map<Endpoint, Micros> noted;  ///< who tells others of it, since when at least
-    std::map<Endpoint, Micros> told;   ///< by whom after that, in answer to an Ask sent then
-    std::map<Endpoint, Rumour> rumours;
-    std::set<Endpoint> nearest;
-  };
   struct Question {
     Endpoint to;
     Region about;
@@ -120,10 +104,7 @@ class Finder {
   void answer(const Endpoint& to, const wire::Tell& tell, std::size_t size);
   void ask(const Endpoint& to, Region about, Micros local);
   void look(Region r, Search& search, Micros local);
-  void forget_unknown(Search& search);
   void hear_say(const wire::Acquaintance& of, const Endpoint& at, Region about, Micros local);
-  static bool has_said(const Search& search, const Acquaintance& a, Micros since, Micros local);
-  void note_nearest(Search& search, const std::vector<Acquaintance*>& nearest, Micros local);
   bool all_said(Region r, Search& search, Micros local);
   bool all_rumoured_said(Region r, Search& search, Micros local);
   bool gives_way(Region r, Micros local);

@@ -21,6 +21,9 @@ class Outbox {
     p.state_to = state_to;
     p.bytes.assign(bytes.begin(), bytes.end());
   }
+  void add(std::span<const Parcel> parcels) {
+    for (const Parcel& p : parcels) add(p.to, p.state_to, p.bytes);
+  }
   /// All since the last time; as long as nothing is added.
   std::span<const Parcel> take() {
     if (taken_) count_ = 0;

@@ -320,8 +320,7 @@ void Participant::collect(Life& life) {
 }
 
 std::span<const Parcel> Participant::take_outgoing() {
-  if (gate_)
-    for (const Parcel& p : gate_->take_outgoing()) outgoing_.add(p.to, p.state_to, p.bytes);
+  if (gate_) outgoing_.add(gate_->take_outgoing());
   return outgoing_.take();
 }
 

@@ -59,10 +59,13 @@ class Tcpdump:
         return said
 
 
+def is_somebodys(datagram):
+    return datagram[3] < 64 or datagram[3] == 255
+
+
 def is_sealed(datagram):
     """By what it says itself: damage can make one seem so, or another's."""
-    somebody = len(datagram) > 3 and (datagram[3] < 64 or datagram[3] == 255)
-    return somebody and 30 <= len(datagram) <= 1220 and datagram[2] in (0x64, 0x65, 0x66, 0x68, 0x69, 0x6A)
+    return is_somebodys(datagram) and 30 <= len(datagram) <= 1220 and datagram[2] in (0x64, 0x65, 0x66, 0x68, 0x69, 0x6A)
 
 
 def is_claimed(datagram):
@@ -70,8 +73,7 @@ def is_claimed(datagram):
     if datagram[:2] != b"Pd" or len(datagram) < 6:
         return False
     good = len(datagram) >= 10 and zlib.crc32(datagram[:-4]) == int.from_bytes(datagram[-4:], "little")
-    somebody = datagram[3] < 64 or datagram[3] == 255
-    return good or is_sealed(datagram) or datagram[2] in (0x60, 0x61, 0x62) and somebody
+    return good or is_sealed(datagram) or datagram[2] in (0x60, 0x61, 0x62) and is_somebodys(datagram)
 
 
 def senders(keylog):
@@ -144,7 +146,7 @@ class Captures(Case):
         known, unknown = (self.as_json("summary", capture, *more)["sealed"] for more in (keys, []))
         # Only those whose sender's id the shim has damaged are nobody's.
         ids = senders(self.path("0.keys"))
-        nobodys = [d[-1] for d in pcap.read(capture) if d[-1][:2] == b"Pd" and is_sealed(d[-1]) and d[-1][6:10] not in ids]
+        nobodys = [d[-1] for d in pcap.read(capture) if is_claimed(d[-1]) and is_sealed(d[-1]) and d[-1][6:10] not in ids]
         self.assertEqual(known["unchecked"] + known["encrypted"], len(nobodys))
         self.assertLess(len(nobodys), known["checked"] / 20)
         print(f"sealed: {known}, with a damaged id: {len(nobodys)}")
