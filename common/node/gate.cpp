@@ -90,31 +90,30 @@ Gate::Channel* Gate::make(const PublicKey& key, const Endpoint& at, bool by_forc
 
 // ---- out
 
-void Gate::send(const Parcel& parcel, Micros local) {
+void Gate::send(const Endpoint& to, PeerId state_to, std::span<const std::byte> datagram, Micros local) {
   Channel* c = nullptr;
-  if (parcel.to.has_key()) {
-    c = known(parcel.to.key);
-    if (c == nullptr) c = make(parcel.to.key, parcel.to, true, local);
+  if (to.has_key()) {
+    c = known(to.key);
+    if (c == nullptr) c = make(to.key, to, true, local);
     if (c == nullptr) return;
-    c->name = parcel.to;
-    if (!c->met) c->at = c->home = parcel.to.place();
+    c->name = to;
+    if (!c->met) c->at = c->home = to.place();
   } else {
-    c = lately_at(parcel.to, local);
-    if (c == nullptr) return call(parcel, local);
+    c = lately_at(to, local);
+    if (c == nullptr) return call(to, state_to, datagram, local);
   }
   keep_company(*c, local);
-  post(*c, parcel);
+  post(*c, state_to, datagram);
 }
 
-void Gate::call(const Parcel& parcel, Micros local) {
-  auto it =
-      std::find_if(callers_.begin(), callers_.end(), [&](const Caller& c) { return same_place(c.place, parcel.to); });
+void Gate::call(const Endpoint& to, PeerId state_to, std::span<const std::byte> datagram, Micros local) {
+  auto it = std::find_if(callers_.begin(), callers_.end(), [&](const Caller& c) { return same_place(c.place, to); });
   if (it == callers_.end()) {
     if (callers_.size() >= kMostWaiting) callers_.pop_front();
-    callers_.emplace_back().place = parcel.to.place();
+    callers_.emplace_back().place = to.place();
     it = std::prev(callers_.end());
   }
-  it->waiting = parcel;
+  it->waiting = {to, state_to, wire::Bytes(datagram.begin(), datagram.end())};
   greet(it->place, it->nonce, it->greeted, kGreetAgain, local);
 }
 
@@ -123,12 +122,12 @@ void Gate::greet(const Endpoint& place, std::uint64_t& nonce, Micros& greeted, M
   greeted = local;
   // The same for as long as it is not answered: an answer that takes longer than the pace is an answer, too.
   while (nonce == 0) nonce = splitmix64(nonces_);
-  outgoing_.push_back({place, kNoPeer, wire::encode_handshake(wire::Hello{public_, nonce}, handshake_)});
+  outgoing_.add(place, kNoPeer, wire::encode_handshake(wire::Hello{public_, nonce}, handshake_));
 }
 
 void Gate::introduce(Channel& to) {
   const wire::Introduction i{public_, ++number_, *to.cookie};
-  outgoing_.push_back({to.at, kNoPeer, wire::encode_handshake(i, to.keys.out)});
+  outgoing_.add(to.at, kNoPeer, wire::encode_handshake(i, to.keys.out));
 }
 
 // It may not know us yet, or not any more.
@@ -146,15 +145,11 @@ void Gate::keep_company(Channel& c, Micros local) {
   greet(c.at, c.nonce, c.greeted, c.met ? kGreetQuiet : kGreetAgain, local);
 }
 
-void Gate::post(Channel& to, const Parcel& parcel) {
-  outgoing_.push_back(
-      {to.at, parcel.state_to, wire::seal_with(to.keys.out, config_.mode, id_, ++number_, parcel.bytes)});
+void Gate::post(Channel& to, PeerId state_to, std::span<const std::byte> datagram) {
+  wire::seal_with(to.keys.out, config_.mode, id_, ++number_, datagram, sealed_);
+  outgoing_.add(to.at, state_to, sealed_);
   // If both of two are led astray, neither gets what would put the other right.
-  if (!same_place(to.home, to.at)) outgoing_.push_back({to.home, parcel.state_to, outgoing_.back().bytes});
-}
-
-std::vector<Parcel> Gate::take_outgoing() {
-  return std::exchange(outgoing_, {});
+  if (!same_place(to.home, to.at)) outgoing_.add(to.home, state_to, sealed_);
 }
 
 // ---- in
@@ -175,14 +170,13 @@ std::optional<Gate::Arrival> Gate::receive(const Endpoint& place, std::span<cons
         why = GateDrop::kReplay;
         continue;
       }
-      auto unsealed = wire::unseal_with(c.keys.in, number, datagram);
-      if (!unsealed) {
+      if (!wire::unseal_with(c.keys.in, number, datagram, unsealed_)) {
         why = GateDrop::kTag;
         continue;
       }
       heard(c, place, number, local);
       ++stats_.passed;
-      return Arrival{c.name, std::move(*unsealed)};
+      return Arrival{c.name, unsealed_};
     }
     return drop(why);
   }
@@ -230,7 +224,7 @@ wire::Tag Gate::cookie_for(const Endpoint& place, const PublicKey& key, std::int
 void Gate::take(const Endpoint& place, const wire::Hello& hello, Micros local) {
   ++stats_.handshakes;
   const wire::Cookie c{public_, hello.nonce, cookie_for(place, hello.key, local / kCookieAge)};
-  outgoing_.push_back({place.place(), kNoPeer, wire::encode_handshake(c, handshake_)});
+  outgoing_.add(place.place(), kNoPeer, wire::encode_handshake(c, handshake_));
 }
 
 void Gate::take(const Endpoint& place, const wire::Cookie& cookie, Micros local) {
@@ -255,7 +249,7 @@ void Gate::take(const Endpoint& place, const wire::Cookie& cookie, Micros local)
   c->baked = local;
   c->greeted = local;
   introduce(*c);
-  if (!waiting.bytes.empty()) post(*c, waiting);
+  if (!waiting.bytes.empty()) post(*c, waiting.state_to, waiting.bytes);
 }
 
 bool Gate::proven(const Channel& c, std::uint64_t number, std::span<const std::byte> datagram) {
@@ -289,7 +283,7 @@ void Gate::take(const Endpoint& place, const wire::Introduction& in, std::span<c
   heard(*c, place, in.number, local);
   ++stats_.handshakes;
   const wire::Acceptance a{public_, ++number_};
-  outgoing_.push_back({c->at, kNoPeer, wire::encode_handshake(a, c->keys.out)});
+  outgoing_.add(c->at, kNoPeer, wire::encode_handshake(a, c->keys.out));
 }
 
 void Gate::take(const Endpoint& place, const wire::Acceptance& in, std::span<const std::byte> datagram, Micros local) {

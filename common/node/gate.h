@@ -8,8 +8,8 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
+#include "common/node/outbox.h"
 #include "common/node/parcel.h"
 #include "common/node/replay_window.h"
 #include "common/wire/handshake.h"
@@ -65,14 +65,15 @@ class Gate {
 
   struct Arrival {
     Endpoint from;
-    wire::Bytes datagram;  ///< unsealed
+    std::span<const std::byte> datagram;  ///< unsealed; until the next one arrives
   };
   /// A datagram has arrived from `place`.
   std::optional<Arrival> receive(const Endpoint& place, std::span<const std::byte> datagram, Micros local);
   /// Seals an unsealed datagram for whoever `to` names; without a key in it, for whoever is found at that place.
-  void send(const Parcel& parcel, Micros local);
-  /// What to send, by place, in order; empty afterwards.
-  std::vector<Parcel> take_outgoing();
+  /// `state_to`: as in Parcel.
+  void send(const Endpoint& to, PeerId state_to, std::span<const std::byte> datagram, Micros local);
+  /// What to send, by place, in order, since the last time; until the next call of anything.
+  std::span<const Parcel> take_outgoing() { return outgoing_.take(); }
 
   const GateStats& stats() const { return stats_; }
   std::size_t channels() const { return channels_.size(); }
@@ -115,8 +116,8 @@ class Gate {
   Channel* lately_at(const Endpoint& place, Micros local);
   Channel* make(const PublicKey& key, const Endpoint& at, bool by_force, Micros local);
   void greet(const Endpoint& place, std::uint64_t& nonce, Micros& greeted, Micros pace, Micros local);
-  void call(const Parcel& parcel, Micros local);
-  void post(Channel& to, const Parcel& parcel);
+  void call(const Endpoint& to, PeerId state_to, std::span<const std::byte> datagram, Micros local);
+  void post(Channel& to, PeerId state_to, std::span<const std::byte> datagram);
   void introduce(Channel& to);
   void keep_company(Channel& c, Micros local);
   void heard(Channel& c, const Endpoint& place, std::uint64_t number, Micros local);
@@ -139,7 +140,9 @@ class Gate {
   std::uint64_t number_ = 0;  ///< of the last datagram sealed, for whomever
   std::list<Channel> channels_;
   std::list<Caller> callers_;
-  std::vector<Parcel> outgoing_;
+  Outbox outgoing_;
+  wire::Bytes sealed_;    ///< what is being sent
+  wire::Bytes unsealed_;  ///< what has arrived
   GateStats stats_;
 };
 

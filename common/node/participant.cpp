@@ -75,15 +75,14 @@ void Participant::warn_of_drops(const Endpoint& place, Micros local) {
 }
 
 void Participant::post(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes) {
-  if (!config_.tamper && !gate_) return outgoing_.add(to, state_to, bytes);
-  Parcel parcel{to, state_to, wire::Bytes(bytes.begin(), bytes.end())};
-  if (!config_.tamper) return hand_over(parcel);
-  for (const Parcel& p : config_.tamper(std::move(parcel))) hand_over(p);
+  if (!config_.tamper) return hand_over(to, state_to, bytes);
+  for (const Parcel& p : config_.tamper({to, state_to, wire::Bytes(bytes.begin(), bytes.end())}))
+    hand_over(p.to, p.state_to, p.bytes);
 }
 
-void Participant::hand_over(const Parcel& parcel) {
-  if (gate_) return gate_->send(parcel, local_);
-  outgoing_.add(parcel.to, parcel.state_to, parcel.bytes);
+void Participant::hand_over(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes) {
+  if (gate_) return gate_->send(to, state_to, bytes, local_);
+  outgoing_.add(to, state_to, bytes);
 }
 
 void Participant::take(const Endpoint& from, std::span<const std::byte> datagram, Micros local) {
@@ -320,8 +319,7 @@ void Participant::collect(Life& life) {
 }
 
 std::span<const Parcel> Participant::take_outgoing() {
-  if (gate_) outgoing_.add(gate_->take_outgoing());
-  return outgoing_.take();
+  return gate_ ? gate_->take_outgoing() : outgoing_.take();
 }
 
 std::vector<SessionNote> Participant::take_notes() {

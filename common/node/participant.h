@@ -107,7 +107,7 @@ class Participant {
   void collect(Life& life);
   void take(const Endpoint& from, std::span<const std::byte> datagram, Micros local);
   void post(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes);
-  void hand_over(const Parcel& parcel);
+  void hand_over(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes);
   void warn_of_drops(const Endpoint& place, Micros local);
   NodeConfig node_config(const Session& session) const;
   Node::ConfirmedSink sink();

@@ -1,6 +1,7 @@
 #include "common/wire/sealed.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 
 namespace padr::wire {
@@ -20,12 +21,12 @@ std::uint32_t get32(std::span<const std::byte> from) {
 }
 
 /// The unsealed datagram with this header and payload.
-Bytes unsealed(std::span<const std::byte> head, std::span<const std::byte> payload) {
+void unsealed(std::span<const std::byte> head, std::span<const std::byte> payload, Bytes& out) {
   Header h;
   h.kind = static_cast<Kind>(std::to_integer<unsigned>(head[2]) & kKindMask);
   h.sender = std::to_integer<PeerId>(head[3]);
   h.session = static_cast<std::uint16_t>(std::to_integer<unsigned>(head[4]) | std::to_integer<unsigned>(head[5]) << 8U);
-  return seal(h, payload);
+  seal(h, payload, out);
 }
 
 }  // namespace
@@ -46,9 +47,16 @@ std::optional<SealedHeader> read_sealed(std::span<const std::byte> d) {
 
 Bytes seal_with(const Key& key, SealMode mode, std::uint32_t id, std::uint64_t number,
                 std::span<const std::byte> plain) {
+  Bytes out;
+  seal_with(key, mode, id, number, plain, out);
+  return out;
+}
+
+void seal_with(const Key& key, SealMode mode, std::uint32_t id, std::uint64_t number, std::span<const std::byte> plain,
+               Bytes& out) {
   assert(mode != SealMode::kNone && plain.size() >= kHeaderBytes + kTagBytes && plain.size() <= kMaxDatagram);
   const auto payload = plain.subspan(kHeaderBytes, plain.size() - kHeaderBytes - kTagBytes);
-  Bytes out(plain.size() + kSealGrowth);
+  out.resize(plain.size() + kSealGrowth);
   const std::span<std::byte> all(out);
   std::copy_n(plain.begin(), kHeaderBytes, out.begin());
   out[2] |= static_cast<std::byte>(static_cast<unsigned>(mode) << kModeShift);
@@ -59,26 +67,37 @@ Bytes seal_with(const Key& key, SealMode mode, std::uint32_t id, std::uint64_t n
   const std::size_t end = kSealedHeaderBytes + payload.size();
   const Tag tag = encrypt(key, number, all.first(open), all.subspan(open, end - open));
   std::copy(tag.begin(), tag.end(), out.begin() + static_cast<std::ptrdiff_t>(end));
-  return out;
 }
 
 std::optional<Bytes> unseal_with(const Key& key, std::uint64_t number, std::span<const std::byte> sealed) {
+  Bytes out;
+  if (!unseal_with(key, number, sealed, out)) return std::nullopt;
+  return out;
+}
+
+bool unseal_with(const Key& key, std::uint64_t number, std::span<const std::byte> sealed, Bytes& out) {
   const auto h = read_sealed(sealed);
-  if (!h) return std::nullopt;
+  if (!h) return false;
   const std::size_t end = sealed.size() - kSealedTagBytes;
   const std::size_t open = h->mode == SealMode::kAuth ? end : kSealedHeaderBytes;
   Tag tag{};
   std::copy(sealed.begin() + static_cast<std::ptrdiff_t>(end), sealed.end(), tag.begin());
-  Bytes text(sealed.begin() + static_cast<std::ptrdiff_t>(open), sealed.begin() + static_cast<std::ptrdiff_t>(end));
-  if (!decrypt(key, number, sealed.first(open), text, tag)) return std::nullopt;
-  if (h->mode == SealMode::kEncrypt) return unsealed(sealed, text);
-  return unsealed(sealed, sealed.subspan(kSealedHeaderBytes, end - kSealedHeaderBytes));
+  std::array<std::byte, kMaxPayload> room{};
+  const std::span<std::byte> text = std::span(room).first(end - open);
+  std::copy(sealed.begin() + static_cast<std::ptrdiff_t>(open), sealed.begin() + static_cast<std::ptrdiff_t>(end),
+            text.begin());
+  if (!decrypt(key, number, sealed.first(open), text, tag)) return false;
+  unsealed(sealed, h->mode == SealMode::kEncrypt ? text : sealed.subspan(kSealedHeaderBytes, end - kSealedHeaderBytes),
+           out);
+  return true;
 }
 
 std::optional<Bytes> unseal_unchecked(std::span<const std::byte> sealed) {
   const auto h = read_sealed(sealed);
   if (!h || h->mode != SealMode::kAuth) return std::nullopt;
-  return unsealed(sealed, sealed.subspan(kSealedHeaderBytes, sealed.size() - kSealedHeaderBytes - kSealedTagBytes));
+  Bytes out;
+  unsealed(sealed, sealed.subspan(kSealedHeaderBytes, sealed.size() - kSealedHeaderBytes - kSealedTagBytes), out);
+  return out;
 }
 
 }  // namespace padr::wire

@@ -38,9 +38,14 @@ std::optional<SealedHeader> read_sealed(std::span<const std::byte> datagram);
 /// An unsealed datagram of our own making, sealed. `id`: ours. A key sees each number once.
 Bytes seal_with(const Key& key, SealMode mode, std::uint32_t id, std::uint64_t number,
                 std::span<const std::byte> unsealed);
+/// The same into `out`, in place of what is there.
+void seal_with(const Key& key, SealMode mode, std::uint32_t id, std::uint64_t number,
+               std::span<const std::byte> unsealed, Bytes& out);
 /// The unsealed datagram in one that read_sealed takes, if the tag is right; its number's upper half is told by the
 /// caller.
 std::optional<Bytes> unseal_with(const Key& key, std::uint64_t number, std::span<const std::byte> sealed);
+/// The same into `out`, in place of what is there; false, and `out` is worth nothing, if the tag is another.
+bool unseal_with(const Key& key, std::uint64_t number, std::span<const std::byte> sealed, Bytes& out);
 /// The same for those who have no key: unchecked, and only of what is readable.
 std::optional<Bytes> unseal_unchecked(std::span<const std::byte> sealed);
 

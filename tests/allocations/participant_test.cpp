@@ -1,4 +1,5 @@
-// A whole peer, of which padr-peer is one with a clock and a socket: what it sends is handed over without allocating.
+// A whole peer, of which padr-peer is one with a clock and a socket: what it sends is handed over without allocating,
+// sealed or not.
 #include "common/node/participant.h"
 
 #include <gtest/gtest.h>
@@ -24,13 +25,18 @@ Endpoint place(std::size_t n) {
 /// Two, the first of whom is counted.
 class Pair {
  public:
-  Pair() {
+  explicit Pair(wire::SealMode seal) {
     for (std::size_t n = 0; n < 2; ++n) {
       node::ParticipantConfig c;
       if (n > 0) c.session.join = place(0);
       c.session.wanted = 2;
       c.session.slots = 2;
       c.session.seed = n + 1;
+      if (seal != wire::SealMode::kNone) {
+        c.gate.emplace();
+        c.gate->seed[0] = static_cast<std::uint8_t>(n);
+        c.gate->mode = seal;
+      }
       peers_[n] = std::make_unique<node::Participant>(scene_, std::move(c), now_);
     }
   }
@@ -70,8 +76,11 @@ class Pair {
   std::uint64_t counted_ = 0;
 };
 
-TEST(SteadyState, WhatAPeerSendsIsHandedOverWithoutAllocating) {
-  Pair pair;
+class WholePeer : public ::testing::TestWithParam<wire::SealMode> {};
+
+TEST_P(WholePeer, WhatAPeerSendsIsHandedOverWithoutAllocating) {
+  wire::choose_fast_code();
+  Pair pair(GetParam());
   for (int i = 0; i < 20 * kTicksPerSecond; ++i) pair.turn();
   ASSERT_TRUE(pair.plays());
   const std::uint64_t sent = pair.sent();
@@ -80,6 +89,9 @@ TEST(SteadyState, WhatAPeerSendsIsHandedOverWithoutAllocating) {
   EXPECT_GT(pair.sent(), sent + 20);
   EXPECT_EQ(pair.counted(), counted);
 }
+
+INSTANTIATE_TEST_SUITE_P(Sealed, WholePeer,
+                         ::testing::Values(wire::SealMode::kNone, wire::SealMode::kAuth, wire::SealMode::kEncrypt));
 
 }  // namespace
 }  // namespace padr::bench

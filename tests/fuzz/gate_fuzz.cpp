@@ -81,7 +81,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (what < 32) {
       Endpoint to = from;
       if (what < 16) to.key = known.key;
-      gate.send({to, kNoPeer, wire::seal({}, bytes)}, now);
+      gate.send(to, kNoPeer, wire::seal({}, bytes), now);
     } else if (what < 64) {
       gate.receive(from, bytes, now);
     } else {

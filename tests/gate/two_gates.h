@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string_view>
+#include <vector>
 
 #include "common/model/rng.h"
 #include "common/node/gate.h"
@@ -38,6 +39,12 @@ inline wire::Bytes words(std::string_view text) {
   return wire::seal({wire::Kind::kState, 3, 77}, payload);
 }
 
+/// What it wants to be sent, to keep.
+inline std::vector<node::Parcel> taken(node::Gate& gate) {
+  const auto all = gate.take_outgoing();
+  return {all.begin(), all.end()};
+}
+
 /// Two gates at the places 1 and 2, between which whoever tests carries everything.
 struct TwoGates {
   explicit TwoGates(wire::SealMode mode = wire::SealMode::kAuth) : a(gate_config(1, mode)), b(gate_config(2, mode)) {}
@@ -50,7 +57,7 @@ struct TwoGates {
 
   void take(node::Gate& to, std::vector<wire::Bytes>& into, const Endpoint& from, const wire::Bytes& bytes) {
     if (auto arrival = to.receive(from, bytes, now)) {
-      into.push_back(std::move(arrival->datagram));
+      into.emplace_back(arrival->datagram.begin(), arrival->datagram.end());
       names.push_back(arrival->from);
     }
   }
@@ -58,11 +65,11 @@ struct TwoGates {
   void carry() {
     for (bool more = true; more;) {
       more = false;
-      for (const auto& p : a.take_outgoing()) more = true, take(b, at_b, place(1), p.bytes);
-      for (const auto& p : b.take_outgoing()) more = true, take(a, at_a, place(2), p.bytes);
+      for (const auto& p : taken(a)) more = true, take(b, at_b, place(1), p.bytes);
+      for (const auto& p : taken(b)) more = true, take(a, at_a, place(2), p.bytes);
     }
   }
-  void say(std::string_view text) { a.send({place(2), kNoPeer, words(text)}, now); }
+  void say(std::string_view text) { a.send(place(2), kNoPeer, words(text), now); }
   /// `a` has said something to `b`, who knows it by now.
   void meet() {
     say("hello");
@@ -72,7 +79,7 @@ struct TwoGates {
   /// What `a` makes of this for `b`, not yet carried.
   wire::Bytes sealed(std::string_view text) {
     say(text);
-    const auto out = a.take_outgoing();
+    const auto out = taken(a);
     EXPECT_EQ(out.size(), 1U);
     return out.empty() ? wire::Bytes{} : out.front().bytes;
   }
