@@ -129,11 +129,11 @@ void Loop::set_timer(Micros now) {
   if (due == timer_due_) return;  // datagrams that came in between seldom change it
   timer_due_ = due;
   timer_.expires_at(clock_.at(due));
-  timer_.async_wait([this](const boost::system::error_code& error) {
+  timer_.async_wait(support::KeptIn(timer_memory_, [this](const boost::system::error_code& error) {
     if (error) return;
     timer_due_.reset();
     wake();
-  });
+  }));
 }
 
 void Loop::await_signal() {

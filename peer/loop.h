@@ -18,6 +18,7 @@
 #include "peer/packet_log.h"
 #include "tools/support/clock.h"
 #include "tools/support/files.h"
+#include "tools/support/handler_memory.h"
 #include "tools/support/udp_socket.h"
 
 namespace padr::peer {
@@ -90,6 +91,7 @@ class Loop {
 
   boost::asio::signal_set signals_;
   boost::asio::steady_timer timer_;
+  std::shared_ptr<support::HandlerMemory> timer_memory_ = std::make_shared<support::HandlerMemory>();
   std::optional<Micros> timer_due_;            ///< what it is set to; nothing: it is not
   std::unique_ptr<support::OutputFile> json_;  ///< null for standard output, too
   std::unique_ptr<PacketLog> packets_;         ///< null: none is kept

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What real peers cost: processes of padr-peer over UDP on this machine, each time twice as many.
 
-Usage: peers.py PADR_PEER_COUNTED PADR_BENCH [--peers 4,8,16,32,64] [--seconds S] [--scenario NAME] [--input INPUT]
+Usage: peers.py PADR_PEER_COUNTED PADR_BENCH [--peers 4,8,16,32,64] [--seconds S] [--warm-up S] [--scenario NAME] [--input INPUT]
                 [--paths FOLDER] [--json FILE] [--no-strace]
 
 Each row is a session of so many peers, from its first tick to its last:
@@ -14,6 +14,8 @@ Each row is a session of so many peers, from its first tick to its last:
   late %      of all ticks, begun more than a tick (16.7 ms) after their time
   median, p99, worst   how late ticks began, ms: of the peer in the middle, of the worst peer, of all
   load        of the machine before, by what else runs on it: late ticks are its as well
+
+Measuring begins --warm-up seconds after the session's start; after 20 s all that is kept for a time has been.
 
 The last line is the greatest number of peers of which no tick was late, by core. --paths: peers follow the *.csv in that
 folder, one each, in turn. The output is the same as JSON with --json.
@@ -34,7 +36,6 @@ import tempfile
 import time
 
 TICKS_PER_SECOND = 60
-WARM_UP = 2.0  # s after the session's start before anything is measured
 STRACE = 2.0  # s
 PATIENCE = 60.0  # s until something that should happen counts as missing
 
@@ -78,7 +79,7 @@ class Session:
         for _ in range(1, count):
             self.start("--join", f"127.0.0.1:{port}")
         lead = float(self.wait_for(0, r"peers starts in ([\d.]+) s")[1])
-        time.sleep(lead + WARM_UP)
+        time.sleep(lead + self.options.warm_up)
 
     def processor_seconds(self):
         total = 0
@@ -217,6 +218,7 @@ def parse(arguments):
     p.add_argument("bench")
     p.add_argument("--peers", default="4,8,16,32,64")
     p.add_argument("--seconds", type=float, default=8)
+    p.add_argument("--warm-up", type=float, default=2)
     p.add_argument("--scenario", default="arena")
     p.add_argument("--input", default="rest")
     p.add_argument("--paths")

@@ -1,11 +1,16 @@
+#include "tools/support/udp_socket.h"
+
 #include <gtest/gtest.h>
 
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "peer/egress.h"
 #include "tests/bench/allocations.h"
-#include "tools/support/udp_socket.h"
+#include "tools/support/handler_memory.h"
 
 namespace padr::support {
 namespace {
@@ -122,6 +127,35 @@ TEST_F(Sockets, SteadyTrafficAllocatesNothing) {
   while (n < 210) tick(n++);
   EXPECT_EQ(bench::allocations() - before, 0U);
   EXPECT_EQ(received_, 40 * n);
+}
+
+// As a peer waits: each wake-up sets the timer anew, so that the wait before is cancelled and still to be told of it while
+// the next one has begun, and the socket waits, too.
+TEST_F(Sockets, WaitingForTheNextAllocatesNothing) {
+  boost::asio::steady_timer timer(io_);
+  const auto memory = std::make_shared<HandlerMemory>();
+  UdpSocket third(io_, any_port());
+  std::size_t woken = 0;
+  const auto set_timer = [&] {
+    timer.expires_after(std::chrono::hours(1));
+    timer.async_wait(KeptIn(memory, [](const boost::system::error_code&) {}));
+  };
+  third.start([](const Endpoint&, std::span<const std::byte>) {}, {}, [&] { set_timer(), ++woken; });
+  const Endpoint to = to_endpoint(third.local());
+  const auto d = datagram(100, 1);
+  const auto one = [&] {
+    const std::size_t before = woken;
+    here_.post(to, d);
+    here_.post(to_, d);
+    flush(2);
+    for (int i = 0; i < 1'000 && woken == before; ++i) io_.poll();
+  };
+  keep_ = false;
+  for (int i = 0; i < 10; ++i) one();
+  const std::uint64_t before = bench::allocations();
+  for (int i = 0; i < 200; ++i) one();
+  EXPECT_EQ(bench::allocations() - before, 0U);
+  EXPECT_GE(woken, 210U);
 }
 
 }  // namespace

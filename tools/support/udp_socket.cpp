@@ -91,12 +91,12 @@ void UdpSocket::close() {
 }
 
 void UdpSocket::wait() {
-  socket_.async_wait(Udp::socket::wait_read, [this](const error_code& error) {
-    if (error == asio::error::operation_aborted || !socket_.is_open()) return;
-    read();
-    afterwards_();
-    if (socket_.is_open()) wait();
-  });
+  socket_.async_wait(Udp::socket::wait_read, KeptIn(memory_, [this](const error_code& error) {
+                       if (error == asio::error::operation_aborted || !socket_.is_open()) return;
+                       read();
+                       afterwards_();
+                       if (socket_.is_open()) wait();
+                     }));
 }
 
 void UdpSocket::read() {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "common/model/endpoint.h"
+#include "tools/support/handler_memory.h"
 #include "tools/support/host_port.h"
 
 namespace padr::support {
@@ -74,6 +75,7 @@ class UdpSocket {
   void take_refusal(const Endpoint& at, std::span<const std::byte> quoted);
   void remember(const Endpoint& to, std::span<const std::byte> datagram);
 
+  std::shared_ptr<HandlerMemory> memory_ = std::make_shared<HandlerMemory>();  ///< for waiting
   Udp::socket socket_;
   bool v4_;
   Receiver each_;
