@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <tuple>
 #include <utility>
 
@@ -68,15 +69,18 @@ void AddressBook::expire(Micros local) {
   });
 }
 
-void AddressBook::set_fellows(const std::map<Endpoint, std::vector<Region>>& fellows) {
-  for (auto& [at, a] : all_)
-    if (a.fellow && !fellows.contains(at)) a.fellow = false;
-  for (const auto& [at, where] : fellows) {
-    Acquaintance* a = note(at);
+void AddressBook::set_fellows(const Fellows& fellows) {
+  auto next = fellows.begin();
+  for (auto& [at, a] : all_) {
+    while (next != fellows.end() && next->first < at) ++next;
+    if (next == fellows.end() || next->first != at) a.fellow = false;
+  }
+  Acquaintance* a = nullptr;
+  for (auto f = fellows.begin(); f != fellows.end(); ++f) {
+    if (f == fellows.begin() || f->first != std::prev(f)->first) a = note(f->first);
     if (a == nullptr) continue;
     a->fellow = true;
-    for (const Region r : where)
-      if (!a->is_in(r)) a->in.push_back(r);
+    if (!a->is_in(f->second)) a->in.push_back(f->second);
   }
 }
 
@@ -117,9 +121,10 @@ std::vector<Acquaintance*> AddressBook::rivals(Region r, std::size_t n) {
 std::vector<Acquaintance*> AddressBook::to_tell_of(Region r, std::size_t n, Rng& rng) {
   std::vector<std::pair<std::tuple<std::int64_t, int, std::uint32_t>, Acquaintance*>> some;
   some.reserve(all_.size());
-  for (Acquaintance* a : all()) {
-    const bool rival = a->looks_for(r);
-    some.push_back({{rival ? 0 : squared_distance(*a, r), rival, rival ? a->rank : rng.next_u32()}, a});
+  for (auto& [at, a] : all_) {
+    if (ended(a)) continue;
+    const bool rival = a.looks_for(r);
+    some.push_back({{rival ? 0 : squared_distance(a, r), rival, rival ? a.rank : rng.next_u32()}, &a});
   }
   const auto end = some.begin() + static_cast<std::ptrdiff_t>(std::min(n, some.size()));
   std::partial_sort(some.begin(), end, some.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

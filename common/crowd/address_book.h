@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/crowd/plane.h"
@@ -32,6 +33,9 @@ struct Acquaintance {
   bool looks_for(Region r) const;
 };
 
+/// Who is in which region, each pair once, in their order.
+using Fellows = std::vector<std::pair<Endpoint, Region>>;
+
 /// Whom a peer knows in the crowd, by address: those who have said something of themselves lately, and hints. Bounded,
 /// whatever others say.
 class AddressBook {
@@ -51,7 +55,7 @@ class AddressBook {
   void forget(const Endpoint& at) { all_.erase(at); }
   void expire(Micros local);
   /// Who is in a region with us, and where as far as we see: the others are not any more.
-  void set_fellows(const std::map<Endpoint, std::vector<Region>>& fellows);
+  void set_fellows(const Fellows& fellows);
 
   // Of those who have not ended:
 

@@ -56,11 +56,11 @@ bool touches_only_strangers(const node::Node& n, const node::Node& home) {
 }
 
 /// The other members of a region, besides where they are.
-void add_fellows(Region r, const node::Participant& p, std::map<Endpoint, std::vector<Region>>& fellows) {
+void add_fellows(Region r, const node::Participant& p, Fellows& fellows) {
   const node::Node& n = p.node();
   for (PeerId other = 0; other < n.config().slots; ++other)
     if (other != n.self() && n.other(other).there() && p.session().roster()[other].is_set())
-      fellows[p.session().roster()[other].place()].push_back(r);
+      fellows.emplace_back(p.session().roster()[other].place(), r);
 }
 
 /// It wants to leave the region, and will if it can: not the one to come in by, as long as there are others.
@@ -93,6 +93,8 @@ Standing CrowdPeer::standing(bool with_fellows, Micros local) const {
     if (member && with_fellows) add_fellows(region, *place.peer, s.fellows);
     if (founding || (in && !only_waits_to_leave(place.peer->node()))) s.in.push_back(region);
   }
+  std::sort(s.fellows.begin(), s.fellows.end());
+  s.fellows.erase(std::unique(s.fellows.begin(), s.fellows.end()), s.fellows.end());
   return s;
 }
 

@@ -208,13 +208,12 @@ std::optional<Micros> Finder::clock(Micros local) const {
 
 // ---- looking for regions
 
-void Finder::advance(const Standing& standing, const std::vector<Region>& sought, Micros local) {
+void Finder::advance(Standing standing, const std::vector<Region>& sought, Micros local) {
   if (local < next_) return;
   next_ = local + kPace;
   const bool about = looks_about(sought, local);
-  std::map<Endpoint, std::vector<Region>> fellows = std::move(standing_.fellows);
-  standing_ = standing;
-  if (!about) standing_.fellows = std::move(fellows);
+  if (!about) standing.fellows = std::move(standing_.fellows);
+  standing_ = std::move(standing);
   if (about) {
     looked_about_ = local;
     book_.set_fellows(standing_.fellows);
@@ -316,12 +315,16 @@ void Finder::distrust(Region r, const Endpoint& member, Micros local) {
   distrust_[{r, member.place()}] = local + kDistrust;
 }
 
+bool Finder::is_fellow_in(const Endpoint& at, Region r) const {
+  return std::binary_search(standing_.fellows.begin(), standing_.fellows.end(), std::pair(at, r));
+}
+
 // Who has only just come in may not have been heard of here: it takes a while to be a stranger.
 void Finder::note_strangers(Micros local) {
   std::map<std::pair<Region, Endpoint>, Micros> now;
   for (const Acquaintance* a : book_.all()) {
     for (const Region r : a->in) {
-      if (!contains(standing_.in, r) || (a->fellow && contains(standing_.fellows.at(a->at), r))) continue;
+      if (!contains(standing_.in, r) || (a->fellow && is_fellow_in(a->at, r))) continue;
       if (local - a->heard > kJustNow / 2 && local - a->asked > kAskAgain) ask(a->at, r, local);
       if (local - a->heard > kJustNow) continue;
       const auto since = strangers_.find({r, a->at});

@@ -18,9 +18,9 @@ namespace padr::crowd {
 /// What a peer can say of itself.
 struct Standing {
   Region home;
-  std::vector<Region> in;                           ///< a member there, or founding it
-  std::map<Endpoint, std::vector<Region>> fellows;  ///< the other members of these
-  Micros clock = 0;                                 ///< the crowd's, now; 0: it has none yet
+  std::vector<Region> in;  ///< a member there, or founding it
+  Fellows fellows;         ///< the other members of these
+  Micros clock = 0;        ///< the crowd's, now; 0: it has none yet
 };
 
 struct FinderStats {
@@ -51,7 +51,7 @@ class Finder {
   }
   /// Does what is due; `sought` are the regions that this peer wants to be in and is not. Unless it looks about, it
   /// goes on with the fellows that it was told last.
-  void advance(const Standing& standing, const std::vector<Region>& sought, Micros local);
+  void advance(Standing standing, const std::vector<Region>& sought, Micros local);
   /// When to advance next.
   Micros next_due() const { return next_; }
 
@@ -110,6 +110,7 @@ class Finder {
   bool gives_way(Region r, Micros local);
   std::optional<Endpoint> member_of(Region r, Micros local);
   void keep_acquainted(Micros local);
+  bool is_fellow_in(const Endpoint& at, Region r) const;
   void note_strangers(Micros local);
   std::vector<Region> posts() const;
   wire::Whereabouts whereabouts(Region about) const;

@@ -1,6 +1,7 @@
 #include "common/sync/update_log.h"
 
 #include <algorithm>
+#include <cassert>
 #include <iterator>
 #include <limits>
 
@@ -94,6 +95,10 @@ void UpdateLog::mark(PeerId peer, Tick tick, std::uint32_t count) {
 
 std::vector<Bundle> UpdateLog::take_out(PeerId peer, std::uint32_t from) {
   Peer& p = peers_[peer];
+  if (p.have <= from && (p.beyond.empty() || p.beyond.back() < from)) {
+    assert(of(peer, from).empty());
+    return {};
+  }
   p.beyond.erase(std::lower_bound(p.beyond.begin(), p.beyond.end(), from), p.beyond.end());
   std::vector<Bundle> out;
   for (auto& [tick, bundles] : by_tick_) {

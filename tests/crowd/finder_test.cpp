@@ -204,8 +204,8 @@ TEST(Finder, TwoSidesOfARegionAreStrangersAfterAWhile) {
   const auto strangers = net[0].finder->strangers(net.now());
   ASSERT_EQ(strangers.size(), 1U);
   EXPECT_EQ(strangers[0], std::pair(Region{}, at_port(1)));
-  net[0].standing.fellows = {{at_port(1), {{0, 0}}}};
-  net[1].standing.fellows = {{at_port(0), {{0, 0}}}};
+  net[0].standing.fellows = {{at_port(1), {0, 0}}};
+  net[1].standing.fellows = {{at_port(0), {0, 0}}};
   net.run(0.2);
   EXPECT_TRUE(net[0].finder->strangers(net.now()).empty()) << "it is a member now";
 }
@@ -236,7 +236,8 @@ TEST(Finder, NoAnswerIsLargerThanWhatProvokedItHoweverManyAreKnown) {
   Finder finder({Plane{}, std::nullopt, 1});
   Standing standing;
   for (int i = 0; i < 8; ++i) standing.in.push_back({i, 0});
-  for (int n = 20; n < 60; ++n) standing.fellows[at_port(n)] = standing.in;
+  for (int n = 20; n < 60; ++n)
+    for (const Region r : standing.in) standing.fellows.emplace_back(at_port(n), r);
   finder.advance(standing, {}, 0);
   const wire::Ask ask{5, plane_hash(Plane{}), id_of({0, 0}), {}, 1};
   const std::size_t asked = wire::seal({wire::Kind::kSession, kNoPeer, 0}, wire::encode_session(ask)).size();
