@@ -129,8 +129,8 @@ TEST_F(Sockets, SteadyTrafficAllocatesNothing) {
   EXPECT_EQ(received_, 40 * n);
 }
 
-// As a peer waits: each wake-up sets the timer anew, so that the wait before is cancelled and still to be told of it while
-// the next one has begun, and the socket waits, too.
+// As a peer waits: each wake-up sets the timer anew, so that the wait before is cancelled and still to be told of it
+// while the next one has begun, and the socket waits, too.
 TEST_F(Sockets, WaitingForTheNextAllocatesNothing) {
   boost::asio::steady_timer timer(io_);
   const auto memory = std::make_shared<HandlerMemory>();

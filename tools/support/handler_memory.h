@@ -43,7 +43,8 @@ class HandlerMemory {
   std::array<Place, 4> places_;
 };
 
-/// Hands it to Asio: the `allocator_type` of a handler. Shares it: Asio may give it back long after whoever waited has gone.
+/// Hands it to Asio: the `allocator_type` of a handler. Shares it: Asio may give it back long after whoever waited has
+/// gone.
 template <typename T>
 class HandlerAllocator {
  public:

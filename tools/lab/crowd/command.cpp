@@ -125,7 +125,7 @@ std::string footnote_of(const CrowdRow& r) {
 }  // namespace
 
 void CrowdCommand::declare(CLI::App& app) {
-  app.add_option("--peers", peers_, "Sizes of crowds, one run each")
+  app.add_option("--peers", peers_, "Sizes of crowds")
       ->delimiter(',')
       ->check(CLI::Range(1, kMostPeers))
       ->type_name("N,N,...")
@@ -171,9 +171,9 @@ void CrowdCommand::declare(CLI::App& app) {
       "a region they find out from one another; a region that two found at once has several sides, which agree with\n"
       "themselves, until they come together. CPU is thread time of a peer's tick, and its ratio to the first run's.\n"
       "At the edge of a crowd peers have fewer neighbours, and more of a small crowd are there: what those take and\n"
-      "send who stroll 12 m or more from it is told apart. A processor has a small crowd at hand and not a large one,\n"
-      "which real peers, each a process of its own, do not notice: with --fill it has as many peers to attend to,\n"
-      "whatever the size of a crowd, and what is told is the mean of the crowds, or their sum if it is a number.\n"
+      "send who stroll 12 m or more from it is told apart. All sizes are played in turns and measured at the same\n"
+      "time, so that processor and caches are as busy for each; 1,000 peers take 7 GB of memory. With --fill a small\n"
+      "crowd is played several times, and what is told is the mean of them, or their sum if it is a number.\n"
       "Inconsistency is what a peer has wrong of what is near it, summed, and that of one avatar.\n"
       "Example:\n"
       "  padr-lab crowd --peers 4,50,200 --seconds 20 --seed 1\n"
@@ -201,8 +201,13 @@ class CrowdCommand::Watched {
  public:
   Watched(const CrowdRunConfig& config, float near) : plane_(config.plane), run_(config), census_(near) {}
 
+  /// By one turn, which is one tick or several.
   void advance() { run_.advance(); }
-  Tick now() const { return run_.now(); }
+  /// That take so many seconds.
+  Tick turns(double seconds) const {
+    const auto ticks = static_cast<Tick>(std::lround(seconds * kTicksPerSecond));
+    return (ticks + run_.stride() - 1) / run_.stride();
+  }
   void begin() {
     before_ = Sums::of(run_);
     inner_before_ = Sums::of(run_, kInner);
@@ -269,24 +274,50 @@ CrowdRow CrowdCommand::Watched::row(double seconds) const {
   return r;
 }
 
-CrowdRow CrowdCommand::measure(int peers) const {
+/// Crowds of one size.
+struct CrowdCommand::Size {
+  Tick before = 0;  ///< turns until it is measured
   std::vector<std::unique_ptr<Watched>> crowds;
+};
+
+CrowdCommand::Size CrowdCommand::begin(int peers) const {
+  Size s;
   const int several = std::max(1, fill_ / peers);
-  crowds.reserve(static_cast<std::size_t>(several));
+  s.crowds.reserve(static_cast<std::size_t>(several));
   for (int i = 0; i < several; ++i)
-    crowds.push_back(
+    s.crowds.push_back(
         std::make_unique<Watched>(config_of(peers, seed_ + static_cast<std::uint64_t>(i)), static_cast<float>(near_)));
-  const auto ticks = [](double s) { return static_cast<Tick>(std::lround(s * kTicksPerSecond)); };
-  while (crowds.front()->now() < ticks(warm_up_ + peers / arrivals_))
-    for (const auto& c : crowds) c->advance();
-  for (const auto& c : crowds) c->begin();
-  const Tick end = crowds.front()->now() + ticks(seconds_);
-  while (crowds.front()->now() < end)
-    for (const auto& c : crowds) c->advance_and_look();
-  std::vector<CrowdRow> rows;
-  rows.reserve(crowds.size());
-  for (const auto& c : crowds) rows.push_back(c->row(seconds_));
-  return mean_of(std::move(rows));
+  s.before = s.crowds.front()->turns(warm_up_ + peers / arrivals_);
+  return s;
+}
+
+// All sizes in turns, so that whatever else the machine does, and what of it is in the processor's caches, is the same
+// for each; a smaller crowd, which is there sooner, begins later.
+std::vector<CrowdRow> CrowdCommand::measure() const {
+  std::vector<Size> sizes;
+  sizes.reserve(peers_.size());
+  for (const int peers : peers_) sizes.push_back(begin(peers));
+  Tick before = 0;
+  for (const Size& s : sizes) before = std::max(before, s.before);
+  for (Tick turn = 0; turn < before; ++turn)
+    for (const Size& s : sizes)
+      for (const auto& c : s.crowds)
+        if (turn >= before - s.before) c->advance();
+  for (const Size& s : sizes)
+    for (const auto& c : s.crowds) c->begin();
+  const Tick measured = sizes.front().crowds.front()->turns(seconds_);
+  for (Tick turn = 0; turn < measured; ++turn)
+    for (const Size& s : sizes)
+      for (const auto& c : s.crowds) c->advance_and_look();
+  std::vector<CrowdRow> means;
+  means.reserve(sizes.size());
+  for (const Size& s : sizes) {
+    std::vector<CrowdRow> rows;
+    rows.reserve(s.crowds.size());
+    for (const auto& c : s.crowds) rows.push_back(c->row(seconds_));
+    means.push_back(mean_of(std::move(rows)));
+  }
+  return means;
 }
 
 std::string CrowdCommand::json(const std::vector<std::string>& command, const std::vector<CrowdRow>& rows) const {
@@ -319,13 +350,8 @@ std::string CrowdCommand::json(const std::vector<std::string>& command, const st
 
 int CrowdCommand::run(const std::vector<std::string>& command) {
   (void)config_of(1, seed_);
-  std::vector<CrowdRow> rows;
   const bool table = json_ != "-";
-  if (table) std::cout << kHead;
-  for (const int peers : peers_) {
-    rows.push_back(measure(peers));
-    if (table) std::cout << line_of(rows.back(), rows.front()) << std::flush;
-  }
+  const std::vector<CrowdRow> rows = measure();
   std::uint64_t compared = 0;
   std::uint64_t different = 0;
   std::uint64_t confirmed = 0;
@@ -337,6 +363,8 @@ int CrowdCommand::run(const std::vector<std::string>& command) {
     split += r.split;
   }
   if (table) {
+    std::cout << kHead;
+    for (const CrowdRow& r : rows) std::cout << line_of(r, rows.front());
     for (const CrowdRow& r : rows)
       if (r.inner > 0) std::cout << inner_of(r);
     for (const CrowdRow& r : rows) std::cout << footnote_of(r);

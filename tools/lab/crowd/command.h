@@ -49,7 +49,9 @@ class CrowdCommand {
 
  private:
   class Watched;
-  CrowdRow measure(int peers) const;
+  struct Size;
+  Size begin(int peers) const;
+  std::vector<CrowdRow> measure() const;
   CrowdRunConfig config_of(int peers, std::uint64_t seed) const;
   std::string json(const std::vector<std::string>& command, const std::vector<CrowdRow>& rows) const;
 

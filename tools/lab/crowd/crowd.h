@@ -43,6 +43,8 @@ class CrowdRun {
 
   /// Some ticks: as many as the links take at least, as nobody can hear in one of them what another says in it.
   void advance();
+  /// So many.
+  Tick stride() const { return stride_; }
   Tick now() const { return now_; }
   /// From now on everybody stands where it is.
   void stop_input();
