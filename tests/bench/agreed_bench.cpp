@@ -1,5 +1,6 @@
-// What keeping the agreed world costs besides stepping it: an update that comes late, hashing, saving and restoring;
-// and the lab beside its own worlds stepped as often and nothing else. All in multiples of a step of the same world.
+// What keeping the agreed world costs besides stepping it: an update that comes late, hashing, saving and restoring,
+// copying and looking ahead; and the lab beside its own worlds stepped as often and nothing else. All in multiples of a
+// step of the same world.
 #include <benchmark/benchmark.h>
 
 #include <utility>
@@ -7,6 +8,8 @@
 #include "common/link/netem_spec.h"
 #include "common/scenarios/scenarios.h"
 #include "common/sync/agreed_world.h"
+#include "common/sync/live_world.h"
+#include "common/sync/prediction.h"
 #include "tests/bench/bare_world.h"
 #include "tests/bench/party.h"
 #include "tools/lab/simulation.h"
@@ -49,26 +52,67 @@ void late_update(benchmark::State& state) {
   state.counters["steps_per_tick"] = late / step / static_cast<double>(depth);
 }
 
-/// Of the whole state: what every confirmed tick, every predicted tick and every rewinding costs.
+/// Of the whole state: what every confirmed tick, every predicted tick and every rewinding costs. `fold_steps`: a tick
+/// of the agreed world, avatars' models and all, in bare Box2D steps; the others in such ticks.
 void state_of(benchmark::State& state) {
   const Scene scene = restless_room(static_cast<int>(state.range(0)), 4);
   sync::Fold fold(scene, 4, 4, true);
   for (int i = 0; i < kTicksPerSecond; ++i) fold.step();
   sync::FoldState s;
+  BareWorld bare(scene, 4, kNoPeer);
   double hash = 0;
   double save = 0;
   double restore = 0;
   double step = 0;
+  double bare_step = 0;
   for (auto unused : state) {
     (void)unused;
+    fold.save(s);
+    bare.put(s.world.entities, s.holds);
+    bare_step += seconds_of([&bare] { bare.step(); });
     step += seconds_of([&fold] { fold.step(); });
     save += seconds_of([&] { fold.save(s); });
     hash += seconds_of([&s] { benchmark::DoNotOptimize(hash_of(s)); });
     restore += seconds_of([&] { fold.restore(s); });
   }
+  state.counters["fold_steps"] = step / bare_step;
   state.counters["save_steps"] = save / step;
   state.counters["hash_steps"] = hash / step;
   state.counters["restore_steps"] = restore / step;
+}
+
+/// What a peer copies, in a room where every body moves, in ticks of the agreed world:
+///   adopt_steps  taking over the predicted world, all of which has moved, in the live one
+///   same_steps   the same, when nothing has
+///   ahead_steps  a look-ahead, which copies what is around the avatar and steps that
+///   ahead_count  steps of that copy in each
+void copies(benchmark::State& state) {
+  const Scene scene = restless_room(static_cast<int>(state.range(0)), 2);
+  sync::Fold fold(scene, 2, 2, true);
+  for (int i = 0; i < kTicksPerSecond; ++i) fold.step();
+  sync::FoldState s;
+  fold.save(s);
+  sync::LiveWorld live(scene, s, 0, true);
+  sync::InteractionPredictor predictor(scene, 2, 0, Technique{});
+  std::vector<bool> own(static_cast<std::size_t>(live.world().entities()), false);
+  own[live.avatar()] = true;
+  const Vec2 target = live.world().position(live.avatar()) + Vec2{3, 0};
+  double step = 0;
+  double adopt = 0;
+  double same = 0;
+  double ahead = 0;
+  for (auto unused : state) {
+    (void)unused;
+    step += seconds_of([&fold] { fold.step(); });
+    fold.save(s);
+    adopt += seconds_of([&] { live.adopt(s, own, false); });
+    same += seconds_of([&] { live.adopt(s, own, false); });
+    ahead += seconds_of([&] { benchmark::DoNotOptimize(predictor.predict(live.world(), target, s)); });
+  }
+  state.counters["adopt_steps"] = adopt / step;
+  state.counters["same_steps"] = same / step;
+  state.counters["ahead_steps"] = ahead / step;
+  state.counters["ahead_count"] = static_cast<double>(predictor.steps()) / static_cast<double>(state.iterations());
 }
 
 /// A lab run of 4 peers in the arena, 100 ms, 2 % lost, and beside it the same worlds stepped as often: of every peer a
@@ -133,6 +177,7 @@ BENCHMARK(late_update)
     ->Iterations(50)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(state_of)->ArgName("bodies")->Arg(60)->Arg(200)->Arg(1000)->Iterations(200);
+BENCHMARK(copies)->ArgName("bodies")->Arg(60)->Arg(200)->Arg(1000)->Iterations(200);
 BENCHMARK(lab_run)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
