@@ -23,7 +23,7 @@ CMD ["compose-tc"]
 
 FROM debian:bookworm-slim AS build
 WORKDIR /src
-ENV CCACHE_DIR=/ccache CCACHE_BASEDIR=/src CCACHE_NOHASHDIR=1
+ENV CCACHE_DIR=/ccache CCACHE_BASEDIR=/src CCACHE_NOHASHDIR=1 CCACHE_DEPEND=1
 COPY tools/deps.sh tools/
 RUN tools/deps.sh build && rm -rf /var/lib/apt/lists/*
 COPY CMakeLists.txt CMakePresets.json ./

@@ -1,9 +1,15 @@
 #!/usr/bin/env bash
 # The containers, checked on a real engine: the Dockerfile as it is, what is promised of the image, and every scenario of
 # tools/compose for a short time. Leaves the images behind, and nothing else. Exits with 77 where no engine runs.
+#
+#   .ci/containers.sh             all of it; of a run of .ci/run that has built the images, it takes these
+#   .ci/containers.sh --images    builds the images and looks at no more
 set -euo pipefail
 cd "$(dirname "$0")/.."
+only_images=no
+if [[ ${1:-} == --images ]]; then only_images=yes; fi
 logs=out/ci/containers
+if [[ $only_images == yes ]]; then logs=out/ci/images; fi
 rm -rf "$logs"
 mkdir -p "$logs"
 
@@ -30,6 +36,9 @@ trap 'exit 130' INT
 
 # --- the images, by the same Dockerfile as everybody's; which way out of the machine apt takes there is this script's to say
 
+built=out/ci/images.built # which run has built the images
+exec 9>out/ci/images.lock
+flock 9 # another step may be building them
 .ci/base-image.sh
 way_out=(--network host)
 proxy=$(.ci/debian-sources.sh settings | sed -n 's/^Acquire::http::Proxy "\(.*\)";$/\1/Ip' | head -n 1)
@@ -41,7 +50,7 @@ done
 # What step `test` has compiled needs no compiling again: same compiler, same files.
 if [[ -d out/ci/ccache ]]; then
   : >"$logs/ccache.port" # is to be there before the server has begun
-  python3 -u -m http.server --bind 127.0.0.1 --directory out/ci/ccache 0 >"$logs/ccache.port" 2>"$logs/ccache.log" &
+  python3 -u -m http.server --bind 127.0.0.1 --directory out/ci/ccache 0 >"$logs/ccache.port" 2>"$logs/ccache.log" 9>&- &
   server=$!
   for ((tries = 0; tries < 100; ++tries)); do
     port=$(sed -n 's/.* port \([0-9]*\) .*/\1/p' "$logs/ccache.port")
@@ -59,9 +68,14 @@ build() { # TARGET TAG
     { tail -n 40 "$logs/build-$1.log" >&2; fail "target $1 of the Dockerfile does not build"; }
   echo "$2: built in $((SECONDS - started)) s, $(($(docker image inspect --format '{{.Size}}' "$2") / 1000000)) MB"
 }
-build capture padr-capture:local
-build tc padr-tc:local
-build runtime padr:local
+if [[ -z ${PADR_CI_RUN:-} || $(cat "$built" 2>/dev/null) != "$PADR_CI_RUN" ]]; then
+  build capture padr-capture:local
+  build tc padr-tc:local
+  build runtime padr:local
+  echo "${PADR_CI_RUN:-}" >"$built"
+fi
+exec 9>&-
+if [[ $only_images == yes ]]; then exit 0; fi
 
 # --- what is promised of the image
 

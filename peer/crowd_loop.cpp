@@ -32,6 +32,7 @@ void CrowdLoop::make_peer() {
   c.technique = options_.technique;
   c.fingerprint = world::physics_fingerprint();
   c.seed = support::unpredictable();
+  c.secret = support::unpredictable();
   c.start = o.start;
   c.contact = join_;
   c.on_confirmed = [this](crowd::Region r, const sync::FoldState& s, std::uint64_t hash) {
@@ -125,9 +126,10 @@ Micros CrowdLoop::next_due() const {
 }
 
 void CrowdLoop::stop(const std::string& signal, Micros now) {
+  if (left_at_) return;  // its region may be over already, while others linger
   if (!peer_->playing()) {
     end(support::kExitFailure, signal + " before it came into the crowd");
-  } else if (!left_at_) {
+  } else {
     leave(signal, now);
   }
 }

@@ -22,6 +22,7 @@ node::SessionConfig session_config(const Options& o, const std::optional<Endpoin
   c.scenario = o.scenario.label + " seed " + std::to_string(o.scenario.seed);
   c.sealed = o.key.has_value();
   c.seed = support::unpredictable();
+  c.secret = support::unpredictable();
   c.patience = in_micros(o.join_timeout);
   return c;
 }

@@ -9,6 +9,7 @@
 #include "peer/session_key.h"
 #include "tools/support/clock.h"
 #include "tools/support/run_main.h"
+#include "tools/support/scenario_flags.h"
 
 int main(int argc, char** argv) {
   const padr::support::Clock clock;
@@ -19,6 +20,11 @@ int main(int argc, char** argv) {
     if (!options) return padr::support::kExitFine;
     padr::peer::Log log(options->log_level, options->log_levels);
     for (const auto& line : options->warnings) log.session->warn("{}", line);
+    const padr::Scene& ground = options->crowd ? options->crowd->ground : options->scenario.scene;
+    if (const auto notes = padr::support::notes_on_input(options->input, ground)) {
+      log.play->info("{}", notes->summary);
+      for (const auto& line : notes->warnings) log.play->warn("{}", line);
+    }
     if (options->crowd) return padr::peer::CrowdLoop(*options, log, clock).run();
     return padr::peer::EventLoop(*options, log, clock).run();
   });

@@ -14,8 +14,6 @@ namespace {
 constexpr int kFarewells = 4;
 /// Steps in one go at most when late: datagrams must get their turn, or catching up makes everything worse.
 constexpr int kStepsPerTurn = 8;
-/// The clock is corrected so often; what it is corrected by is measured over seconds.
-constexpr Tick kSteerEvery = kTicksPerSecond / 2;
 constexpr Micros kTickLength = kMicrosPerSecond / kTicksPerSecond;
 
 Totals operator+(const Totals& a, const Totals& b) {
@@ -117,7 +115,7 @@ void Player::begin_life(Micros now) {
   known_life_ = life();
   history_.play(known_life_, self(), node().config().incarnation, known_life_ == 0 && next == 1 ? 0 : next);
   if (watcher_ != nullptr) watcher_->begun(node(), known_life_);
-  const std::string ours = "session " + fmt::format("{:04x}", s.number());
+  const std::string ours = "session " + fmt::format("{}", s.number());
   if (known_life_ > 0) {
     log_.session->warn("{}: life {} begins at tick {}, as peer {}", ours, known_life_ + 1, next, self());
     return;
@@ -153,7 +151,6 @@ void Player::step(Micros now) {
   present_.replayed_steps = node().agreed().replayed_steps();
   ++present_.ticks;
   watch_hashes();
-  steer(now);
   if (watcher_ != nullptr) watcher_->stepped({node(), target, steering_.driven(), lateness});
 }
 
@@ -178,15 +175,6 @@ void Player::watch_hashes() {
   mismatch_told_ = true;
   log_.play->error("CONFIRMED WORLDS DIFFER from tick {} on (told once, counted further)",
                    node().stats().first_mismatch);
-}
-
-// The clock that counts is that of the lowest peer that is there.
-void Player::steer(Micros now) {
-  if (std::abs(node().now() - steered_) < kSteerEvery) return;
-  steered_ = node().now();
-  bool lower = false;
-  for (PeerId p = 0; p < self(); ++p) lower = lower || node().other(p).there();
-  participant_.session().steer(now, lower ? node().clock_lead() : 0);
 }
 
 void Player::tell() {

@@ -120,7 +120,6 @@ class Player {
   void begin_life(Micros now);
   void watch_clock(Micros now);
   void watch_hashes();
-  void steer(Micros now);
   void say_goodbye();
   void tell();
   bool nobody_to_tell() const;
@@ -140,8 +139,7 @@ class Player {
   Totals past_;     ///< of lives gone by
   Totals present_;  ///< of the present one, as of its last step
   RateLimit limit_;
-  Tick last_input_;   ///< the target stands still from here on
-  Tick steered_ = 0;  ///< tick of the last correction of the clock
+  Tick last_input_;  ///< the target stands still from here on
   Micros joined_at_ = -1;
   Micros stepped_at_ = -1;
   int known_life_ = -1;

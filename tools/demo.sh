@@ -18,7 +18,12 @@ report.
   --scenario NAME   arena, clutter, ball, dominoes, van, proxy, pitch, or a scenario file   (default arena)
   --netem SPEC      impairment of every directed link, in the grammar of tc-netem; "" for none
                     (default "delay 100ms 50ms loss 10%")
-  --technique NAME  avatar-only, fixed, adaptive or full     (default full)
+  --technique NAME  avatar-only, fixed, adaptive, full or everything   (default full)
+  --scene NAME      a story of the paper in place of made-up play; sets the other defaults, flags beside it still count:
+                    stop-short: the avatar of peer 0 stops just short of a ball, nobody has authority, and its model
+                      runs on into the ball at the others'; also with --scenario dominoes or van, or --technique full
+                    predictor: the same before dominoes, with a predictor that sees what the model is about to do
+                    proxy: the avatar of peer 0 pushes one thing into another and that into a third
   --seed N          seed of the scenario, the inputs and the network   (default 1)
   --out DIR         where traces, logs, plots and tables go  (default out/demo)
   --help            this text
@@ -39,13 +44,33 @@ netem='delay 100ms 50ms loss 10%'
 technique=full
 seed=1
 out=out/demo
+scene=
+scene_flags=() # for every peer, as long as the technique is the scene's
+set_scene() { # NAME
+  scene=$1 peers=2 netem=
+  case $scene in
+    stop-short) scenario=ball technique=avatar-only scene_flags=(--threshold 0.8) ;;
+    predictor) scenario=dominoes technique=avatar-only scene_flags=(--threshold 0.8:0.3 --predictor pcc) ;;
+    proxy) scenario=proxy technique=adaptive ;;
+    *) fail_usage "--scene '$scene': must be one of: stop-short predictor proxy" ;;
+  esac
+}
+# First, so that flags before it count as well as those behind it.
+for ((i = 1; i <= $#; ++i)); do
+  next=$((i + 1))
+  case ${!i} in
+    --scene=*) set_scene "${!i#*=}" ;;
+    --scene) set_scene "${!next-}" ;;
+  esac
+done
+scenes_technique=$technique
 while (($# > 0)); do
   case $1 in
     --help | -h) usage; exit 0 ;;
-    --peers=* | --duration=* | --page=* | --scenario=* | --netem=* | --technique=* | --seed=* | --out=*)
+    --peers=* | --duration=* | --page=* | --scenario=* | --netem=* | --technique=* | --seed=* | --out=* | --scene=*)
       set -- "${1%%=*}" "${1#*=}" "${@:2}"
       continue ;;
-    --peers | --duration | --page | --scenario | --netem | --technique | --seed | --out)
+    --peers | --duration | --page | --scenario | --netem | --technique | --seed | --out | --scene)
       if (($# < 2)); then fail_usage "$1 needs a value"; fi
       case $1 in
         --peers) peers=$2 ;;
@@ -56,6 +81,7 @@ while (($# > 0)); do
         --technique) technique=$2 ;;
         --seed) seed=$2 ;;
         --out) out=$2 ;;
+        --scene) ;; # set already
       esac
       shift 2 ;;
     *) fail_usage "unknown argument '$1'" ;;
@@ -68,24 +94,37 @@ check_number() { # FLAG VALUE LOWEST HIGHEST
     fail_usage "$1 '$2': must be a whole number from $3 to $4"
   fi
 }
+# Whether a socket of this machine has the port. A machine without IPv6 lacks one of the files.
+in_use() { # tcp|udp PORT
+  local hex
+  printf -v hex ':%04X ' "$2"
+  { cat "/proc/net/$1" "/proc/net/${1}6" 2>/dev/null || true; } | awk '{ print $2 " " }' | grep -F -- "$hex" >/dev/null
+}
 if [[ -z $page ]]; then
   page=8080
   # Whether somebody listens there, or did a moment ago.
-  if cat /proc/net/tcp /proc/net/tcp6 2>/dev/null | awk '{ print $2 " " }' | grep -F ':1F90 ' >/dev/null; then page=0; fi
+  if in_use tcp 8080; then page=0; fi
 fi
 if [[ $page != off ]]; then check_number --page "$page" 0 65535; fi
 if [[ -z $duration ]]; then
   duration=30
+  if [[ -n $scene && $page == off ]]; then duration=12; fi
   if [[ -t 1 && $page != off ]]; then duration=1800; fi
 fi
 check_number --peers "$peers" 2 64
 check_number --duration "$duration" 1 3600
 check_number --seed "$seed" 0 999999999
 peers=$((10#$peers)) duration=$((10#$duration)) seed=$((10#$seed))
-case $technique in
-  avatar-only | fixed | adaptive | full) ;;
-  *) fail_usage "--technique '$technique': must be avatar-only, fixed, adaptive or full" ;;
-esac
+# A wrong name shall not wait for the build to be refused. Where the list cannot be read, the peers refuse it.
+techniques=$(sed -n '/technique_names() {/,/}/s/.*return {\(.*\)};/\1/p' "$(dirname "$0")/../common/model/technique.cpp" | tr -d '",')
+if [[ -n $techniques && ($technique == *" "* || " $techniques " != *" $technique "*) ]]; then
+  fail_usage "--technique '$technique': must be one of: $techniques"
+fi
+if [[ $technique != "$scenes_technique" ]]; then scene_flags=(); fi
+path=$(realpath -m -- "$(dirname "$0")/../common/scenarios/paths/$scenario.csv")
+if [[ -n $scene && ! -e $path ]]; then
+  fail_usage "--scene $scene: --scenario must be one of: ball dominoes van proxy"
+fi
 if [[ -z $scenario ]]; then fail_usage "--scenario must not be empty"; fi
 if [[ -z $out ]]; then fail_usage "--out must not be empty"; fi
 if [[ -e $scenario ]]; then scenario=$(realpath -- "$scenario"); fi
@@ -98,6 +137,8 @@ if ! [[ $jobs =~ ^[1-9][0-9]*$ ]]; then fail_usage "PADR_JOBS is '$jobs', must b
 if [[ $out == "$PWD"/* ]]; then shown=${out#"$PWD"/}; else shown=$out; fi
 
 # --- set up and build: the same build folder and objects as tools/test.sh; tests only if they were asked for before.
+# What has to be compiled is preprocessed once and not twice.
+export CCACHE_DEPEND=1
 tools/deps.sh build run
 mkdir -p "$out"
 without_tests=()
@@ -117,11 +158,10 @@ rm -f "$out"/plots/*.svg "$out"/plots/*.png "$out"/csv/*.csv
 
 # A UDP port that no socket of this machine has, from the range below the one that the system hands out by itself.
 free_port() {
-  local port hex tries
+  local port tries
   for ((tries = 0; tries < 100; ++tries)); do
     port=$((20000 + RANDOM % 12000))
-    printf -v hex ':%04X ' "$port"
-    if ! cat /proc/net/udp /proc/net/udp6 2>/dev/null | awk '{ print $2 " " }' | grep -F -- "$hex" >/dev/null; then
+    if ! in_use udp "$port"; then
       echo "$port"
       return
     fi
@@ -166,6 +206,8 @@ trap 'exit 143' TERM
 told=()
 start_monitor() {
   local tries where=
+  # A process in the background opens its files when it gets to run, which may be after they are read here.
+  : >"$out/monitor.log"
   setsid "$bin/padr-monitor" --listen "127.0.0.1:$page" --peers-listen 127.0.0.1:0 \
     >"$out/page" 2>"$out/monitor.log" </dev/null &
   monitor=$!
@@ -183,13 +225,32 @@ start_monitor() {
 }
 if [[ $page != off ]]; then start_monitor; fi
 
+# Of a scene: the avatar of peer 0 takes a path, time after time where nothing is touched, the others stand. What is
+# pushed away is pushed only once: with a page, after some seconds to open it.
+if [[ $scene == proxy && $page != off ]]; then
+  awk -F, -v OFS=, 'NR > 1 { if (NR == 2) print; $1 = sprintf("%.6f", $1 + 20) } 1' "$path" >"$out/path.csv"
+  path=$out/path.csv
+elif [[ -n $scene && $scene != proxy ]]; then
+  path=$path,loop
+fi
+input_of() { # INDEX
+  if [[ -z $scene ]]; then
+    echo "wander:$((seed * 100 + $1))"
+  elif (($1 == 0)); then
+    echo "path:$path"
+  else
+    echo rest
+  fi
+}
+
 port=$(free_port)
 start_peer() { # INDEX
   local role=(--join "127.0.0.1:$port") shaped=()
   if (($1 == 0)); then role=(--listen "127.0.0.1:$port" --wait-peers "$peers"); fi
   if [[ -n $netem ]]; then shaped=(--netem "$netem" --netem-seed "$((seed * 100 + $1))"); fi
-  setsid "$bin/padr-peer" "${role[@]}" --scenario "$scenario" --seed "$seed" --technique "$technique" "${shaped[@]}" \
-    --input "wander:$((seed * 100 + $1))" --duration "$duration" \
+  : >"$out/peer$1.log"
+  setsid "$bin/padr-peer" "${role[@]}" --scenario "$scenario" --seed "$seed" --technique "$technique" \
+    "${scene_flags[@]}" "${shaped[@]}" --input "$(input_of "$1")" --duration "$duration" \
     --trace "$out/peer$1.trace" --json "$out/peer$1.json" "${told[@]}" >"$out/peer$1.log" 2>&1 </dev/null &
   pids+=($!)
 }

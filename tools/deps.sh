@@ -10,9 +10,9 @@ Installs what is missing of the Debian packages of the named groups (default: bu
 
   build   compiler, CMake, Ninja and the libraries the programs are built on
   run     what the programs call at run time: gnuplot for plots, rsvg-convert for film strips
-  test    GoogleTest, Google Benchmark, RapidCheck, Python; Chromium and Selenium, for the page of padr-monitor
-  check   formatting, linting, clang builds, fuzzing, the clean-clone check, tshark and tcpdump, Compose and a base
-          image for containers
+  test    GoogleTest, Google Benchmark, RapidCheck, Python; Chromium and Selenium, for the page of padr-monitor; tshark
+          and tcpdump, for the Wireshark plugin and captures; iproute2, for networks that fall apart
+  check   formatting, linting, clang builds, fuzzing, the clean-clone check, Compose and a base image for containers
   all     every group
 
   --list  print the packages of the groups and whether each is installed; install nothing
@@ -30,25 +30,24 @@ packages_of() {
       libprotobuf-dev libsodium-dev libspdlog-dev libcli11-dev nlohmann-json3-dev libjs-dygraphs ;;
     run) echo 'gnuplot-nox|gnuplot-qt|gnuplot-x11' librsvg2-bin ;;
     test) echo libgtest-dev libbenchmark-dev librapidcheck-dev python3 chromium chromium-driver \
-      python3-selenium ;;
+      python3-selenium tshark tcpdump iproute2 ;;
     check) echo 'clang-14|clang-@' 'clang-format-14|clang-format-@' 'clang-tidy-14|clang-tidy-@' \
-      'libclang-rt-14-dev|libclang-rt-@-dev' git shellcheck tshark tcpdump docker-compose mmdebstrap ;;
+      'libclang-rt-14-dev|libclang-rt-@-dev' git shellcheck docker-compose mmdebstrap ;;
   esac
 }
 
-installed() { # PACKAGE
-  [[ $(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null) == installed ]]
-}
+installed() { grep -qxF -- "$1" <<<"$present"; } # PACKAGE
 
 # Prints the newest package name, installed (known to dpkg) or available (known to apt), that matches a '@' pattern.
 newest() { # PATTERN dpkg|apt
-  local regex="^${1/@/[0-9]+}\$"
+  local escaped=${1//+/\\+}
+  local regex="^${escaped/@/[0-9]+}\$"
   { if [[ $2 == dpkg ]]; then
-      dpkg-query -W -f '${db:Status-Status} ${Package}\n' | sed -n 's/^installed //p'
+      echo "$present"
     else
       apt-cache pkgnames "${1%%@*}"
     fi
-  } | grep -E "${regex//+/\\+}" | sort -V | tail -n 1 || true
+  } | grep -E "$regex" | sort -V | tail -n 1 || true
 }
 
 # Prints the alternative of a word that is installed; nothing when none is.
@@ -88,6 +87,10 @@ if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
   exit 0
 fi
 
+# The names of installed packages. A system may have a package of other architectures, too, or of those alone: only this
+# machine's count.
+architecture=$(dpkg --print-architecture)
+present=$(dpkg-query -W -f '${db:Status-Status} ${Architecture} ${Package}\n' | sed -n "s/^installed \($architecture\|all\) //p")
 words=()
 for group in "${groups[@]}"; do
   for word in $(packages_of "$group"); do words+=("$group:$word"); done

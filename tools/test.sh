@@ -24,9 +24,12 @@ cd "$(dirname "$0")/.."
 jobs=${PADR_JOBS:-$(nproc)}
 if ! [[ $jobs =~ ^[1-9][0-9]*$ ]]; then echo "test.sh: PADR_JOBS is '$jobs', must be a number from 1" >&2; exit 2; fi
 
-tools/deps.sh build test
+# What has to be compiled is preprocessed once and not twice.
+export CCACHE_DEPEND=1
+# Tests draw pictures, too.
+tools/deps.sh build run test
 log=$(mktemp)
-trap 'rm -f "$log"' EXIT
+trap 'rm -f "$log" "$log.skipped"' EXIT
 echo "== configuring build/release"
 if ! cmake --preset release -DPADR_TESTS=ON >"$log" 2>&1; then
   cat "$log" >&2
@@ -35,5 +38,20 @@ fi
 echo "== building"
 cmake --build build/release --parallel "$jobs"
 echo "== testing"
-# Many tests are real processes that wait more than they compute.
-ctest --test-dir build/release --output-on-failure --no-tests=error --parallel $((jobs + 1)) "$@"
+# Several tests are real processes that wait more than they compute: tests/CMakeLists.txt says how many run at once.
+ctest --test-dir build/release --output-on-failure --no-tests=error --parallel $((jobs + 3)) "$@" | tee "$log" &&
+  status=0 || status=$?
+
+# Which tests were skipped, and the first thing that each of them said about it.
+sed -n 's/^[[:space:]]*[0-9]* - \(.*\) (Skipped)$/\1/p' "$log" | sort -u >"$log.skipped"
+if [[ -s $log.skipped ]]; then
+  awk '
+    FILENAME == ARGV[1] { skipped[$0] = 1; next }
+    / Testing: / { name = $0; sub(/.* Testing: /, "", name); why = "" }
+    why == "" && tolower($0) ~ /^skipped: / { why = ": " substr($0, 10) }
+    why == "" && before ~ /: Skipped$/ { why = ": " $0 }
+    { before = $0 }
+    /^<end of output>$/ && name in skipped { print "skipped: " name why }
+  ' "$log.skipped" build/release/Testing/Temporary/LastTest.log
+fi
+exit "$status"

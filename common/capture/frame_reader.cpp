@@ -1,5 +1,8 @@
 #include "common/capture/frame_reader.h"
 
+#include <algorithm>
+#include <string_view>
+
 #include "common/capture/formats.h"
 #include "common/model/user_error.h"
 
@@ -20,6 +23,11 @@ bool FrameReader::recognise() {
     format_ = make_pcap_reader(queue_, *kind);
     return true;
   }
+  // The traces of padr-peer --trace lie beside its captures.
+  constexpr std::string_view kTrace = "PADR";
+  if (std::equal(head.begin(), head.end(), kTrace.begin(), kTrace.end(),
+                 [](std::byte b, char c) { return std::to_integer<char>(b) == c; }))
+    throw UserError(label_ + ": not a capture but a trace; padr-report reads it");
   throw UserError(label_ + ": not a capture: neither pcap nor pcapng begins with these bytes");
 }
 
@@ -39,6 +47,7 @@ std::string FrameReader::trouble() const {
   const std::string where =
       label_ + ": packet " + std::to_string(packets_ + 1) + " at byte " + std::to_string(queue_.offset()) + ": ";
   if (stop() == Stop::kDamaged) return where + format_->damage();
+  if (offset() == 0 && !format_) return label_ + ": the file is empty or ends after a few bytes";
   return where + "the file ends in its midst";
 }
 

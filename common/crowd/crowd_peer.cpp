@@ -46,7 +46,7 @@ bool touches_only_strangers(const node::Node& n, const node::Node& home) {
   const EntityId avatar = n.live().avatar();
   const auto& here = n.live().residents();
   bool any = false;
-  for (const Contact& c : n.live().world().contacts()) {
+  for (const Contact& c : n.live().touching()) {
     if (c.first != avatar && c.second != avatar) continue;
     const EntityId other = c.first == avatar ? c.second : c.first;
     if (n.live().world().is_avatar(other) || home.live().residents().find(here.slots[other].name)) return false;
@@ -114,6 +114,7 @@ void CrowdPeer::find(Micros local) {
 
 void CrowdPeer::enter(Region r, const std::optional<Endpoint>& member, Micros local) {
   node::ParticipantConfig c;
+  c.steers = false;  // a peer has one clock for all its regions
   const Scene scene = scene_of(config_.plane, r);
   c.session.join = member;
   c.session.wanted = 1;
@@ -123,6 +124,7 @@ void CrowdPeer::enter(Region r, const std::optional<Endpoint>& member, Micros lo
   c.session.authority = config_.technique.authority;
   c.session.scenario = scene.name;
   c.session.seed = derive_seed(config_.seed, ++attempts_);
+  c.session.secret = config_.secret;
   c.session.number = number_of(r);
   c.session.patience = kPatience;
   if (!member)
@@ -237,12 +239,7 @@ void CrowdPeer::tick(Vec2 target, Micros local) {
 // is that of the lowest member.
 void CrowdPeer::steer(Micros local) {
   node::Participant& home = *places_.at(*home_).peer;
-  const node::Node& n = home.node();
-  if (n.now() % kSteer == 0) {
-    bool lower = false;
-    for (PeerId p = 0; p < n.self(); ++p) lower = lower || n.other(p).there();
-    home.session().steer(local, lower ? n.clock_lead() : 0);
-  }
+  if (home.node().now() % kSteer == 0) home.steer(local);
   for (auto& [region, place] : places_)
     if (region != *home_ && place.peer->playing()) place.peer->session().desk().clock = home.session().clock();
 }

@@ -21,6 +21,7 @@ struct CrowdConfig {
   bool relevance = true;  ///< thresholds rise where nobody is near
   std::uint64_t fingerprint = 0;
   std::uint64_t seed = 0;             ///< of this peer's nonces; no two peers' are the same
+  std::uint64_t secret = 0;           ///< see SessionConfig
   Vec2 start;                         ///< m, where its avatar is first
   std::optional<Endpoint> contact{};  ///< of anybody in the crowd; absent: it is the crowd's first peer
   std::function<void(Region, const sync::FoldState&, std::uint64_t hash)> on_confirmed{};

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/model/precision.h"
+#include "common/sync/admit.h"
 
 namespace padr::crowd {
 namespace {
@@ -115,6 +116,8 @@ void Customs::consider_entry(const Post& from, EntityId b, const std::vector<Pos
   p.state = one_tick_on(node.live().world().state(b));
   if (other.config().technique.precision == Precision::kRounded) p.state = rounded(p.state);
   p.owned = node.agreed().predicted_state().authority[b].holder() == node.self();
+  // Nobody would take the update, nor any after it.
+  if (!sync::believable(p.state, other.agreed().predicted().world().scene())) return;
   const auto& known = other.agreed().predicted_state().residents;
   if (!known.slot_for(p, *other.agreed().predicted().world().scene().region)) return;
   errands_.insert({from.region, to});

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/model/seen_from.h"
 #include "common/node/node.h"
-#include "common/node/session_objection.h"
 
 namespace padr::crowd {
 namespace {
@@ -171,7 +171,7 @@ void Finder::take(const Endpoint& from, const wire::Tell& tell, Micros local) {
     a->unanswered = 0;
   }
   take_clock(tell, q.sent, local);
-  for (const wire::Acquaintance& k : tell.known) hear_say(k, node::as_seen_from(k.at, from), q.about, local);
+  for (const wire::Acquaintance& k : tell.known) hear_say(k, as_seen_from(k.at, from), q.about, local);
   const auto search = searches_.find(q.about);
   if (search == searches_.end() || q.sent < search->second.began() || !tell.noted) return;
   search->second.note_told(from, q.sent, local);

@@ -26,6 +26,7 @@ constexpr Names<ThresholdLaw, 2> kLaws{
 constexpr Names<Convergence, 3> kConvergences{
     {{"snap", Convergence::kSnap}, {"blend", Convergence::kBlend}, {"pvb", Convergence::kPvb}}};
 constexpr Names<Precision, 2> kPrecisions{{{"exact", Precision::kExact}, {"rounded", Precision::kRounded}}};
+constexpr Names<Unowned, 2> kUnowned{{{"live", Unowned::kLive}, {"agreed", Unowned::kAgreed}}};
 constexpr Names<bool, 2> kSwitch{{{"on", true}, {"off", false}}};
 
 [[noreturn]] void refuse(std::string_view flag, std::string_view text, const std::string& allowed) {
@@ -85,7 +86,9 @@ Technique technique_by_name(std::string_view name) {
     t.every_tick = true;
     return t;
   }
-  // The three of the paper: first order, updates applied on arrival, one for every contact and chain.
+  // The three of the paper: first order, updates applied on arrival, one for every contact and chain, a world of one's
+  // own.
+  t.unowned = Unowned::kLive;
   t.replay = false;
   t.model = Model::kFirst;
   t.time_space = 0;
@@ -159,6 +162,12 @@ void set_pcc_bound(Technique& t, std::string_view text) {
 void set_precision(Technique& t, std::string_view text) {
   t.precision = by_name("--precision", text, kPrecisions);
 }
+void set_unowned(Technique& t, std::string_view text) {
+  t.unowned = by_name("--unowned", text, kUnowned);
+}
+void set_time_stamps(Technique& t, std::string_view text) {
+  t.time_stamps = by_name("--time-stamps", text, kSwitch);
+}
 
 std::string describe(const Technique& t) {
   std::string s = t.name;
@@ -173,7 +182,8 @@ std::string describe(const Technique& t) {
   if (!t.end_update) s += " --end-update off";
   if (!t.proxy_update) s += " --proxy-update off";
   if (!t.rest_state) s += " --rest-state off";
-  s += " --precision " + name_of(t.precision, kPrecisions);
+  s += " --precision " + name_of(t.precision, kPrecisions) + " --unowned " + name_of(t.unowned, kUnowned);
+  if (t.time_stamps) s += " --time-stamps on";
   s += " --steps " + number(t.steps) + " --count " + number(t.count) + " --pcc-bound " + number(t.pcc_bound);
   return s;
 }

@@ -33,6 +33,12 @@ enum class Precision : std::uint8_t {
   kRounded,  ///< in steps of 2^-14 m and rad and 2^-12 m/s and rad/s; who tells them takes them on, too
 };
 
+/// Where a body that nobody owns comes from in a player's own world.
+enum class Unowned : std::uint8_t {
+  kAgreed,  ///< the predicted world: all players see the same, even where nobody's own world has it so
+  kLive,    ///< the player's own world, which stays its own until somebody tells of the body (the paper's)
+};
+
 /// Everything that makes one synchronisation technique differ from another. All fields but `authority` are a peer's
 /// own affair; peers of one session must agree on `authority`.
 struct Technique {
@@ -59,7 +65,16 @@ struct Technique {
   bool proxy_update = true;  ///< what is reached through other bodies is claimed and told too
   bool rest_state = true;    ///< what comes to rest is told exactly where; off: only that authority is given up
   Precision precision = Precision::kRounded;
+  Unowned unowned = Unowned::kAgreed;
+  /// Without replay: an update is moved on by its age when it arrives, as DIS practice has it; off: applied as if true
+  /// on arrival (the paper's).
+  bool time_stamps = false;
 };
+
+/// Whether bodies that nobody owns play out in the player's own world alone. Without authority nobody owns any.
+inline bool plays_unowned_alone(const Technique& t) {
+  return !t.authority || t.unowned == Unowned::kLive;
+}
 
 /// `avatar-only`, `fixed`, `adaptive`, `full` or `everything`; UserError names them on anything else.
 Technique technique_by_name(std::string_view name);
@@ -83,6 +98,8 @@ void set_proxy_update(Technique& t, std::string_view text);    ///< on|off
 void set_rest_state(Technique& t, std::string_view text);      ///< on|off
 void set_pcc_bound(Technique& t, std::string_view text);       ///< metres, 0 .. 1000
 void set_precision(Technique& t, std::string_view text);       ///< exact|rounded
+void set_unowned(Technique& t, std::string_view text);         ///< live|agreed
+void set_time_stamps(Technique& t, std::string_view text);     ///< on|off
 
 /// One line: the name and every knob, in the form the flags take.
 std::string describe(const Technique& t);

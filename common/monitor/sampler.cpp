@@ -24,9 +24,17 @@ LinkStatus link_of(const node::Node& node, PeerId p) {
   l.there = n.there();
   l.at = n.at;
   l.round_trip_ms = milliseconds(n.link.round_trip());
-  l.measured = n.clock.measured();
-  if (l.measured) l.delay_in_ms = static_cast<float>(n.clock.least()) * 1e-3F;
+  l.measured = n.clock.measured() && n.arrivals.any();
+  if (l.measured) {
+    const node::Arrivals::Delays d = n.arrivals.delays(tick_start(node.now()));
+    l.delay_least_ms = static_cast<float>(n.clock.least()) * 1e-3F;
+    l.delay_p50_ms = static_cast<float>(d.median) * 1e-3F;
+    l.delay_p95_ms = static_cast<float>(d.p95) * 1e-3F;
+  }
   l.loss_in = n.window.loss();
+  l.loss_of = static_cast<std::uint32_t>(n.window.loss_of());
+  l.judged_in = n.window.counted().judged;
+  l.lost_in = n.window.counted().lost;
   l.silence_ms = milliseconds(static_cast<float>(node.silence(p)));
   l.dropped = n.dropped;
   l.cut_offs = n.cut_offs;
@@ -99,6 +107,7 @@ void Sampler::frame(const node::Node& node, Vec2 target, Frame& out) const {
   out.target = target;
   out.holding = node.reporter().holding();
   out.interaction = p.interaction;
+  out.unowned_alone = plays_unowned_alone(technique);
   out.contact_in = p.contact_in;
   out.level = p.level;
   out.radius = technique.predictor == Predictor::kNone ? 0 : technique.radius;

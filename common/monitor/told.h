@@ -78,14 +78,15 @@ struct EntityFlags {
 /// A peer's world after a step. A datagram has a range of entities: `first` and as many as `flags` has, of `total`.
 struct Frame {
   Tick tick = 0;
-  float threshold = 0;       ///< m, in force for the avatar
-  Vec2 target;               ///< m, where the avatar is driven
-  bool driven = false;       ///< by an order, not by the peer's own input
-  bool holding = false;      ///< the avatar touches a body
-  bool interaction = false;  ///< predicted to matter to bodies
-  Tick contact_in = -1;      ///< ticks until the predicted contact; -1: none predicted
-  float level = 0;           ///< 0 .. 1, how much it is predicted to matter
-  float radius = 0;          ///< m, of the surroundings that are looked at
+  float threshold = 0;         ///< m, in force for the avatar
+  Vec2 target;                 ///< m, where the avatar is driven
+  bool driven = false;         ///< by an order, not by the peer's own input
+  bool holding = false;        ///< the avatar touches a body
+  bool interaction = false;    ///< predicted to matter to bodies
+  bool unowned_alone = false;  ///< bodies that nobody owns play out in its world alone: see plays_unowned_alone
+  Tick contact_in = -1;        ///< ticks until the predicted contact; -1: none predicted
+  float level = 0;             ///< 0 .. 1, how much it is predicted to matter
+  float radius = 0;            ///< m, of the surroundings that are looked at
   EntityId first = 0;
   EntityId total = 0;  ///< entities of the world: bodies, then avatar slots
   std::vector<EntityFlags> flags;
@@ -115,13 +116,21 @@ struct LinkStatus {
   bool there = false;       ///< false: has left or was declared gone
   Endpoint at;              ///< not set if not known
   float round_trip_ms = 0;  ///< smoothed
-  bool measured = false;    ///< the next one is
-  float delay_in_ms = 0;    ///< least that recent datagrams from there took, by the two session clocks; may be negative
-  float loss_in = 0;        ///< share of recent datagrams from there that did not come, 0 .. 1
-  float silence_ms = 0;     ///< since anything valid came
-  bool cut_out = false;     ///< cut by an order: nothing goes there
-  bool cut_in = false;      ///< nothing is taken from there
-  std::string netem;        ///< what the link out suffers; empty: nothing
+  bool measured = false;    ///< the next three are
+  // What recent datagrams from there took, from the start of the tick of sending, by the two session clocks: may be
+  // negative. Of the last 3 to 6 s, and of the latest 128 datagrams of the last 5 s.
+  float delay_least_ms = 0;
+  float delay_p50_ms = 0;
+  float delay_p95_ms = 0;
+  // Loss of datagrams from there: of those that were sent but for the newest 8, the ones that did not come.
+  float loss_in = 0;            ///< share of the latest ones, 0 .. 1
+  std::uint32_t loss_of = 0;    ///< of how many, 192 at most; 0: of none yet
+  std::uint64_t lost_in = 0;    ///< of all since the link began
+  std::uint64_t judged_in = 0;  ///< of how many
+  float silence_ms = 0;         ///< since anything valid came
+  bool cut_out = false;         ///< cut by an order: nothing goes there
+  bool cut_in = false;          ///< nothing is taken from there
+  std::string netem;            ///< what the link out suffers; empty: nothing
   /// Datagrams from there that were not taken, by reason; of whoever has sat in the slot in this life of the teller's.
   std::array<std::uint64_t, sync::kDropReasons> dropped{};
   std::uint32_t cut_offs = 0;  ///< how often who sits there now was given a deaf ear, for good or for a while

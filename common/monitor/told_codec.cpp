@@ -97,8 +97,13 @@ void put(const LinkStatus& l, file::Link& out) {
                 (l.cut_in ? kCutIn : 0));
   if (l.at.is_set()) wire::put_endpoint(l.at, *out.mutable_at());
   out.set_round_trip_ms(l.round_trip_ms);
-  out.set_delay_in_ms(l.delay_in_ms);
+  out.set_delay_least_ms(l.delay_least_ms);
+  out.set_delay_p50_ms(l.delay_p50_ms);
+  out.set_delay_p95_ms(l.delay_p95_ms);
   out.set_loss_in(l.loss_in);
+  out.set_loss_of(l.loss_of);
+  out.set_lost_in(l.lost_in);
+  out.set_judged_in(l.judged_in);
   out.set_silence_ms(l.silence_ms);
   out.set_netem(cut_text(l.netem));
   // Mostly there is nothing to tell, and a datagram has room for more links then.
@@ -113,6 +118,10 @@ bool take(const file::Link& in, LinkStatus& l) {
     return false;
   std::copy(in.dropped().begin(), in.dropped().end(), l.dropped.begin());
   l.cut_offs = in.cut_offs();
+  l.loss_of = in.loss_of();
+  l.lost_in = in.lost_in();
+  l.judged_in = in.judged_in();
+  if (l.lost_in > l.judged_in) return false;
   l.incarnation = in.incarnation();
   l.there = (in.flags() & kThere) != 0;
   l.measured = (in.flags() & kMeasured) != 0;
@@ -120,7 +129,9 @@ bool take(const file::Link& in, LinkStatus& l) {
   l.cut_in = (in.flags() & kCutIn) != 0;
   return take_slot(in.to(), l.to) && take_address(in.at(), l.at) &&
          take_between(in.round_trip_ms(), 0, kMostMs, l.round_trip_ms) &&
-         take_between(in.delay_in_ms(), -kMostMs, kMostMs, l.delay_in_ms) &&
+         take_between(in.delay_least_ms(), -kMostMs, kMostMs, l.delay_least_ms) &&
+         take_between(in.delay_p50_ms(), -kMostMs, kMostMs, l.delay_p50_ms) &&
+         take_between(in.delay_p95_ms(), -kMostMs, kMostMs, l.delay_p95_ms) &&
          take_between(in.loss_in(), 0, 1, l.loss_in) && take_between(in.silence_ms(), 0, kMostMs, l.silence_ms) &&
          take_text(in.netem(), l.netem);
 }

@@ -10,6 +10,7 @@ namespace {
 constexpr std::uint32_t kDriven = 1;
 constexpr std::uint32_t kHolding = 2;
 constexpr std::uint32_t kInteraction = 4;
+constexpr std::uint32_t kUnownedAlone = 8;
 
 // Keys and lengths of the columns, those of the message around them, and the length of each growing by a byte.
 constexpr std::size_t kColumns = 32;
@@ -22,7 +23,8 @@ void put_head(const Frame& f, file::Frame& out) {
   out.set_threshold(f.threshold);
   out.set_target_x(to_millimetres(f.target.x));
   out.set_target_y(to_millimetres(f.target.y));
-  out.set_flags((f.driven ? kDriven : 0) | (f.holding ? kHolding : 0) | (f.interaction ? kInteraction : 0));
+  out.set_flags((f.driven ? kDriven : 0) | (f.holding ? kHolding : 0) | (f.interaction ? kInteraction : 0) |
+                (f.unowned_alone ? kUnownedAlone : 0));
   out.set_contact_in(static_cast<std::uint32_t>(f.contact_in + 1));
   out.set_level(f.level);
   out.set_radius(f.radius);
@@ -30,10 +32,11 @@ void put_head(const Frame& f, file::Frame& out) {
 }
 
 bool take_head(const file::Frame& in, Frame& f) {
-  if (in.flags() > (kDriven | kHolding | kInteraction) || in.contact_in() > 100'000) return false;
+  if (in.flags() > (kDriven | kHolding | kInteraction | kUnownedAlone) || in.contact_in() > 100'000) return false;
   f.driven = (in.flags() & kDriven) != 0;
   f.holding = (in.flags() & kHolding) != 0;
   f.interaction = (in.flags() & kInteraction) != 0;
+  f.unowned_alone = (in.flags() & kUnownedAlone) != 0;
   f.contact_in = static_cast<Tick>(in.contact_in()) - 1;
   return take_tick(in.tick(), f.tick) && take_between(in.threshold(), 0, kMostTechnique, f.threshold) &&
          from_millimetres(in.target_x(), f.target.x) && from_millimetres(in.target_y(), f.target.y) &&

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/node/session_objection.h"
+#include "common/wire/secret.h"
 #include "common/wire/transfer_codec.h"
 
 namespace padr::node {
@@ -22,6 +23,20 @@ Doorkeeper::Guest* Doorkeeper::guest_at(const Endpoint& where, std::uint64_t non
   const auto it =
       std::find_if(guests_.begin(), guests_.end(), [&](const Guest& g) { return g.at == where && g.nonce == nonce; });
   return it == guests_.end() ? nullptr : &*it;
+}
+
+// Not 0.
+std::uint64_t Doorkeeper::cookie_for(const Endpoint& where, std::uint64_t nonce) const {
+  wire::Key key{};
+  for (unsigned i = 0; i < 8; ++i) key[i] = static_cast<std::uint8_t>(desk_.config.secret >> (8 * i));
+  wire::Bytes text;
+  for (const std::uint8_t b : where.address) text.push_back(static_cast<std::byte>(b));
+  for (unsigned i = 0; i < 16; i += 8) text.push_back(static_cast<std::byte>(where.port >> i));
+  for (unsigned i = 0; i < 64; i += 8) text.push_back(static_cast<std::byte>(nonce >> i));
+  const wire::Tag tag = wire::tag_of(key, text);
+  std::uint64_t cookie = 0;
+  for (unsigned i = 0; i < 8; ++i) cookie |= std::to_integer<std::uint64_t>(tag[i]) << (8 * i);
+  return std::max<std::uint64_t>(cookie, 1);
 }
 
 void Doorkeeper::refuse(const Endpoint& from, const wire::Join& join, const std::string& reason) {
@@ -45,6 +60,7 @@ void Doorkeeper::on_join(const Endpoint& from, const wire::Join& join, const Rec
   w.wanted = desk_.wanted;
   w.running = true;
   w.incarnation = guest->incarnation;
+  w.cookie = guest->cookie;
   desk_.send(from, w);
 }
 
@@ -61,6 +77,7 @@ Doorkeeper::Guest* Doorkeeper::take_in(const Endpoint& from, const wire::Join& j
   Guest g;
   g.at = from;
   g.nonce = join.nonce;
+  g.cookie = cookie_for(from, join.nonce);
   g.slot = *slot;
   g.since = local;
   // Never the number of anybody else's: late datagrams tell by it whom they mean.
@@ -112,7 +129,9 @@ bool Doorkeeper::on_ping(const Endpoint& from, const wire::Ping& ping, Micros lo
 void Doorkeeper::on_pull(const Endpoint& from, const wire::Pull& pull, const RecordedNode& node,
                          std::vector<Endpoint> gone) {
   Guest* guest = guest_at(from, pull.nonce);
-  if (guest == nullptr) return;
+  // What is in all pieces is many times as long as a Pull: whoever cannot be there gets nothing.
+  if (guest == nullptr || pull.cookie != guest->cookie) return;
+  guest->proven = true;
   if (guest->pieces.empty()) {
     sync::Transfer t = node.node().transfer();
     t.gone = std::move(gone);
@@ -172,7 +191,7 @@ void Doorkeeper::on_enter(const Endpoint& from, const wire::Enter& enter, Record
 
 void Doorkeeper::pass_on(const Endpoint& from, const wire::Enter& enter, const Endpoint& coordinator) {
   const Guest* guest = guest_at(from, enter.nonce);
-  if (guest != nullptr && !guest->ordered && !same_place(coordinator, from))
+  if (guest != nullptr && guest->proven && !guest->ordered && !same_place(coordinator, from))
     desk_.send(from, wire::Redirect{enter.nonce, coordinator});
 }
 

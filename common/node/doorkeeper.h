@@ -31,6 +31,8 @@ class Doorkeeper {
   struct Guest {
     Endpoint at;
     std::uint64_t nonce = 0;
+    std::uint64_t cookie = 0;
+    bool proven = false;  ///< has got the cookie where it says that it is
     PeerId slot = kNoPeer;
     std::uint32_t incarnation = 0;
     Micros since = 0;
@@ -39,6 +41,7 @@ class Doorkeeper {
     bool ordered = false;
   };
   Guest* guest_at(const Endpoint& where, std::uint64_t nonce);
+  std::uint64_t cookie_for(const Endpoint& where, std::uint64_t nonce) const;
   bool is_free(PeerId p, const Node& node) const;
   std::optional<PeerId> free_slot(const Node& node) const;
   bool knows_all_orders(const Node& node) const;

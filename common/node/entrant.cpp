@@ -4,8 +4,8 @@
 
 namespace padr::node {
 
-Entrant::Entrant(SessionDesk& desk, const Endpoint& by, std::uint64_t nonce, Micros local)
-    : desk_(desk), by_(by), nonce_(nonce), heard_(local) {
+Entrant::Entrant(SessionDesk& desk, const Endpoint& by, const wire::Welcome& welcome, Micros local)
+    : desk_(desk), by_(by), nonce_(welcome.nonce), cookie_(welcome.cookie), heard_(local) {
   advance(local);
 }
 
@@ -38,7 +38,7 @@ void Entrant::finish_if_complete() {
 
 void Entrant::pull(Micros local) {
   pulled_ = local;
-  wire::Pull p{nonce_, 0, ~std::uint64_t{0}};
+  wire::Pull p{nonce_, 0, ~std::uint64_t{0}, cookie_};
   if (!pieces_.empty()) {
     const auto first = std::find_if(pieces_.begin(), pieces_.end(), [](const wire::Bytes& b) { return b.empty(); });
     p.from = static_cast<std::uint32_t>(first - pieces_.begin());
@@ -63,7 +63,9 @@ void Entrant::advance(Micros local) {
   if (lost_)
     return desk_.fail("peer at " + to_string(by_) +
                       " has ended, fallen silent, or sends us elsewhere while letting us in");
-  if (offset_.samples() < OffsetEstimator::kKept && local - pinged_ >= kPing) {
+  // With the clock agreed it is only to hear whether who lets us in is still there, until its word is all we wait for.
+  const bool measures = offset_.samples() < OffsetEstimator::kKept;
+  if (local - pinged_ >= (measures ? kPing : kIdlePing) && (measures || !entering_)) {
     pinged_ = local;
     desk_.send(by_, wire::Ping{local});
   }

@@ -10,8 +10,8 @@ namespace padr::node {
 /// then asks to be admitted. What gets lost is asked for again.
 class Entrant {
  public:
-  /// `by` has welcomed the Join of this nonce.
-  Entrant(SessionDesk& desk, const Endpoint& by, std::uint64_t nonce, Micros local);
+  /// `by` has welcomed our Join.
+  Entrant(SessionDesk& desk, const Endpoint& by, const wire::Welcome& welcome, Micros local);
 
   void on_pong(const Endpoint& from, const wire::Pong& pong, Micros local);
   void on_piece(const Endpoint& from, const wire::Piece& piece, Micros local);
@@ -32,6 +32,7 @@ class Entrant {
   Micros round_trip() const { return offset_.round_trip(); }
 
   static constexpr Micros kPing = 10'000;
+  static constexpr Micros kIdlePing = 500'000;
   static constexpr std::size_t kSamples = 8;
   static constexpr Micros kAgain = 50'000;        ///< between two Enters, and Pulls of what is missing at least
   static constexpr Micros kPatience = 2'500'000;  ///< with a coordinator that says nothing any more
@@ -43,6 +44,7 @@ class Entrant {
   SessionDesk& desk_;
   Endpoint by_;
   std::uint64_t nonce_;
+  std::uint64_t cookie_;
   OffsetEstimator offset_;
   std::vector<wire::Bytes> pieces_;
   std::size_t missing_ = 0;

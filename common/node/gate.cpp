@@ -62,21 +62,10 @@ Gate::Channel* Gate::lately_at(const Endpoint& place, Micros local) {
   return it == channels_.end() ? nullptr : &*it;
 }
 
-// Those whom we were told of come in by force: their number is that of the session's slots and of who has been there.
-Gate::Channel* Gate::make(const PublicKey& key, const Endpoint& at, bool by_force, Micros local) {
-  if (channels_.size() >= kMostChannels) {
-    const auto quietest = std::min_element(channels_.begin(), channels_.end(),
-                                           [](const Channel& a, const Channel& b) { return a.heard < b.heard; });
-    if (!by_force && local - quietest->heard < kForgettable) return nullptr;
-    channels_.erase(quietest);
-  }
+std::optional<Gate::Channel> Gate::channel_to(const PublicKey& key, const Endpoint& at, Micros local) const {
   const auto keys = wire::pair_keys(config_.session, secret_, public_, key);
-  if (!keys) return nullptr;
-  if (config_.on_key) {
-    config_.on_key(public_, key, keys->out);
-    config_.on_key(key, public_, keys->in);
-  }
-  Channel& c = channels_.emplace_back();
+  if (!keys) return std::nullopt;
+  Channel c;
   c.key = key;
   c.id = wire::short_id(key);
   c.keys = *keys;
@@ -85,7 +74,36 @@ Gate::Channel* Gate::make(const PublicKey& key, const Endpoint& at, bool by_forc
   c.name = c.at;
   c.name.key = key;
   c.heard = local;
-  return &c;
+  return c;
+}
+
+std::list<Gate::Channel>::iterator Gate::quietest() {
+  return std::min_element(channels_.begin(), channels_.end(),
+                          [](const Channel& a, const Channel& b) { return a.heard < b.heard; });
+}
+
+bool Gate::has_room(Micros local) {
+  return channels_.size() < kMostChannels || local - quietest()->heard >= kForgettable;
+}
+
+Gate::Channel& Gate::keep(const Channel& c) {
+  if (channels_.size() >= kMostChannels) channels_.erase(quietest());
+  tell_keys(c);
+  channels_.push_back(c);
+  return channels_.back();
+}
+
+void Gate::tell_keys(const Channel& c) {
+  if (!config_.on_key || keys_told_ == config_.most_keys) return;
+  ++keys_told_;
+  config_.on_key(public_, c.key, c.keys.out);
+  config_.on_key(c.key, public_, c.keys.in);
+}
+
+// Those whom we were told of come in by force: their number is that of the session's slots and of who has been there.
+Gate::Channel* Gate::make(const PublicKey& key, const Endpoint& at, Micros local) {
+  auto c = channel_to(key, at, local);
+  return c ? &keep(*c) : nullptr;
 }
 
 // ---- out
@@ -94,7 +112,7 @@ void Gate::send(const Endpoint& to, PeerId state_to, std::span<const std::byte> 
   Channel* c = nullptr;
   if (to.has_key()) {
     c = known(to.key);
-    if (c == nullptr) c = make(to.key, to, true, local);
+    if (c == nullptr) c = make(to.key, to, local);
     if (c == nullptr) return;
     c->name = to;
     if (!c->met) c->at = c->home = to.place();
@@ -236,7 +254,7 @@ void Gate::take(const Endpoint& place, const wire::Cookie& cookie, Micros local)
   if (caller != callers_.end()) {
     waiting = std::move(caller->waiting);
     callers_.erase(caller);
-    if (c == nullptr) c = make(cookie.key, place, true, local);
+    if (c == nullptr) c = make(cookie.key, place, local);
     if (c == nullptr) return;
     if (!c->met) c->at = c->home = place.place();
   } else if (c == nullptr || c->nonce == 0 || c->nonce != cookie.nonce) {
@@ -268,18 +286,20 @@ void Gate::take(const Endpoint& place, const wire::Introduction& in, std::span<c
     return;
   }
   Channel* c = known(in.key);
-  const bool fresh = c == nullptr;
-  if (fresh) c = make(in.key, place, false, local);
+  std::optional<Channel> fresh;
   if (c == nullptr) {
-    drop(GateDrop::kFull);
-    return;
+    if (has_room(local)) fresh = channel_to(in.key, place, local);
+    if (!fresh) {
+      drop(GateDrop::kFull);
+      return;
+    }
   }
-  if (!proven(*c, in.number, datagram)) {
-    if (fresh) channels_.pop_back();
-    return;
+  if (!proven(c != nullptr ? *c : *fresh, in.number, datagram)) return;
+  if (fresh) {
+    // Whatever it has sent before was to somebody here who knew it and has forgotten it.
+    fresh->window.start_after(in.number);
+    c = &keep(*fresh);
   }
-  // Whatever it has sent before was to somebody here who knew it and has forgotten it.
-  if (fresh) c->window.start_after(in.number);
   heard(*c, place, in.number, local);
   ++stats_.handshakes;
   const wire::Acceptance a{public_, ++number_};

@@ -21,8 +21,11 @@ struct GateConfig {
   /// 32 bytes that nobody can guess and no other run of the program has: the secret key and the cookies come of them.
   wire::Key seed{};
   wire::SealMode mode = wire::SealMode::kAuth;  ///< of what goes out; not kNone
-  /// Told of every key that is made, once for each direction: who sends, who receives (public keys), and the key.
+  /// Told of the keys of those who have proven theirs, or whom we were told of: once for each direction, who sends, who
+  /// receives (public keys), and the key. Of so many peers at most: whoever has the session's key can come under any
+  /// number of names.
   std::function<void(const PublicKey& from, const PublicKey& to, const wire::Key& key)> on_key;
+  std::size_t most_keys = 4096;
 };
 
 /// Why a datagram went no further.
@@ -82,6 +85,8 @@ class Gate {
 
   static constexpr std::size_t kMostChannels = 256;
   static constexpr std::size_t kMostWaiting = 8;
+  /// No more keys are told.
+  bool has_told_all_keys() const { return keys_told_ == config_.most_keys; }
   static constexpr int kSettled = 8;
 
  private:
@@ -114,7 +119,15 @@ class Gate {
 
   Channel* known(const PublicKey& key);
   Channel* lately_at(const Endpoint& place, Micros local);
-  Channel* make(const PublicKey& key, const Endpoint& at, bool by_force, Micros local);
+  Channel* make(const PublicKey& key, const Endpoint& at, Micros local);
+  /// What would be kept of somebody; nothing if it is no key.
+  std::optional<Channel> channel_to(const PublicKey& key, const Endpoint& at, Micros local) const;
+  /// Without forgetting anybody who was there a moment ago.
+  bool has_room(Micros local);
+  std::list<Channel>::iterator quietest();
+  /// Whoever has been quiet for the longest makes room.
+  Channel& keep(const Channel& c);
+  void tell_keys(const Channel& c);
   void greet(const Endpoint& place, std::uint64_t& nonce, Micros& greeted, Micros pace, Micros local);
   void call(const Endpoint& to, PeerId state_to, std::span<const std::byte> datagram, Micros local);
   void post(Channel& to, PeerId state_to, std::span<const std::byte> datagram);
@@ -140,6 +153,7 @@ class Gate {
   std::uint64_t number_ = 0;  ///< of the last datagram sealed, for whomever
   std::list<Channel> channels_;
   std::list<Caller> callers_;
+  std::size_t keys_told_ = 0;
   Outbox outgoing_;
   wire::Bytes sealed_;    ///< what is being sent
   wire::Bytes unsealed_;  ///< what has arrived

@@ -39,7 +39,7 @@ std::optional<Sayer> sayer(PeerId p, std::uint32_t index, const Node& node, cons
   if (index >= n.first && p != node.self())
     return n.at.has_key() ? std::optional(Sayer{n.incarnation, n.at.key}) : std::nullopt;
   for (auto f = n.former.rbegin(); f != n.former.rend(); ++f)
-    if (index >= f->first && f->key != PublicKey{}) return Sayer{f->incarnation, f->key};
+    if (index >= f->first && f->at.has_key()) return Sayer{f->incarnation, f->at.key};
   return std::nullopt;
 }
 
@@ -165,9 +165,9 @@ bool Guard::is_too_much(PeerId p, DropReason why, const Node& node) {
   const Tick now = node.now();
   if (why == DropReason::kRight) {
     Watch& w = watch(p, node);
-    if (now - w.unlawful_last > kMuted) w.unlawful_since = now;
-    w.unlawful_last = now;
-    return now - w.unlawful_since >= kInsists;
+    if (!w.unlawful || now - w.unlawful->last > kMuted) w.unlawful = Watch::Series{now, now};
+    w.unlawful->last = now;
+    return now - w.unlawful->since >= kInsists;
   }
   std::deque<Tick>& nonsense = offender(p, node).nonsense;
   nonsense.push_back(now);
@@ -242,7 +242,7 @@ void Guard::cut_off(PeerId p, Watch& w, const std::string& why, RecordedNode& no
   const bool by_network = n.arrears(p) >= kArrears || n.unacknowledged(p) >= kArrears ||
                           std::find(withholding.begin(), withholding.end(), p) != withholding.end();
   bar(p, !by_network, n);
-  w.unlawful_last = -kForGood / 2;
+  w.unlawful.reset();
   w.deaf_until = for_good ? kForGood : n.now() + kMuted;
   desk_.note("peer " + std::to_string(p) + " " + why + ": " +
                  (for_good ? "cut off" : "not listened to for " + std::to_string(kMuted / kTicksPerSecond) + " s"),

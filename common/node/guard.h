@@ -3,6 +3,7 @@
 #include <array>
 #include <deque>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,8 +52,12 @@ class Guard {
  private:
   struct Watch {
     std::uint32_t incarnation = 0;
-    Tick unlawful_since = -1;  ///< begin of the present series of orders it has no right to give
-    Tick unlawful_last = -1;
+    /// The present series of orders it has no right to give: when it began, and the latest.
+    struct Series {
+      Tick since = 0;
+      Tick last = 0;
+    };
+    std::optional<Series> unlawful;
     Tick deaf_until = -1;
     struct Told {
       std::uint64_t drops = 0;  ///< since the last word

@@ -3,8 +3,6 @@
 #include <iterator>
 #include <utility>
 
-#include "common/node/session_objection.h"
-
 namespace padr::node {
 namespace {
 
@@ -16,7 +14,7 @@ constexpr Tick kRefused = kTicksPerSecond / 10;
 }  // namespace
 
 Membership::Membership(SessionDesk& desk, RecordedNode& node)
-    : desk_(desk), node_(node), doorkeeper_(desk), removals_(desk), guard_(desk), sides_(desk) {
+    : desk_(desk), node_(node), doorkeeper_(desk), removals_(desk), relay_(desk), guard_(desk), sides_(desk) {
   desk_.roster.resize(static_cast<std::size_t>(desk.slots));
   for (PeerId p = 0; p < desk_.roster.size(); ++p) node.locate(p, desk_.roster[p]);
   node.set_judge([this](const sync::StatePacket& packet) { return guard_.judge(packet, node_.node(), removals_); });
@@ -41,9 +39,9 @@ std::optional<PeerId> Membership::sender(const Endpoint& from, const wire::Heade
 }
 
 void Membership::receive(const Endpoint& from, const wire::Header& header, const wire::MembershipMessage& message,
-                         Micros local) {
+                         std::size_t bytes, Micros local) {
   if (const auto* probe = std::get_if<wire::Probe>(&message))
-    return sides_.on_probe(from, header.sender, *probe, node_.node(), local);
+    return sides_.on_probe(from, header.sender, *probe, bytes, node_.node(), local);
   if (const auto* pull = std::get_if<wire::Pull>(&message))
     return doorkeeper_.on_pull(from, *pull, node_, sides_.gone());
   if (const auto* enter = std::get_if<wire::Enter>(&message)) {
@@ -55,8 +53,14 @@ void Membership::receive(const Endpoint& from, const wire::Header& header, const
   if (!member || !hears(*member)) return;
   if (const auto* poll = std::get_if<wire::Poll>(&message)) removals_.on_poll(*member, *poll, node_);
   if (const auto* answer = std::get_if<wire::Answer>(&message)) removals_.on_answer(*member, *answer, node_.node());
-  if (const auto* fetch = std::get_if<wire::Fetch>(&message)) removals_.on_fetch(*member, *fetch, node_.node());
-  if (const auto* fetched = std::get_if<wire::Fetched>(&message)) removals_.on_fetched(*fetched, node_.node(), guard_);
+  if (const auto* fetch = std::get_if<wire::Fetch>(&message)) {
+    removals_.on_fetch(*member, *fetch, node_.node());
+    relay_.on_fetch(*member, *fetch, node_.node());
+  }
+  if (const auto* fetched = std::get_if<wire::Fetched>(&message)) {
+    removals_.on_fetched(*fetched, node_.node(), guard_);
+    relay_.on_fetched(*member, *fetched, node_);
+  }
 }
 
 bool Membership::doubts() const {
@@ -77,7 +81,7 @@ void Membership::on_unreachable(const Endpoint& at) {
       since = n.now();
     } else if (n.now() - since >= kRefused && !Removals::suspected(n, p)) {
       desk_.note("nobody listens at peer " + std::to_string(p) + "'s address any more", true);
-      node_.give_up(p);
+      node_.give_up(p, false);
     }
   }
 }
@@ -99,18 +103,16 @@ void Membership::end_former_lives() {
   for (auto it = former_.begin(); it != former_.end();) {
     const Neighbour& n = node_.node().other(it->first);
     const bool over = !n.there() || n.incarnation != it->second;
-    if (!over && !Removals::suspected(node_.node(), it->first)) node_.give_up(it->first);
+    if (!over && !n.given_up_for_good) node_.give_up(it->first);
     it = over ? former_.erase(it) : std::next(it);
   }
 }
 
 void Membership::follow_changes() {
-  std::vector<MemberChange> changes = node_.take_changes();
-  for (MemberChange& c : changes) {
+  const std::vector<MemberChange> changes = node_.take_changes();
+  for (const MemberChange& c : changes) {
     const std::string who = "peer " + std::to_string(c.slot);
     if (c.kind == MemberChange::Kind::kAdmitted && c.slot != desk_.self) {
-      // Told of by the coordinator, who may see it elsewhere than we do.
-      if (c.by < desk_.roster.size() && desk_.roster[c.by].is_set()) c.at = as_seen_from(c.at, desk_.roster[c.by]);
       desk_.roster[c.slot] = c.at;
       desk_.note(who + " at " + to_string(c.at) + " comes in at tick " + std::to_string(c.tick));
     }
@@ -129,9 +131,11 @@ void Membership::follow_changes() {
 void Membership::advance(Micros local) {
   guard_.advance(node_, removals_);
   removals_.advance(node_);
+  relay_.advance(node_.node());
   follow_changes();
   end_former_lives();
   sides_.advance(node_.node());
+  watch_confirmed();
   doorkeeper_.advance(local);
   int present = 1;
   for (PeerId p = 0; p < desk_.roster.size(); ++p)
@@ -143,31 +147,39 @@ std::vector<MemberChange> Membership::take_changes() {
   return std::exchange(changes_, {});
 }
 
-bool Membership::stuck() {
+void Membership::watch_confirmed() {
   const Tick confirmed = node_.node().agreed().confirmed().tick;
-  const Tick now = node_.node().now();
-  if (confirmed != confirmed_) confirmed_at_ = now;
+  if (confirmed != confirmed_) confirmed_at_ = node_.node().now();
   confirmed_ = confirmed;
-  return now - confirmed_at_ > kStuck;
 }
 
-std::optional<Endpoint> Membership::way_back() {
+bool Membership::stuck() const {
+  return node_.node().now() - confirmed_at_ > kStuck;
+}
+
+// Who agrees with the coordinator is right, whoever else says otherwise.
+std::string Membership::why_back() const {
+  const Node& n = node_.node();
+  const PeerId c = coordinator();
+  if (c == desk_.self || c == kNoPeer) return "";
+  if (n.other(c).differs)
+    return "CONFIRMED WORLDS DIFFER from peer " + std::to_string(c) + "'s at tick " +
+           std::to_string(n.stats().first_mismatch);
+  if (stuck()) return "nothing has been confirmed for " + std::to_string(kStuck / kTicksPerSecond) + " s";
+  return n.expelled() ? "the others have declared this peer gone" : "";
+}
+
+std::optional<Endpoint> Membership::way_back() const {
   const Node& n = node_.node();
   if (n.leaving()) return std::nullopt;
   if (const auto winner = sides_.winner(n)) return winner;
-  const PeerId c = coordinator();
-  const bool follows = c != desk_.self && c != kNoPeer;
-  // Who agrees with the coordinator is right, whoever else says otherwise.
-  const bool differs = follows && n.other(c).differs;
-  std::string why;
-  if (n.expelled()) why = "the others have declared this peer gone";
-  if (follows && stuck()) why = "nothing has been confirmed for " + std::to_string(kStuck / kTicksPerSecond) + " s";
-  if (differs)
-    why = "CONFIRMED WORLDS DIFFER from peer " + std::to_string(c) + "'s at tick " +
-          std::to_string(n.stats().first_mismatch);
-  if (why.empty() || !follows) return std::nullopt;
-  if (!std::exchange(told_, true)) desk_.note(why + ": joining anew", true);
-  return desk_.roster[c];
+  if (why_back().empty()) return std::nullopt;
+  return desk_.roster[coordinator()];
+}
+
+void Membership::announce_way_back() {
+  const std::string why = why_back();
+  if (!why.empty() && !std::exchange(told_, true)) desk_.note(why + ": joining anew", true);
 }
 
 }  // namespace padr::node

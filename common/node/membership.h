@@ -2,9 +2,11 @@
 
 #include <map>
 #include <optional>
+#include <string>
 
 #include "common/node/doorkeeper.h"
 #include "common/node/guard.h"
+#include "common/node/relay.h"
 #include "common/node/removals.h"
 #include "common/node/sides.h"
 
@@ -21,7 +23,9 @@ class Membership {
   bool on_ping(const Endpoint& from, const wire::Ping& ping, Micros local) {
     return doorkeeper_.on_ping(from, ping, local);
   }
-  void receive(const Endpoint& from, const wire::Header& header, const wire::MembershipMessage& message, Micros local);
+  /// `bytes`: of the whole datagram.
+  void receive(const Endpoint& from, const wire::Header& header, const wire::MembershipMessage& message,
+               std::size_t bytes, Micros local);
   /// A state datagram from an address that nobody sits at, or of somebody who is out.
   void on_stranger(const Endpoint& from, std::size_t bytes, Micros local) {
     sides_.on_stranger(from, bytes, node_.node(), local);
@@ -39,7 +43,9 @@ class Membership {
   /// Once a tick, after the node's step.
   void advance(Micros local);
   /// Whom to join anew because this peer is out, or has another world than the rest; nothing if all is well.
-  std::optional<Endpoint> way_back();
+  std::optional<Endpoint> way_back() const;
+  /// Says, once, that this peer takes that way, and why.
+  void announce_way_back();
   PeerId coordinator() const { return removals_.coordinator(node_.node()); }
   /// Coming and going, since the last call, in words of `changes`.
   std::vector<MemberChange> take_changes();
@@ -51,18 +57,21 @@ class Membership {
   void end_former_lives();
   /// Somebody is about to be declared gone.
   bool doubts() const;
-  bool stuck();
+  void watch_confirmed();
+  bool stuck() const;
+  std::string why_back() const;
 
   SessionDesk& desk_;
   RecordedNode& node_;
   Doorkeeper doorkeeper_;
   Removals removals_;
+  Relay relay_;
   Guard guard_;
   Sides sides_;
   std::vector<MemberChange> changes_;
   std::map<PeerId, Tick> refused_;          ///< since when nobody listens where it was
   std::map<PeerId, std::uint32_t> former_;  ///< slots and incarnations of lives that are over
-  Tick confirmed_ = -1;
+  Tick confirmed_ = -1;                     ///< the tick confirmed here, and since when
   Tick confirmed_at_ = 0;
   bool told_ = false;
 };

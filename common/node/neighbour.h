@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/model/endpoint.h"
+#include "common/node/arrivals.h"
 #include "common/node/link_clock.h"
 #include "common/node/replay_window.h"
 #include "common/sync/admit.h"
@@ -22,7 +23,7 @@ enum class Presence : std::uint8_t {
 struct Former {
   std::uint32_t first = 0;  ///< number of its first update
   std::uint32_t incarnation = 0;
-  PublicKey key{};
+  Endpoint at;
 };
 
 /// Another slot of the session as seen from here, and the link with who sits in it.
@@ -34,10 +35,16 @@ struct Neighbour {
   sync::OutLink link;
   ReplayWindow window;
   LinkClock clock;
-  Tick since = 0;     ///< tick of its admission
-  Tick excused = 0;   ///< nothing before this is held against it
-  Tick heard = 0;     ///< when anything valid came last
-  Tick answered = 0;  ///< when it last said that it got something new of ours
+  Arrivals arrivals;
+  Tick since = 0;                  ///< tick of its admission
+  Tick excused = 0;                ///< nothing before this is held against it
+  Tick heard = 0;                  ///< when anything valid came last
+  Tick answered = 0;               ///< when it last said that it got something new of ours
+  Tick answer_mark = -1;           ///< of its newest mark that has answered us
+  Tick relayed = -1;               ///< of its newest update that has come by somebody else only
+  Tick given_up = -1;              ///< since when it counts as silent, whatever was heard before; -1: it does not
+  bool given_up_for_good = false;  ///< whoever hears it
+  bool repeats = false;            ///< it has sent again what is here: it has not heard so
   std::uint32_t answered_seq = 0;
   bool proven = false;             ///< it has answered since silence was last excused
   std::uint32_t promised = 0;      ///< highest mark count heard

@@ -10,9 +10,9 @@
 namespace padr::node {
 namespace {
 
-// Looking ahead is the dearest thing a frame does besides physics; the low threshold lingers longer than this anyway.
 // Peers' marks come so many ticks after one another: no divisor of any of their intervals.
 constexpr Tick kPhase = 11;
+// Looking ahead is the dearest thing a frame does besides physics; the low threshold lingers longer than this anyway.
 constexpr Tick kLookEvery = 3;
 // A link that loses less is calm: see OutLink.
 constexpr float kCalmLoss = 0.02F;
@@ -124,6 +124,11 @@ void Node::adopt(bool as_stepped) {
 // as it was told.
 const std::vector<bool>& Node::kept_from_live() {
   kept_ = own_;
+  if (config_.technique.authority && config_.technique.unowned == Unowned::kLive && member_) {
+    for (const EntityId b : unowned_.kept(agreed_.predicted_state(), live_.world(), config_.self)) kept_[b] = true;
+  } else {
+    unowned_.reset();
+  }
   if (config_.technique.precision == Precision::kRounded && !own_log_.empty() && own_log_.back().tick == now())
     for (const sync::BodyUpdate& u : own_log_.back().bodies)
       if (u.has_state && u.state != live_.world().state(u.body)) kept_[u.body] = false;
@@ -142,6 +147,8 @@ bool Node::own_is_predicted(const std::vector<bool>& own) const {
     const world::Kinematics& k = p.world.entities[e];
     if (live_.world().state(e) != BodyState{k.position, k.angle, k.velocity, k.spin, k.awake}) return false;
   }
+  for (const EntityId b : unowned_.kept())
+    if (own[b]) return false;
   return config_.technique.authority;
 }
 
@@ -192,7 +199,11 @@ void Node::report(Vec2 target, Vec2 velocity_before) {
   take_on_rounded(bundle);
   if (bundle.avatar) ++stats_.updates_by_cause[static_cast<std::size_t>(bundle.avatar->cause)];
   for (const sync::BodyUpdate& u : bundle.bodies) ++stats_.updates_by_cause[static_cast<std::size_t>(u.cause)];
-  if (bundle.avatar || !bundle.bodies.empty()) publish(bundle);
+  if (bundle.avatar || !bundle.bodies.empty()) {
+    publish(bundle);
+  } else {
+    publish_heartbeat();
+  }
 }
 
 // The avatar is where its owner has told everybody that it is. Bodies follow when what is predicted is taken over.
@@ -205,8 +216,9 @@ void Node::take_on_rounded(const sync::Bundle& told) {
   live_.place(s);
 }
 
-// The paper predicts at every turn of its loop. Otherwise looks are taken when it depends on them whether something is
-// told: an avatar whose model is right within the low threshold may be as near to bodies as it likes.
+// The paper predicts at every turn of its loop; its techniques here do so every kLookEvery ticks. Otherwise looks are
+// taken, as often at most, when it depends on them whether something is told: an avatar whose model is right within the
+// low threshold may be as near to bodies as it likes.
 void Node::look_ahead(Vec2 target) {
   const bool always = config_.technique.update_every_contact;
   if (always ? now() % kLookEvery == 0 : now() - looked_ >= kLookEvery) {
@@ -226,6 +238,7 @@ void Node::retune(const Technique& technique) {
   threshold_.retune(technique);
   shown_.retune(technique.convergence, live_.world().kinematics());
   agreed_.set_replay(technique.replay);
+  agreed_.set_time_stamps(technique.time_stamps);
   if (other_world) adopt();
 }
 
@@ -244,12 +257,15 @@ std::vector<EntityId> Node::push_bodies() {
   return pushed;
 }
 
-// What did not fit the bundle and is not owned yet is put back to what was predicted, and has to be pushed again.
+// What did not fit the bundle and is not owned yet is put back to what was predicted, and has to be pushed again. Where
+// it is not put back, it waits to be told.
 void Node::forget_pushes(const sync::Bundle& told) {
   std::erase_if(pushes_, [&](const auto& push) {
     const auto is_it = [&push](const sync::BodyUpdate& u) { return u.body == push.first && u.has_state; };
     return own_[push.first] || std::any_of(told.bodies.begin(), told.bodies.end(), is_it);
   });
+  if (config_.technique.unowned == Unowned::kLive)
+    for (auto& [b, velocity] : pushes_) velocity = {};
 }
 
 void Node::publish(const sync::Bundle& bundle) {
@@ -271,12 +287,6 @@ bool Node::publish_order() {
   return true;
 }
 
-Tick Node::unacknowledged(PeerId p) const {
-  const std::uint32_t acked = std::max(others_[p].link.acked(), own_first_);
-  if (acked >= own_end()) return 0;
-  return std::max(0, now() - std::max(own_log_[acked - own_first_].tick, others_[p].excused));
-}
-
 std::optional<sync::Signature> Node::signed_now() const {
   if (own_log_.empty() || own_log_.back().tick != now()) return std::nullopt;
   return own_log_.back().signature;
@@ -292,12 +302,13 @@ void Node::send() {
     const bool staying = !gone_ && to.there();
     const bool calm = to.window.judged() && to.window.loss() < kCalmLoss && staying;
     const bool quiet = now() - news_ > kQuiet && staying;
-    const sync::OutLink::Context context{now(), log.have(p), log.have_beyond(p),   to.promised > log.have(p),
-                                         calm,  quiet,       config_.self * kPhase};
+    const sync::OutLink::Context context{now(), log.have(p), log.have_beyond(p),    to.promised > log.have(p),
+                                         calm,  quiet,       config_.self * kPhase, to.repeats};
     sync::StatePacket* packet =
         to.link.compose(context, own_log_, own_first_, wire::encoded_size, wire::kMaxPayload - wire::kStateOverhead);
     everyone = std::min(everyone, to.link.acked());
     if (packet == nullptr) continue;
+    to.repeats = false;
     fill(*packet, p);
     if (sent_ == outgoing_.size()) outgoing_.emplace_back().bytes.reserve(wire::kMaxDatagram);
     Outgoing& o = outgoing_[sent_++];

@@ -21,6 +21,7 @@
 #include "common/sync/reporter.h"
 #include "common/sync/threshold.h"
 #include "common/sync/transfer.h"
+#include "common/sync/unowned.h"
 #include "common/wire/codec.h"
 #include "common/wire/seal.h"
 
@@ -39,7 +40,9 @@ struct NodeConfig {
   std::function<sync::Signature(const sync::Bundle&)> sign{};
 
   sync::AgreedConfig agreed() const {
-    return {slots, peers, self, technique.authority, technique.replay, fault, kept_ticks};
+    sync::AgreedConfig c{slots, peers, self, technique.authority, technique.replay, fault, kept_ticks};
+    c.time_stamps = technique.time_stamps;
+    return c;
   }
 };
 
@@ -49,7 +52,7 @@ struct MemberChange {
   Kind kind = Kind::kAdmitted;
   PeerId slot = kNoPeer;
   std::uint32_t incarnation = 0;
-  Endpoint at;  ///< not set if not known
+  Endpoint at;  ///< as it is to be reached from here; not set if not known
   Tick tick = 0;
   PeerId by = kNoPeer;  ///< who said so
 };
@@ -86,9 +89,12 @@ class Node {
 
   /// One who is there at tick 0.
   Node(const Scene& scene, const NodeConfig& config, ConfirmedSink on_confirmed = {});
-  /// One who comes while the session runs, at tick `now`: watches until somebody admits it.
+  /// One who comes while the session runs, at tick `now`: watches until somebody admits it. It begins at the transfer's
+  /// tick: nothing but catch_up may be called until that is done.
   Node(const Scene& scene, const NodeConfig& config, const sync::Transfer& start, Tick now,
        ConfirmedSink on_confirmed = {});
+  /// Steps towards the tick at which it comes, by so many ticks at most; whether it is there.
+  bool catch_up(Tick most);
   // What it is built of refers to it.
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
@@ -152,8 +158,11 @@ class Node {
   bool leaving() const { return leaving_; }
   /// Since the last call.
   std::vector<MemberChange> take_changes();
-  /// Who sits there has been seen elsewhere: counts as silent from now on.
-  void give_up(PeerId p) { others_[p].answered = now() - 1000 * kTicksPerSecond; }
+  /// Counts as silent from now on, until it answers again. `for_good`: it does not matter whether others hear it.
+  void give_up(PeerId p, bool for_good);
+  /// Updates of p, as somebody has them who hears it while we do not. They are judged as if they came from p itself,
+  /// and none is taken if one is not. An update also says, like a mark, that those before it are all of earlier ticks.
+  sync::DropReason relay(PeerId p, std::uint32_t incarnation, const std::vector<sync::Bundle>& updates);
   /// Plays by other knobs from the next step on. All but `authority` are a peer's own affair; that must stay.
   void retune(const Technique& technique);
   /// Whether a push of this body would be followed now: nobody else holds it, and this peer is in the session.
@@ -191,8 +200,16 @@ class Node {
   Tick arrears(PeerId p) const { return std::max(0, now() - std::max(agreed_.log().complete(p), others_[p].excused)); }
   /// How old the first update of ours is that p, which may well hear us, has not acknowledged; ticks.
   Tick unacknowledged(PeerId p) const;
-  /// Ticks since p last said that it had got something new of ours: both ways of the link worked then.
-  Tick unanswered(PeerId p) const { return now() - others_[p].answered; }
+  /// Ticks since the last sign that p hears us, or that others hear p: since p last said that it had got something new
+  /// of ours, or the tick of its newest update that was relayed.
+  Tick unanswered(PeerId p) const;
+
+  /// Who has not been heard for so long is asked for by others' having it, and no longer than kRelayUntil: what is kept
+  /// for it meanwhile is not told as received.
+  static constexpr Tick kRelayAfter = 90;
+  static constexpr Tick kRelayUntil = 5 * 60 * kTicksPerSecond;
+  /// For whoever does not answer an update is told this often at least.
+  static constexpr Tick kHeartbeat = kTicksPerSecond / 2;
   /// By how much this peer's session clock leads that of the lowest other peer, in microseconds, as far as delays
   /// are alike both ways; 0 until measured.
   Micros clock_lead() const;
@@ -211,14 +228,20 @@ class Node {
 
   ConfirmedSink check_and(ConfirmedSink sink);
   sync::DropReason take(std::span<const std::byte> datagram, Micros now, PeerId& sender);
+  sync::DropReason check_claims(const sync::StatePacket& packet, PeerId from) const;
+  bool repeats(const sync::StatePacket& packet, PeerId from) const;
+  void note_answer(Neighbour& from, Tick mark);
   sync::DropReason file_updates(const sync::StatePacket& packet, PeerId from);
   void file(const sync::Bundle& bundle);
   void note_changes(const sync::Bundle& bundle);
   void admit(const sync::Admission& a, const sync::Bundle& by);
+  Endpoint place_of_sayer(const sync::Bundle& said) const;
+  void keep_places(const sync::Transfer& start);
   void remove(const sync::Removal& r, const sync::Bundle& by);
   void take_check(const sync::StatePacket& packet, PeerId from);
   void settle_checks();
   bool publish_order();
+  void publish_heartbeat();
   void keep_logs(std::uint32_t everyone);
   bool all_through() const;
   /// `as_stepped`: as in LiveWorld::adopt.
@@ -257,9 +280,10 @@ class Node {
   std::deque<sync::Bundle> orders_;
   std::map<EntityId, Vec2> pushes_;  ///< to be made with the next report, m/s
   std::vector<MemberChange> changes_;
-  std::vector<EntityId> mine_;      ///< own entities, ascending
-  std::vector<bool> own_;           ///< the same by entity id
-  std::vector<bool> kept_;          ///< scratch
+  std::vector<EntityId> mine_;  ///< own entities, ascending
+  std::vector<bool> own_;       ///< the same by entity id
+  std::vector<bool> kept_;      ///< scratch
+  sync::UnownedBodies unowned_;
   std::vector<Outgoing> outgoing_;  ///< with room from earlier ticks
   std::size_t sent_ = 0;            ///< of outgoing_, this tick
   wire::StateEncoder encoder_;
@@ -268,6 +292,7 @@ class Node {
   std::uint64_t repeats_of_gone_ = 0;
   bool member_ = false;
   Tick in_since_ = 0;
+  Tick comes_at_ = 0;  ///< see catch_up
   Vec2 reaction_;
   Vec2 jolt_;
   float coarseness_ = 1;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/model/seen_from.h"
 #include "common/node/node.h"
 
 namespace padr::node {
@@ -29,6 +30,16 @@ void Node::note_changes(const sync::Bundle& b) {
   changes_.push_back({MemberChange::Kind::kLeft, b.peer, n.incarnation, n.at, b.tick, b.peer});
 }
 
+// Where who said the update was then; not set if that is not known, or if it was this peer.
+Endpoint Node::place_of_sayer(const sync::Bundle& said) const {
+  const Neighbour& n = others_[said.peer];
+  if (said.peer == config_.self && member_ && said.index >= n.first) return {};
+  if (said.index >= n.first) return n.at;
+  for (auto f = n.former.rbegin(); f != n.former.rend(); ++f)
+    if (said.index >= f->first) return f->at;
+  return {};
+}
+
 void Node::admit(const sync::Admission& a, const sync::Bundle& by) {
   Neighbour& n = others_[a.slot];
   if (a.slot == config_.self) {
@@ -37,7 +48,7 @@ void Node::admit(const sync::Admission& a, const sync::Bundle& by) {
     agreed_.close(a.slot, a.first);
     agreed_.enter(by.tick);
     own_first_ = a.first;
-    n.former = {{n.first, n.incarnation, n.at.key}};
+    n.former = {{n.first, n.incarnation, n.at}};
     n.first = a.first;
     member_ = true;
     in_since_ = by.tick;
@@ -49,12 +60,13 @@ void Node::admit(const sync::Admission& a, const sync::Bundle& by) {
     return;
   }
   if (a.incarnation <= n.incarnation) return;
+  const Endpoint at = as_seen_from(a.at, place_of_sayer(by));
   agreed_.close(a.slot, a.first);  // should the removal of who sat there before come later
   agreed_.open(a.slot, by.tick);
   repeats_of_gone_ += n.link.repeats();
   std::vector<Former> former = std::move(n.former);
   if (former.size() == Neighbour::kFormer) former.erase(former.begin());
-  former.push_back({n.first, n.incarnation, n.at.key});
+  former.push_back({n.first, n.incarnation, n.at});
   const auto dropped = n.dropped;
   n = Neighbour{};
   n.former = std::move(former);
@@ -62,12 +74,12 @@ void Node::admit(const sync::Admission& a, const sync::Bundle& by) {
   n.presence = Presence::kThere;
   n.incarnation = a.incarnation;
   n.first = a.first;
-  n.at = a.at;
+  n.at = at;
   n.link = sync::OutLink(a.have[config_.self]);
   n.heard = n.answered = n.excused = now();
   n.since = by.tick;
   n.confirmed = agreed_.confirmed().tick;
-  changes_.push_back({MemberChange::Kind::kAdmitted, a.slot, a.incarnation, a.at, by.tick, by.peer});
+  changes_.push_back({MemberChange::Kind::kAdmitted, a.slot, a.incarnation, at, by.tick, by.peer});
 }
 
 void Node::remove(const sync::Removal& r, const sync::Bundle& by) {
@@ -113,7 +125,8 @@ std::vector<MemberChange> Node::take_changes() {
 void Node::excuse_silence() {
   for (Neighbour& n : others_) {
     n.heard = n.answered = n.excused = now();
-    n.proven = false;
+    n.given_up = -1;
+    n.given_up_for_good = n.proven = false;
   }
 }
 
@@ -134,6 +147,15 @@ sync::Transfer Node::transfer() const {
   return t;
 }
 
+// Who sent the transfer knows where everybody is. The updates in it tell where somebody was seen by a coordinator who
+// may have gone, and whose slot may be another's by now.
+void Node::keep_places(const sync::Transfer& start) {
+  for (PeerId p = 0; p < others_.size(); ++p)
+    if (p != config_.self && start.slots[p].at.is_set()) others_[p].at = start.slots[p].at;
+  for (MemberChange& c : changes_)
+    if (c.slot != config_.self) c.at = others_[c.slot].at;
+}
+
 Node::Node(const Scene& scene, const NodeConfig& config, const sync::Transfer& start, Tick now,
            ConfirmedSink on_confirmed)
     : Node(scene, config, start, std::move(on_confirmed), Later{}) {
@@ -148,10 +170,17 @@ Node::Node(const Scene& scene, const NodeConfig& config, const sync::Transfer& s
     if (member.present) n.presence = Presence::kThere;
   }
   for (const sync::Bundle& b : start.tail) file(b);
-  while (agreed_.now() < now) agreed_.step();
+  keep_places(start);
+  comes_at_ = now;
+}
+
+bool Node::catch_up(Tick most) {
+  for (; most > 0 && now() < comes_at_; --most) agreed_.step();
+  if (now() < comes_at_) return false;
   agreed_.catch_up();
   excuse_silence();
   adopt();
+  return true;
 }
 
 }  // namespace padr::node

@@ -7,6 +7,13 @@ namespace padr::node {
 
 using sync::DropReason;
 
+namespace {
+
+// What lossy links send twice comes earlier.
+constexpr Tick kLate = 16;
+
+}  // namespace
+
 DropReason Node::receive(std::span<const std::byte> datagram, Micros now) {
   ++stats_.datagrams_received;
   PeerId sender = kNoPeer;
@@ -40,26 +47,42 @@ DropReason Node::take(std::span<const std::byte> datagram, Micros now, PeerId& s
     return DropReason::kForeign;
   const DropReason why = sync::admit(*packet, scene_, config_.slots, this->now());
   if (why != DropReason::kNone) return why;
-  for (const sync::Bundle& b : packet->updates)
-    if (!agreed_.log().knows(h.sender, b.index))
-      if (const DropReason wrong = sync::admit_claims(b, agreed_.confirmed()); wrong != DropReason::kNone) return wrong;
+  if (const DropReason wrong = check_claims(*packet, h.sender); wrong != DropReason::kNone) return wrong;
   if (!from.window.would_pass(packet->seq)) return DropReason::kDuplicate;
   if (judge_)
     if (const DropReason objection = judge_(*packet); objection != DropReason::kNone) return objection;
   from.window.pass(packet->seq);
+  from.repeats |= repeats(*packet, h.sender);
   const DropReason filed = file_updates(*packet, h.sender);
   if (filed != DropReason::kNone) return filed;
   from.heard = this->now();
   if (packet->seen_seq > from.answered_seq) {
     from.answered_seq = packet->seen_seq;
-    from.answered = this->now();
     from.proven = true;
+    note_answer(from, packet->mark_tick);
+  } else if (packet->have > from.link.acked()) {  // by whatever way it has got it
+    note_answer(from, packet->mark_tick);
   }
   from.link.on_packet(*packet, this->now());
   from.clock.sample(packet->mark_tick, now);
+  from.arrivals.sample(packet->mark_tick, now);
   if (packet->transit != 0) from.clock.told(packet->transit);
   take_check(*packet, h.sender);
   return DropReason::kNone;
+}
+
+DropReason Node::check_claims(const sync::StatePacket& packet, PeerId from) const {
+  for (const sync::Bundle& b : packet.updates)
+    if (!agreed_.log().knows(from, b.index))
+      if (const DropReason wrong = sync::admit_claims(b, agreed_.confirmed()); wrong != DropReason::kNone) return wrong;
+  return DropReason::kNone;
+}
+
+// Whether something is sent again that is here: that it has arrived is not known there.
+bool Node::repeats(const sync::StatePacket& packet, PeerId from) const {
+  return std::any_of(packet.updates.begin(), packet.updates.end(), [&](const sync::Bundle& b) {
+    return agreed_.log().knows(from, b.index) && packet.mark_tick - b.tick > kLate;
+  });
 }
 
 DropReason Node::file_updates(const sync::StatePacket& packet, PeerId from) {

@@ -1,12 +1,13 @@
 #include "common/node/participant.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <limits>
 #include <utility>
 
 #include "common/model/rng.h"
+#include "common/model/seen_from.h"
 #include "common/node/guard.h"
-#include "common/node/session_objection.h"
 #include "common/wire/signature.h"
 #include "common/wire/transfer_codec.h"
 
@@ -19,6 +20,10 @@ constexpr Micros kHeldUp = 400'000;
 /// for ever to step up to. Ticks.
 constexpr Tick kMostAhead = 2 * kTicksPerSecond;
 constexpr Tick kMostBehind = 120 * kTicksPerSecond;
+/// The clock is corrected so often; what it is corrected by is measured over seconds.
+constexpr Tick kSteerEvery = kTicksPerSecond / 2;
+/// A newcomer steps so many ticks in one call at most: datagrams must get their turn.
+constexpr Tick kAtOnce = kTicksPerSecond;
 /// Between two attempts to come back.
 constexpr Micros kTryAgain = 500'000;
 constexpr Micros kReturnPatience = 6 * kMicrosPerSecond;
@@ -58,6 +63,7 @@ void Participant::receive(const Endpoint& from, std::span<const std::byte> datag
   local_ = local;
   if (!gate_) return take(from, datagram, local);
   const auto arrival = gate_->receive(from, datagram, local);
+  warn_of_last_key();
   if (arrival) return take(arrival->from, arrival->datagram, local);
   warn_of_drops(from, local);
 }
@@ -72,6 +78,12 @@ void Participant::warn_of_drops(const Endpoint& place, Micros local) {
                               "the last by " + to_string(place)});
   drops_told_ = drops;
   warned_ = local;
+}
+
+void Participant::warn_of_last_key() {
+  if (!gate_->has_told_all_keys() || std::exchange(last_key_told_, true)) return;
+  notes_.push_back({true, "the keys of " + std::to_string(config_.gate->most_keys) +
+                              " peers have been logged: no further ones will be"});
 }
 
 void Participant::post(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes) {
@@ -89,13 +101,13 @@ void Participant::take(const Endpoint& from, std::span<const std::byte> datagram
   for (Life* life : {&life_, &coming_}) {
     if (!life->session) continue;
     const auto peer = life->session->receive(from, datagram, local);
-    if (!peer || !life->node) continue;
-    if (life->membership && !life->membership->hears(*peer)) {
+    if (!peer || !life->membership) continue;
+    if (!life->membership->hears(*peer)) {
       life->node->count_drop(*peer, sync::DropReason::kCutOff);
       continue;
     }
     const auto why = life->node->receive(datagram, life->session->session_now(local));
-    if (!life->membership || why == sync::DropReason::kNone) continue;
+    if (why == sync::DropReason::kNone) continue;
     if (why == sync::DropReason::kForeign) life->membership->on_stranger(from, datagram.size(), local);
     // Whoever has been held up itself finds everybody ahead of it.
     const Tick due = life->node->node().now() + 1;
@@ -129,7 +141,7 @@ void Participant::be_born(Micros local) {
   } else if (s.lost_doorkeeper()) {
     ask_again(local);
   } else if (!coming_.node && (s.phase() == SessionPhase::kStarted || s.may_enter())) {
-    if (!has_room_for(s)) return;
+    if (const std::string why = no_room_for(s); !why.empty()) return s.desk().fail(why);
     if (s.phase() == SessionPhase::kStarted && config_.session.begins_at && !config_.session.join)
       found_region();
     else if (s.phase() == SessionPhase::kStarted)
@@ -139,8 +151,10 @@ void Participant::be_born(Micros local) {
   } else if (coming_.node && coming_.node->node().member()) {
     s.admitted();
     take_over();
-  } else if (coming_.node) {
+  } else if (coming_.membership) {
     watch(coming_, local);
+  } else if (coming_.node) {
+    catch_up(coming_, local);
   }
 }
 
@@ -156,20 +170,30 @@ void Participant::ask_again(Micros local) {
 }
 
 // The number of slots is the founder's to say: it may be mistaken, or lie.
-bool Participant::has_room_for(Session& session) const {
+std::string Participant::no_room_for(const Session& session) const {
   const std::size_t places = scene_.avatar.spawns.size();
-  if (static_cast<std::size_t>(session.slots()) <= places) return true;
-  session.desk().fail("the session has more avatar slots (" + std::to_string(session.slots()) +
-                      ") than the scenario has places to start from (" + std::to_string(places) + ")");
-  return false;
+  if (static_cast<std::size_t>(session.slots()) <= places) return "";
+  return "the session has more avatar slots (" + std::to_string(session.slots()) +
+         ") than the scenario has places to start from (" + std::to_string(places) + ")";
 }
 
 // Not in yet: steps along, so that it is up to date when it is.
 void Participant::watch(Life& life, Micros local) {
-  while (tick_start(life.node->node().now() + 1) <= life.session->session_now(local)) {
+  const Micros now = life.session->session_now(local);
+  for (Tick i = 0; i < kAtOnce && tick_start(life.node->node().now() + 1) <= now; ++i) {
     life.node->step({});
     life.membership->advance(local);
   }
+}
+
+// From the tick of the agreed world that it was given to the present one; then it asks to be let in.
+void Participant::catch_up(Life& life, Micros local) {
+  if (!life.node->catch_up(kAtOnce)) return;
+  life.membership = std::make_unique<Membership>(life.session->desk(), *life.node);
+  // Members among them are forgotten again; a slot's address says nothing, its peer may be gone.
+  for (const Endpoint& at : std::exchange(life.gone, {})) life.membership->remember(at);
+  life.session->hand_over_to(life.membership.get());
+  life.session->enter(local);
 }
 
 void Participant::begin_at_tick_0() {
@@ -186,6 +210,7 @@ void Participant::found_region() {
   const sync::Transfer start = sync::founding(scene_, c.slots, c.technique.authority, now, c.incarnation);
   coming_.node = std::make_unique<RecordedNode>(scene_, c, start, now,
                                                 config_.recording ? config_.recording(lives_) : std::nullopt, sink());
+  coming_.node->catch_up(0);  // it is there already
   take_over();
 }
 
@@ -219,11 +244,8 @@ void Participant::begin_later(Micros local) {
   }
   coming_.node = std::make_unique<RecordedNode>(scene_, node_config(s), *transfer, std::max(now, transfer->state.tick),
                                                 config_.recording ? config_.recording(lives_) : std::nullopt, sink());
-  coming_.membership = std::make_unique<Membership>(s.desk(), *coming_.node);
-  // Members among them are forgotten again; a slot's address says nothing, its peer may be gone.
-  for (const Endpoint& at : transfer->gone) coming_.membership->remember(at);
-  s.hand_over_to(coming_.membership.get());
-  s.enter(local);
+  for (const Endpoint& at : transfer->gone) coming_.gone.push_back(as_seen_from(at, s.doorkeeper()));
+  catch_up(coming_, local);
 }
 
 void Participant::take_over() {
@@ -243,6 +265,7 @@ void Participant::take_over() {
 
 void Participant::look_for_way_back(Micros local) {
   const auto where = life_.membership->way_back();
+  if (where) life_.membership->announce_way_back();
   if (!where && coming_.session && !coming_.node) coming_ = {};  // no need any more
   if (coming_.session || local < try_again_ || !where || !where->is_set()) return;
   SessionConfig c = config_.session;
@@ -288,6 +311,16 @@ void Participant::after_step(Micros local) {
   look_for_way_back(local);
   collect(life_);
   collect(coming_);
+  if (!config_.steers || std::abs(node().now() - steered_) < kSteerEvery) return;
+  steered_ = node().now();
+  steer(local);
+}
+
+// The clock that counts is that of the lowest peer that is there.
+void Participant::steer(Micros local) {
+  bool lower = false;
+  for (PeerId p = 0; p < node().self(); ++p) lower = lower || node().other(p).there();
+  life_.session->steer(local, lower ? node().clock_lead() : 0);
 }
 
 void Participant::retune(const Technique& technique) {
@@ -332,39 +365,6 @@ std::vector<MemberChange> Participant::take_changes() {
 
 void Participant::finish() {
   if (life_.node) life_.node->finish();
-}
-
-std::string first_difference(const sync::FoldState& ours, const sync::FoldState& theirs) {
-  const std::string where = "differ at tick " + std::to_string(ours.tick);
-  const std::size_t bodies = ours.authority.size();
-  for (std::size_t e = 0; e < ours.world.entities.size(); ++e) {
-    const world::Kinematics& a = ours.world.entities[e];
-    const world::Kinematics& b = theirs.world.entities[e];
-    const std::string who = (e < bodies ? " body " + std::to_string(e) : " avatar " + std::to_string(e - bodies));
-    const auto say = [&](const char* field, float x, float y) {
-      return where + " in" + who + "'s " + field + ": " + std::to_string(x) + " here, " + std::to_string(y) + " there";
-    };
-    if (a.position.x != b.position.x) return say("x (m)", a.position.x, b.position.x);
-    if (a.position.y != b.position.y) return say("y (m)", a.position.y, b.position.y);
-    if (a.angle != b.angle) return say("angle (rad)", a.angle, b.angle);
-    if (a.velocity.x != b.velocity.x) return say("x velocity (m/s)", a.velocity.x, b.velocity.x);
-    if (a.velocity.y != b.velocity.y) return say("y velocity (m/s)", a.velocity.y, b.velocity.y);
-    if (a.spin != b.spin) return say("spin (rad/s)", a.spin, b.spin);
-    if (a.sleep_time != b.sleep_time) return say("sleep time (s)", a.sleep_time, b.sleep_time);
-    if (a.awake != b.awake) return where + " in" + who + "'s being awake";
-  }
-  for (std::size_t b = 0; b < bodies; ++b) {
-    if (ours.authority[b] != theirs.authority[b]) return where + " in body " + std::to_string(b) + "'s authority";
-    if (ours.holds[b] != theirs.holds[b]) return where + " in who holds body " + std::to_string(b);
-  }
-  for (std::size_t b = 0; b < ours.residents.slots.size(); ++b)
-    if (ours.residents.slots[b] != theirs.residents.slots[b])
-      return where + " in who is in body slot " + std::to_string(b);
-  if (ours.residents != theirs.residents) return where + " in which bodies have gone";
-  if (ours.members != theirs.members) return where + " in who is there";
-  if (ours.avatars != theirs.avatars) return where + " in an avatar's model";
-  if (ours.world.contacts != theirs.world.contacts) return where + " in the contacts' memory";
-  return "";
 }
 
 }  // namespace padr::node

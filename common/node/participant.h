@@ -17,6 +17,8 @@ struct ParticipantConfig {
   SessionConfig session;
   NodeConfig node;                 ///< technique and fault; the rest is filled in
   std::optional<GateConfig> gate;  ///< the session has a key; otherwise nothing is sealed
+  /// Steers its session's clock with its steps. Otherwise the caller does, as in a crowd, where a peer has one clock.
+  bool steers = true;
   /// Where the n-th life of this peer (0, 1, ...) is recorded to; empty or nothing returned: nowhere.
   std::function<std::optional<RecordedNode::Recording>(int life)> recording;
   /// For tests only: what becomes of a datagram before it is sealed and sent.
@@ -54,6 +56,8 @@ class Participant {
   void retune(const Technique& technique);
   /// As in Node: one tick in a region where this peer is a guest.
   void step_led(const BodyState& from, const BodyState& to, Vec2 target, Micros local);
+  /// Corrects the session's clock towards that of the lowest peer that is there, as far as is known; only when playing.
+  void steer(Micros local);
   // As in RecordedNode, of the present life; only when playing.
   void order(const sync::Bundle& order) { life_.node->order(order); }
   void jolt(Vec2 velocity) { life_.node->jolt(velocity); }
@@ -90,17 +94,20 @@ class Participant {
   struct Life {
     std::unique_ptr<Session> session;
     std::unique_ptr<RecordedNode> node;
-    std::unique_ptr<Membership> membership;
+    std::unique_ptr<Membership> membership;  ///< once the node has caught up
+    std::vector<Endpoint> gone;              ///< of the transfer that it began with
   };
   void be_born(Micros local);
   void ask_again(Micros local);
-  bool has_room_for(Session& session) const;
+  /// Why not; empty if it has.
+  std::string no_room_for(const Session& session) const;
   void begin_at_tick_0();
   void found_region();
   /// By how much the step begins after the time of its tick, us.
   Micros before_step(Micros local);
   void after_step(Micros local);
   void begin_later(Micros local);
+  void catch_up(Life& life, Micros local);
   void watch(Life& life, Micros local);
   void take_over();
   void look_for_way_back(Micros local);
@@ -108,6 +115,7 @@ class Participant {
   void take(const Endpoint& from, std::span<const std::byte> datagram, Micros local);
   void post(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes);
   void hand_over(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes);
+  void warn_of_last_key();
   void warn_of_drops(const Endpoint& place, Micros local);
   NodeConfig node_config(const Session& session) const;
   Node::ConfirmedSink sink();
@@ -118,10 +126,12 @@ class Participant {
   Micros local_;  ///< of the last call
   std::uint64_t drops_told_ = 0;
   Micros warned_;
+  bool last_key_told_ = false;
   Life life_;    ///< the present one, once there is one
   Life coming_;  ///< one that is being begun
   int lives_ = 0;
   Micros born_;
+  Tick steered_ = 0;
   Micros try_again_ = 0;
   std::uint64_t tries_ = 0;
   Outbox outgoing_;

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "common/trace/truth.h"
-#include "common/wire/membership_codec.h"
 #include "common/wire/transfer_codec.h"
 
 namespace padr::node {
@@ -50,8 +49,12 @@ RecordedNode::RecordedNode(const Scene& scene, const NodeConfig& config, std::op
 RecordedNode::RecordedNode(const Scene& scene, const NodeConfig& config, const sync::Transfer& start, Tick now,
                            std::optional<Recording> recording, Node::ConfirmedSink on_confirmed)
     : writer_(writer_for(scene, config, start, now, std::move(recording))),
-      node_(scene, config, start, now, traced(config.technique.authority, std::move(on_confirmed))) {
+      node_(scene, config, start, now, traced(config.technique.authority, std::move(on_confirmed))) {}
+
+bool RecordedNode::catch_up(Tick most) {
+  if (!node_.catch_up(most)) return false;
   if (writer_) record_step({}, 0);
+  return true;
 }
 
 Node::ConfirmedSink RecordedNode::traced(bool authority, Node::ConfirmedSink sink) {
@@ -82,9 +85,15 @@ void RecordedNode::freeze(PeerId p, bool frozen) {
   node_.freeze(p, frozen);
 }
 
-void RecordedNode::give_up(PeerId p) {
+void RecordedNode::give_up(PeerId p, bool for_good) {
   if (writer_) writer_->give_up({p});
-  node_.give_up(p);
+  node_.give_up(p, for_good);
+}
+
+sync::DropReason RecordedNode::relay(const wire::Fetched& fetched) {
+  const sync::DropReason why = node_.relay(fetched.slot, fetched.incarnation, fetched.updates);
+  if (writer_ && why == sync::DropReason::kNone) writer_->relayed({wire::encode_membership(fetched)});
+  return why;
 }
 
 void RecordedNode::excuse_silence() {

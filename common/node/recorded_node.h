@@ -6,6 +6,7 @@
 
 #include "common/node/node.h"
 #include "common/trace/trace_writer.h"
+#include "common/wire/membership_codec.h"
 
 namespace padr::node {
 
@@ -25,6 +26,7 @@ class RecordedNode {
   /// One who comes while the session runs, as in Node.
   RecordedNode(const Scene& scene, const NodeConfig& config, const sync::Transfer& start, Tick now,
                std::optional<Recording> recording = {}, Node::ConfirmedSink on_confirmed = {});
+  bool catch_up(Tick most);
   // The node's sink points to this object.
   RecordedNode(const RecordedNode&) = delete;
   RecordedNode& operator=(const RecordedNode&) = delete;
@@ -42,7 +44,8 @@ class RecordedNode {
   void order(const sync::Bundle& order);
   void freeze(PeerId p, bool frozen);
   void excuse_silence();
-  void give_up(PeerId p);
+  void give_up(PeerId p, bool for_good = true);
+  sync::DropReason relay(const wire::Fetched& fetched);
   void locate(PeerId p, const Endpoint& at);
   void retune(const Technique& technique);
   void push(EntityId b, Vec2 velocity);

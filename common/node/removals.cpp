@@ -1,14 +1,11 @@
 #include "common/node/removals.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/node/guard.h"
 
 namespace padr::node {
-
-bool Removals::suspected(const Node& node, PeerId p) {
-  return node.unanswered(p) >= kSilence;
-}
 
 PeerId Removals::coordinator(const Node& node) const {
   for (PeerId p = 0; p < node.config().slots; ++p) {
@@ -22,21 +19,34 @@ PeerId Removals::coordinator(const Node& node) const {
 }
 
 void Removals::on_poll(PeerId from, const wire::Poll& poll, RecordedNode& node) {
-  if (coordinator(node.node()) != from) return;  // not ours to follow, or not yet
+  if (poll.freeze && coordinator(node.node()) != from) return;  // not ours to follow, or not yet
   wire::Answer answer;
+  answer.frozen = poll.freeze;
+  answer.tick = node.node().now();
   for (const wire::Seat& s : poll.lost) {
     if (s.slot >= desk_.slots || s.slot == desk_.self || s.slot == from) continue;
     const Neighbour& n = node.node().other(s.slot);
-    if (n.reachable() && n.incarnation == s.incarnation && !n.frozen) node.freeze(s.slot, true);
-    if (n.frozen) frozen_for_[s.slot] = from;
-    answered_[{from, s.slot}] = s.incarnation;
+    const bool same = n.incarnation == s.incarnation;
+    if (poll.freeze) {
+      if (n.reachable() && same && !n.frozen) node.freeze(s.slot, true);
+      if (n.frozen) frozen_for_[s.slot] = from;
+      answered_[{from, s.slot}] = s.incarnation;
+    }
     answer.lost.push_back({s.slot, s.incarnation, node.node().agreed().log().have(s.slot)});
+    if (!same || n.frozen || n.answer_mark < 0) continue;
+    const auto ago = static_cast<std::uint32_t>(std::max(0, answer.tick - n.answer_mark));
+    answer.lost.back().heard = std::min(ago + 1, wire::kMostHeard);
   }
   if (!answer.lost.empty()) desk_.send(desk_.roster[from], answer);
 }
 
 void Removals::on_answer(PeerId from, const wire::Answer& answer, const Node& node) {
   for (const wire::Seat& s : answer.lost) {
+    const auto doubted = doubted_.find(s.slot);
+    if (doubted != doubted_.end() && doubted->second.incarnation == s.incarnation)
+      doubted->second.heard[from] =
+          s.heard > 0 ? std::min(answer.tick, node.now()) + 1 - static_cast<Tick>(s.heard) : -1;
+    if (!answer.frozen) continue;
     const auto it = lost_.find(s.slot);
     if (it == lost_.end() || it->second.incarnation != s.incarnation) continue;
     // No log has more beyond what another lacks.
@@ -56,8 +66,10 @@ void Removals::on_fetched(const wire::Fetched& fetched, const Node& node, const 
   if (it == lost_.end() || it->second.incarnation != fetched.incarnation) return;
   for (const sync::Bundle& b : fetched.updates)
     if (b.index >= it->second.least && b.index < it->second.most && !it->second.fetched.contains(b.index) &&
-        guard.said(b, node) && sync::admit(b, node.live().world().scene(), desk_.slots) == sync::DropReason::kNone)
-      it->second.fetched.emplace(b.index, b), moved_ = node.now();
+        guard.said(b, node) && sync::admit(b, node.live().world().scene(), desk_.slots) == sync::DropReason::kNone) {
+      it->second.fetched.emplace(b.index, b);
+      moved_ = node.now();
+    }
 }
 
 void Removals::thaw(RecordedNode& node) {
@@ -74,11 +86,60 @@ void Removals::thaw(RecordedNode& node) {
   }
 }
 
+// The lowest of those who answer will have to decide.
+bool Removals::is_first_well(const Node& node) const {
+  if (!node.member() || node.leaving()) return false;
+  for (PeerId p = 0; p < desk_.self; ++p)
+    if (node.other(p).there() && node.unanswered(p) < kDoubt && !lost_.contains(p)) return false;
+  return true;
+}
+
+void Removals::doubt(const Node& node) {
+  const bool first = is_first_well(node);
+  wire::Poll question;
+  for (PeerId p = 0; p < node.config().slots; ++p) {
+    const Neighbour& n = node.other(p);
+    if (!first || p == desk_.self || !n.there() || node.unanswered(p) < kDoubt || lost_.contains(p)) {
+      doubted_.erase(p);
+      continue;
+    }
+    Doubted& d = doubted_[p];
+    if (d.incarnation != n.incarnation) d = {n.incarnation, {}, false};
+    if (question.lost.size() < wire::kMostLost) question.lost.push_back({p, n.incarnation});
+  }
+  if (question.lost.empty() || node.now() - doubts_asked_ < kAskAgain) return;
+  doubts_asked_ = node.now();
+  poll(question, node);
+}
+
+Hearsay Removals::hearsay(PeerId p, const Node& node) const {
+  const Neighbour& n = node.other(p);
+  const bool deaf = n.given_up < 0 && node.silence(p) < kTicksPerSecond;
+  Hearsay h{node.now(), node.unanswered(p), {}, n.given_up_for_good, deaf, {}};
+  if (n.given_up >= 0) h.refused = n.given_up;
+  const Doubted& d = doubted_.at(p);
+  for (PeerId q = 0; q < node.config().slots; ++q) {
+    // Those of another side, who have frozen us, hear one another, but do not answer.
+    if (q == p || !counts(q, node) || node.unanswered(q) >= kDoubt) continue;
+    const auto said = d.heard.find(q);
+    h.heard.push_back(said == d.heard.end() ? std::nullopt : std::optional(said->second));
+  }
+  return h;
+}
+
 void Removals::notice(RecordedNode& node) {
   const Node& n = node.node();
   for (PeerId p = 0; p < n.config().slots; ++p) {
     if (p == desk_.self || !n.other(p).there() || !suspected(n, p) || lost_.contains(p)) continue;
     if (coordinator(n) != desk_.self) return;
+    const auto doubted = doubted_.find(p);
+    if (doubted == doubted_.end()) continue;
+    if (const Hearsay h = hearsay(p, n); !may_evict(h)) {
+      if (is_heard(h) && !h.deaf && !std::exchange(doubted->second.told, true))
+        desk_.note("peer " + std::to_string(p) + " does not answer, but others hear it: it stays", true);
+      continue;
+    }
+    doubted_.erase(doubted);
     node.freeze(p, true);
     lost_[p].incarnation = n.other(p).incarnation;
     asked_ = n.now() - kAskAgain;
@@ -120,14 +181,20 @@ bool Removals::all_answered(const Node& node) const {
 void Removals::ask(const Node& node) {
   if (node.now() - asked_ < kAskAgain) return;
   asked_ = node.now();
-  wire::Poll poll;
-  for (const auto& [slot, lost] : lost_) poll.lost.push_back({slot, lost.incarnation, 0});
+  wire::Poll question{{}, true};
+  for (const auto& [slot, lost] : lost_)
+    if (question.lost.size() < wire::kMostLost) question.lost.push_back({slot, lost.incarnation});
+  poll(question, node);
+}
+
+void Removals::poll(const wire::Poll& poll, const Node& node) {
   for (PeerId p = 0; p < node.config().slots; ++p)
     if (p != desk_.self && node.other(p).reachable() && !lost_.contains(p)) desk_.send(desk_.roster[p], poll);
 }
 
 void Removals::advance(RecordedNode& node) {
   thaw(node);
+  doubt(node.node());
   notice(node);
   std::erase_if(lost_, [&](const auto& entry) { return !node.node().other(entry.first).frozen; });
   missing_.reset();

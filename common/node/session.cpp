@@ -48,7 +48,7 @@ std::optional<PeerId> Session::receive(const Endpoint& from, std::span<const std
     return h.sender;
   }
   if (h.kind == wire::Kind::kMembership) {
-    take_membership(from, h, opened->payload, local);
+    take_membership(from, *opened, datagram.size(), local);
     return std::nullopt;
   }
   const auto message = wire::decode_session(opened->payload);
@@ -76,9 +76,9 @@ void Session::unreachable(const Endpoint& at, Micros local) {
   if (joiner_) joiner_->on_unreachable(at, local);
 }
 
-void Session::take_membership(const Endpoint& from, const wire::Header& header, std::span<const std::byte> payload,
-                              Micros local) {
-  const auto message = wire::decode_membership(payload);
+void Session::take_membership(const Endpoint& from, const wire::Opened& opened, std::size_t bytes, Micros local) {
+  const wire::Header& header = opened.header;
+  const auto message = wire::decode_membership(opened.payload);
   if (!message) {
     ++stats_.malformed;
     return;
@@ -91,7 +91,7 @@ void Session::take_membership(const Endpoint& from, const wire::Header& header, 
   if (const auto* piece = std::get_if<wire::Piece>(&*message)) {
     if (entrant_ && desk_.phase == SessionPhase::kEntering) entrant_->on_piece(from, *piece, local);
   } else if (membership_ != nullptr) {
-    membership_->receive(from, header, *message, local);
+    membership_->receive(from, header, *message, bytes, local);
   }
 }
 
@@ -116,7 +116,7 @@ void Session::dispatch(const Endpoint& from, const wire::Header& header, const w
     joiner_->on_welcome(from, header, *welcome, local);
     if (desk_.phase == SessionPhase::kEntering && !entrant_) {
       doorkeeper_ = header.sender;
-      entrant_ = std::make_unique<Entrant>(desk_, from, welcome->nonce, local);
+      entrant_ = std::make_unique<Entrant>(desk_, from, *welcome, local);
     }
   }
   if (const auto* redirect = std::get_if<wire::Redirect>(&message)) {

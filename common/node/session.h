@@ -101,8 +101,7 @@ class Session {
 
  private:
   void dispatch(const Endpoint& from, const wire::Header& header, const wire::SessionMessage& message, Micros local);
-  void take_membership(const Endpoint& from, const wire::Header& header, std::span<const std::byte> payload,
-                       Micros local);
+  void take_membership(const Endpoint& from, const wire::Opened& opened, std::size_t bytes, Micros local);
   void other_version(const Endpoint& from, std::span<const std::byte> datagram, std::uint8_t version, Micros local);
 
   SessionDesk desk_;

@@ -26,6 +26,8 @@ struct SessionConfig {
   std::string scenario;  ///< for messages to people: name and seed
   /// Draws the session's number, or the joiner's nonce. Two runs must not have the same.
   std::uint64_t seed = 0;
+  /// Nobody else knows or guesses it: of it are the cookies by which a newcomer proves its address.
+  std::uint64_t secret = 0;
   /// Known beforehand, as in a crowd; 0: drawn by the founder.
   std::uint16_t number = 0;
   /// A region of a crowd is founded: alone, at once, and it is this session time (us) now.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/model/rng.h"
+#include "common/model/seen_from.h"
 #include "common/node/session_objection.h"
 
 namespace padr::node {

@@ -31,10 +31,4 @@ std::string objection(const SessionConfig& c, const wire::Join& join) {
   return "";
 }
 
-Endpoint as_seen_from(const Endpoint& told, const Endpoint& teller) {
-  Endpoint e = told;
-  if (told.is_loopback() && !teller.is_loopback()) e.address = teller.address;
-  return e;
-}
-
 }  // namespace padr::node

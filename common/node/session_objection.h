@@ -9,7 +9,4 @@ namespace padr::node {
 /// Why a newcomer does not fit the session of these; empty if it does.
 std::string objection(const SessionConfig& session, const wire::Join& join);
 
-/// A loopback address that another machine tells of means that machine.
-Endpoint as_seen_from(const Endpoint& told, const Endpoint& teller);
-
 }  // namespace padr::node

@@ -1,6 +1,7 @@
 #include "common/node/sides.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace padr::node {
 
@@ -44,7 +45,8 @@ Sides::Side Sides::ours(const Node& node) const {
   return s;
 }
 
-void Sides::on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, const Node& node, Micros local) {
+void Sides::on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, std::size_t bytes, const Node& node,
+                     Micros local) {
   if (!node.member() || sender >= desk_.slots) return;
   if (sender == desk_.self && probe.incarnation == node.config().incarnation) {  // our own knock, at our own door
     std::erase_if(gone_, [&](const Gone& g) { return g.at == from; });
@@ -82,9 +84,27 @@ void Sides::on_probe(const Endpoint& from, PeerId sender, const wire::Probe& pro
     return;
   }
   if (winner_ == from) winner_.reset();
-  if (desk_.may_answer(local)) {
-    send_probe(from, known, node);
+  if (!desk_.may_answer(local)) return;
+  send_probe(from, known, node);
+  if (!known) hold_back_beyond(from, bytes);
+}
+
+// Whoever that is has proven nothing, and gets no more than it has sent: where we are many, an answer to some of its
+// probes.
+void Sides::hold_back_beyond(const Endpoint& to, std::size_t bytes) {
+  if (desk_.config.sealed) return;
+  auto it = std::find_if(credits_.begin(), credits_.end(), [&](const Credit& c) { return c.at == to; });
+  if (it == credits_.end()) {
+    if (credits_.size() == kMost) credits_.erase(credits_.begin());
+    credits_.push_back({to, 0});
+    it = std::prev(credits_.end());
   }
+  it->bytes = std::min(it->bytes + bytes, wire::kMaxDatagram);
+  const std::size_t answer = desk_.outgoing.back().bytes.size();
+  if (answer > it->bytes)
+    desk_.outgoing.pop_back();
+  else
+    it->bytes -= answer;
 }
 
 std::optional<Endpoint> Sides::winner(const Node& node) const {

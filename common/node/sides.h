@@ -19,7 +19,8 @@ class Sides {
   explicit Sides(SessionDesk& desk) : desk_(desk) {}
 
   void on_change(const MemberChange& change);
-  void on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, const Node& node, Micros local);
+  void on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, std::size_t bytes, const Node& node,
+                Micros local);
   /// A state datagram of this session has come from nobody who is in it.
   void on_stranger(const Endpoint& from, std::size_t bytes, const Node& node, Micros local);
   /// Once, at an address that is no member's.
@@ -44,13 +45,21 @@ class Sides {
     Endpoint at;
     Tick since = 0;
   };
+  /// Bytes that a stranger has sent and not got back.
+  struct Credit {
+    Endpoint at;
+    std::size_t bytes = 0;
+  };
   using Side = std::vector<wire::Seat>;
   bool member_at(const Endpoint& where, const Node& node) const;
   Side ours(const Node& node) const;
   void send_probe(const Endpoint& to, bool knows, const Node& node);
+  /// Takes back what is about to be sent to a stranger who has just sent so many bytes, if that is more than it sent.
+  void hold_back_beyond(const Endpoint& to, std::size_t bytes);
 
   SessionDesk& desk_;
   std::vector<Gone> gone_;
+  std::vector<Credit> credits_;                  ///< kMost at most
   std::map<PeerId, std::uint32_t> disowned_by_;  ///< and their incarnations
   std::optional<Endpoint> winner_;
   Tick probed_ = 0;

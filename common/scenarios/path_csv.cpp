@@ -55,7 +55,7 @@ std::optional<Number> number(std::string_view text) {
 
 class Reader {
  public:
-  explicit Reader(std::string_view label) : label_(label) {}
+  Reader(std::string_view label, const PathUnits& units) : label_(label), units_(units) {}
 
   std::vector<PathPoint> read(std::string_view text) {
     if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
@@ -86,13 +86,17 @@ class Reader {
       fail(1, "one row too many, allowed: at most " + std::to_string(kMaxRows) + " rows");
     }
     PathPoint point;
-    point.seconds = value<double>(fields[0], 0, kMaxSeconds, "s");
-    point.position.x = value<float>(fields[1], 1, kMaxMetres, "m");
-    point.position.y = value<float>(fields[2], 2, kMaxMetres, "m");
+    const auto time = value<double>(fields[0], 0, kMaxSeconds * units_.per_second, units_.time);
+    point.seconds = time / units_.per_second;
+    point.position.x = value<float>(fields[1], 1, kMaxMetres, units_.length);
+    point.position.y = value<float>(fields[2], 2, kMaxMetres, units_.length);
+    if (units_.merge && !points_.empty() && point.seconds == points_.back().seconds) points_.pop_back();
     if (!points_.empty() && point.seconds <= points_.back().seconds) {
-      fail(fields[0].column, "t is " + number_text(point.seconds) + " s, allowed: more than " +
-                                 number_text(points_.back().seconds) + " s, the t of the row before");
+      const std::string unit = " " + std::string(units_.time);
+      fail(fields[0].column, "t is " + number_text(time) + unit + ", allowed: more than " + number_text(last_) + unit +
+                                 ", the t of the row before");
     }
+    last_ = time;
     points_.push_back(point);
   }
 
@@ -125,11 +129,12 @@ class Reader {
   }
 
   template <typename Number>
-  Number value(const Field& field, std::size_t index, Number limit, const char* unit) const {
+  Number value(const Field& field, std::size_t index, Number limit, std::string_view unit) const {
     const std::optional<Number> v = number<Number>(field.text);
     if (!v || !std::isfinite(*v) || *v < -limit || *v > limit) {
       fail(field.column, std::string(kNames[index]) + " is " + quoted(field.text) + (v ? "" : ", not a number") +
-                             ", allowed: " + number_text(-limit) + " .. " + number_text(limit) + " " + unit);
+                             ", allowed: " + number_text(-limit) + " .. " + number_text(limit) + " " +
+                             std::string(unit));
     }
     return *v;
   }
@@ -139,6 +144,8 @@ class Reader {
   }
 
   std::string label_;
+  PathUnits units_;
+  double last_ = 0;  ///< t of the row before, as written
   std::size_t line_ = 0;
   bool first_ = true;
   std::vector<PathPoint> points_;
@@ -146,8 +153,8 @@ class Reader {
 
 }  // namespace
 
-Path parse_path_csv(std::string_view text, std::string_view label) {
-  return Path(Reader(label).read(text));
+Path parse_path_csv(std::string_view text, std::string_view label, const PathUnits& units) {
+  return Path(Reader(label, units).read(text));
 }
 
 std::string write_path_csv(const Path& path) {

@@ -13,9 +13,12 @@ struct Checker {
   int slots;
   const AdmitLimits& limits;
 
+  // What is bound for a region of a crowd may have rolled, or been pushed, to the far side of the region that it comes
+  // from before anybody was in both.
   bool place(Vec2 p) const {
-    return is_finite(p) && p.x >= scene.lower.x - limits.margin && p.x <= scene.upper.x + limits.margin &&
-           p.y >= scene.lower.y - limits.margin && p.y <= scene.upper.y + limits.margin;
+    const float margin = limits.margin + (scene.region ? 2 * (scene.upper.x - scene.lower.x) : 0);
+    return is_finite(p) && p.x >= scene.lower.x - margin && p.x <= scene.upper.x + margin &&
+           p.y >= scene.lower.y - margin && p.y <= scene.upper.y + margin;
   }
   bool speed(Vec2 v) const { return is_finite(v) && length(v) <= std::min(limits.max_speed, scene.max_speed); }
 

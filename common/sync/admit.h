@@ -31,7 +31,7 @@ inline constexpr std::array<std::string_view, kDropReasons> kDropNames{"none",  
 
 /// Limits of what is believed: Box2D asserts, and so aborts, on what is not finite, and loses precision far out.
 struct AdmitLimits {
-  float margin = 20;           ///< m beyond the scene's corners
+  float margin = 20;           ///< m beyond the scene's corners; in a region of a crowd two of its sides more
   float max_speed = 121;       ///< m/s; the scene may say less
   float max_spin = 95;         ///< rad/s, likewise
   float max_angle = 1.0e5F;    ///< rad

@@ -119,7 +119,7 @@ bool AgreedWorld::insert(const Bundle& bundle) {
   if (!config_.replay) {
     arrivals_->add(bundle);
   } else if (comes_next(bundle)) {
-    refused_ += static_cast<std::uint64_t>(predicted_.apply(bundle));
+    predicted_.apply(bundle);
     told_now_ = true;
   } else if (note_late(bundle.tick)) {
     local_->concerns(bundle);
@@ -164,12 +164,10 @@ const FoldState* AgreedWorld::confirmed_at(Tick t) const {
   return t <= confirmed_.tick && history_.has(t) ? &history_.at(t) : nullptr;
 }
 
-std::uint64_t AgreedWorld::apply_known(Fold& fold) const {
+void AgreedWorld::apply_known(Fold& fold) const {
   const Tick t = fold.tick();
   if (config_.replay && t == config_.fault.tick) fold.disturb(config_.fault.entity, config_.fault.by);
-  std::uint64_t refused = 0;
-  for (const Bundle& b : log_.at(t)) refused += static_cast<std::uint64_t>(fold.apply(b));
-  return refused;
+  for (const Bundle& b : log_.at(t)) fold.apply(b);
 }
 
 // As many contacts as there once were may be there again: every place that is kept has room for them at once, not when
@@ -190,14 +188,14 @@ void AgreedWorld::advance_predicted() {
   predicted_.step();
   if (!config_.replay) return;
   save_predicted(history_.place(now()));
-  refused_ += apply_known(predicted_);
+  apply_known(predicted_);
 }
 
 void AgreedWorld::rewind_to(Tick t) {
   const Tick target = now();
   predicted_.restore(history_.has(t) ? history_.at(t) : confirmed_);
   if (!history_.has(now())) save_predicted(history_.place(now()));
-  refused_ += apply_known(predicted_);
+  apply_known(predicted_);
   while (now() < target) {
     advance_predicted();
     budget_.spend_step(predicted_);
@@ -220,7 +218,7 @@ void AgreedWorld::fall_behind() {
 
 void AgreedWorld::step_behind() {
   Fold& f = *follower_;
-  refused_ += apply_known(f);
+  apply_known(f);
   f.step();
   budget_.spend_step(f);
   ++replayed_steps_;
@@ -243,7 +241,7 @@ bool AgreedWorld::catch_up_behind() {
   }
   behind_ = false;
   predicted_.restore(history_.at(now()));
-  refused_ += apply_known(predicted_);
+  apply_known(predicted_);
   return true;
 }
 
@@ -286,7 +284,7 @@ bool AgreedWorld::replay_locally() {
     predicted_.restore_only(history_.at(now()), local_->changed(), local_->unchanged());
   } else {
     predicted_.restore(history_.at(now()));
-    refused_ += apply_known(predicted_);
+    apply_known(predicted_);
   }
   return true;
 }
@@ -298,7 +296,7 @@ bool AgreedWorld::catch_up() {
     if (!replay() && !told) return false;
   } else {
     if (!arrivals_->any()) return false;
-    refused_ += arrivals_->apply_to(predicted_);
+    arrivals_->apply_to(predicted_, config_.time_stamps);
   }
   look();
   return true;
@@ -355,7 +353,7 @@ void AgreedWorld::confirm_by_folding(Tick upto) {
   if (!follows_confirmed_) fold.restore(confirmed_);
   follows_confirmed_ = true;
   while (fold.tick() < upto && !history_.has(fold.tick() + 1) && budget_.may_step()) {
-    apply_known(fold);  // what is refused has been counted in predicted
+    apply_known(fold);
     fold.step();
     budget_.spend_step(fold);
     fold.save(confirmed_);

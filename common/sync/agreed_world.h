@@ -38,6 +38,7 @@ struct AgreedConfig {
   /// How much may be replayed in a tick at once, in steps of one body: about 3 ms. What is left is done in the next
   /// ticks.
   std::size_t replay_budget = 10'000;
+  bool time_stamps = false;  ///< see Technique
 };
 
 /// The two views of the agreed world that a peer keeps.
@@ -77,6 +78,8 @@ class AgreedWorld {
   /// Rewinds and replays from now on, or no longer. Predicted may become another: the caller takes it over. Confirmed
   /// stays what it is.
   void set_replay(bool on);
+  /// From the next update that arrives on.
+  void set_time_stamps(bool on) { config_.time_stamps = on; }
 
   /// Brings predicted up to date with all that has been filed, as far as this tick's budget goes; false if it stays as
   /// it was.
@@ -102,7 +105,6 @@ class AgreedWorld {
   bool replaying() const { return behind_; }
   /// Of the replayed ones, steps of only what such an update had to do with.
   std::uint64_t locally_replayed_steps() const { return local_ ? local_->steps() : 0; }
-  std::uint64_t refused_bodies() const { return refused_; }
 
  private:
   void begin();
@@ -111,8 +113,8 @@ class AgreedWorld {
   bool comes_next(const Bundle& bundle) const;
   /// Updates of the slot numbered `from` and up are not in the log any more, the first of them of tick `earliest`.
   void undo(PeerId peer, std::uint32_t from, Tick earliest);
-  /// Updates of the tick at which it is; how many of their bodies were refused.
-  std::uint64_t apply_known(Fold& fold) const;
+  /// Updates of the tick at which it is.
+  void apply_known(Fold& fold) const;
   void advance_predicted();
   void make_room(world::Snapshot& s) const;
   void save_predicted(FoldState& out);
@@ -159,7 +161,6 @@ class AgreedWorld {
   std::size_t most_parted_ = 16;
   std::size_t most_contacts_ = 0;  ///< that every kept state is to have room for
   std::uint64_t replayed_steps_ = 0;
-  std::uint64_t refused_ = 0;
   Tick keep_ = 0;
   bool in_ = true;  ///< the own slot's updates are this peer's
 };

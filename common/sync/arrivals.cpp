@@ -1,8 +1,36 @@
 #include "common/sync/arrivals.h"
 
+#include <algorithm>
 #include <limits>
 
+#include "common/world/avatar_control.h"
+
 namespace padr::sync {
+namespace {
+
+// What is older would be moved through half the world.
+constexpr Tick kOldest = 2 * kTicksPerSecond;
+
+void step_model(AvatarUpdate& u, const AvatarDef& avatar) {
+  Vec2 v = u.velocity;
+  if (u.model == Model::kStatic) v = {};
+  if (u.model == Model::kSecond) v = u.velocity = clamp_length(v + u.control * kTickSeconds, avatar.max_speed);
+  if (u.model == Model::kInput && !world::has_arrived(u.position, v, u.control))
+    v = u.velocity = v + world::control_force(avatar, u.position, v, u.control) * (kTickSeconds / avatar.mass);
+  u.position = u.position + v * kTickSeconds;
+}
+
+void move_on(Bundle& b, Tick age, const AvatarDef& avatar) {
+  for (Tick t = 0; t < age && b.avatar && b.avatar->awake; ++t) step_model(*b.avatar, avatar);
+  const float seconds = static_cast<float>(age) * kTickSeconds;
+  for (BodyUpdate& u : b.bodies) {
+    if (!u.has_state || !u.state.awake) continue;
+    u.state.position = u.state.position + u.state.velocity * seconds;
+    u.state.angle += u.state.spin * seconds;
+  }
+}
+
+}  // namespace
 
 Arrivals::Arrivals(int slots, int bodies)
     : newest_avatar_(static_cast<std::size_t>(slots), -1),
@@ -12,15 +40,14 @@ void Arrivals::take_back(PeerId peer, std::uint32_t from) {
   std::erase_if(waiting_, [&](const Bundle& b) { return b.peer == peer && b.index >= from; });
 }
 
-std::uint64_t Arrivals::apply_to(Fold& fold) {
-  std::uint64_t refused = 0;
+void Arrivals::apply_to(Fold& fold, bool time_stamps) {
   for (Bundle& b : waiting_) {
     keep_newest(b);
+    if (time_stamps) move_on(b, std::clamp(fold.tick() - b.tick, 0, kOldest), fold.world().scene().avatar);
     b.tick = fold.tick();
-    refused += static_cast<std::uint64_t>(fold.apply(b));
+    fold.apply(b);
   }
   waiting_.clear();
-  return refused;
 }
 
 // Takes out of it what is older than what has been here.

@@ -9,6 +9,9 @@ namespace padr::sync {
 
 /// Without replay (the paper): updates are applied when they arrive, as if true now, but never an older word on an
 /// entity after a newer one of the same peer.
+///
+/// With time stamps (DIS practice) an update is moved on by its age first: an avatar as its model has it, a body by its
+/// velocity and spin. Nothing stands in the way of either.
 class Arrivals {
  public:
   Arrivals(int slots, int bodies);
@@ -19,8 +22,8 @@ class Arrivals {
   void take_back(PeerId peer, std::uint32_t from);
   /// This one has been applied at its own tick.
   void note(Bundle b) { keep_newest(b); }
-  /// Applies all that has been added; how many of their bodies were refused.
-  std::uint64_t apply_to(Fold& fold);
+  /// Applies all that has been added.
+  void apply_to(Fold& fold, bool time_stamps);
 
  private:
   void keep_newest(Bundle& b);

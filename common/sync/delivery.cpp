@@ -1,6 +1,7 @@
 #include "common/sync/delivery.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace padr::sync {
@@ -10,8 +11,7 @@ namespace {
 constexpr Tick kMarkInterval = 15;  // 250 ms
 // Where next to nothing gets lost, acknowledgements are not urgent, and there is nothing else a mark is needed for.
 constexpr Tick kCalmMarkInterval = 45;  // 750 ms
-// Where more gets lost, but nothing has happened lately. Five in a row must get lost before this peer seems silent, so
-// only where that hardly ever happens.
+// Where more gets lost, but nothing has happened lately.
 constexpr Tick kQuietMarkInterval = 36;  // 600 ms
 constexpr std::uint32_t kUnquiet = 5;    // per cent lost
 // A promised update that has not come is asked for after this long: jitter reorders, and asking costs a datagram.
@@ -31,7 +31,23 @@ constexpr Tick kUnheard = 24;
 // And as long as it has said nothing, what it has been sent goes along with whatever goes out, so many times at most.
 constexpr int kFirstWords = 8;
 
+// A burst of losses takes one datagram after the other, however far apart they are; so the longer no answer comes, the
+// faster a link is probed, until a peer that does not answer would be taken for silent. Who does not answer for longer
+// does not matter any more to whom it is silent, or is heard by others.
+struct Probing {
+  Tick unanswered;  ///< for so long
+  Tick interval;
+};
+constexpr std::array<Probing, 5> kProbing{{{60, 10}, {90, 4}, {120, 2}, {240, 6}, {360, 15}}};
+
 }  // namespace
+
+Tick OutLink::probe_interval(Tick unanswered) {
+  Tick interval = kCalmMarkInterval;
+  for (const Probing& p : kProbing)
+    if (unanswered >= p.unanswered) interval = p.interval;
+  return interval;
+}
 
 bool OutLink::arrived(std::uint32_t index) const {
   if (index < acked_) return true;
@@ -62,8 +78,9 @@ bool OutLink::echoes(const Flight& f, Tick now) const {
 
 // What is not acknowledged is to be soon, and for that the other end must hear that it is not.
 Tick OutLink::interval(const Context& c, std::uint32_t end) const {
-  if (c.calm && loss_ < kLossy) return kCalmMarkInterval;
-  return c.quiet && acked_ >= end && loss_ < kUnquiet ? kQuietMarkInterval : kMarkInterval;
+  const Tick probes = probe_interval(unanswered(c.now));
+  if (c.calm && loss_ < kLossy) return probes;
+  return std::min(probes, c.quiet && acked_ >= end && loss_ < kUnquiet ? kQuietMarkInterval : kMarkInterval);
 }
 
 void OutLink::empty_packet() {
@@ -77,11 +94,13 @@ void OutLink::empty_packet() {
 // Where everybody falls quiet at once, or begins, all would go on sending their marks in the same tick. So one mark of
 // a row is early, and from then on they come in the peer's own phase. Who has just come in is waited for, and begins at
 // once.
-bool OutLink::mark_is_due(const Context& c) {
-  if (last_sent_ == kNever && !fresh_) {
-    last_sent_ = c.now - 1;
-    marked_ = true;
-  }
+void OutLink::begin_marks(Tick now) {
+  if (last_sent_ != kNever || fresh_) return;
+  last_sent_ = now - 1;
+  marked_ = true;
+}
+
+bool OutLink::mark_is_due(const Context& c) const {
   const Tick since = c.now - last_sent_;
   return since >= interval_ || (marked_ && since > 0 && (c.now + c.phase) % interval_ == 0);
 }
@@ -89,7 +108,10 @@ bool OutLink::mark_is_due(const Context& c) {
 StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::uint32_t first,
                               const std::function<std::size_t(const Bundle&)>& size_of, std::size_t room) {
   const auto end = first + static_cast<std::uint32_t>(own.size());
+  if (answered_at_ == kNever) answered_at_ = c.now;
   interval_ = interval(c, end);
+  begin_marks(c.now);
+  const bool silent = unanswered(c.now) >= kSilent;
   bool urgent = false;
   repeated_.clear();
   chosen_.clear();
@@ -103,6 +125,7 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
   for (std::uint32_t i = end; i-- > std::max(acked_, first);) {  // newest first: it matters most to what is seen
     if (arrived(i)) continue;
     const Flight& f = flight(i);
+    if (silent && f.times > 0) continue;
     const bool alone = loss_ >= kVeryLossy && f.times == 1 && c.now - f.sent >= kEchoAlone;
     const bool must = f.times == 0 || alone || lost(f, c.now);
     if (must && fits(i)) {
@@ -113,7 +136,8 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
     }
   }
   gap_since_ = c.gap ? (gap_since_ < 0 ? c.now : gap_since_) : -1;
-  const bool ask = gap_since_ >= 0 && c.now - gap_since_ >= kGapPatience && c.now - last_sent_ >= kGapPatience;
+  const bool asks = c.again || missed_ || (gap_since_ >= 0 && c.now - gap_since_ >= kGapPatience);
+  const bool ask = asks && c.now - last_sent_ >= kGapPatience;
   if (!urgent && !ask && !mark_is_due(c)) return nullptr;
 
   for (const std::uint32_t i : repeated_)
@@ -138,6 +162,7 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
   sent_at_.push_back(c.now);
   if (sent_at_.size() > kRemembered) sent_at_.pop_front();
   last_sent_ = c.now;
+  missed_ = false;
   marked_ = !urgent;
   return &p;
 }
@@ -155,12 +180,21 @@ void OutLink::on_packet(const StatePacket& p, Tick now) {
   } else if (p.have == acked_) {
     acked_beyond_ |= p.have_beyond;
   }
+  if (p.seen_seq <= newest_seen_) missed_ = last_were_missed(now);
   if (p.seen_seq <= newest_seen_ || p.seen_seq > seq_) return;
   newest_seen_ = p.seen_seq;
+  answered_at_ = now;
   const std::uint32_t back = seq_ - p.seen_seq;
   if (back >= sent_at_.size()) return;
   newest_seen_sent_ = sent_at_[sent_at_.size() - 1 - back];
   sample(static_cast<float>(now - newest_seen_sent_) - static_cast<float>(p.seen_age));
+}
+
+// Whether what was sent a round trip ago, and nothing since, has arrived. Whoever speaks meanwhile waits for it.
+bool OutLink::last_were_missed(Tick now) const {
+  const std::uint32_t unseen = seq_ - newest_seen_;
+  if (unseen == 0 || unseen > sent_at_.size() || unanswered(now) < 2 * kMarkInterval) return false;
+  return now - sent_at_[sent_at_.size() - unseen] > static_cast<Tick>(std::ceil(srtt_ + 4 * rttvar_)) + 1;
 }
 
 // RFC 6298, in ticks.

@@ -12,7 +12,8 @@ namespace padr::sync {
 
 /// When and what to send on one directed link, so that its receiver gets every update of ours, soon, and with few
 /// bytes: new updates at once, unacknowledged ones once more with whatever goes out next, lost ones again as soon as
-/// their loss shows, and a mark now and then when there is nothing to say.
+/// their loss shows, and a mark now and then when there is nothing to say. A link that has fallen silent is probed more
+/// often, and nothing is repeated on it until it answers: what arrives there is not known.
 class OutLink {
  public:
   /// To or of somebody who has just come in. `acked`: the receiver has our updates below this already.
@@ -28,6 +29,7 @@ class OutLink {
     bool calm = false;   ///< its datagrams are known to arrive, and neither end waits for the other's last words
     bool quiet = false;  ///< nobody has had anything to tell lately, and neither end waits for last words
     Tick phase = 0;      ///< of this peer's marks among others', so that not everybody sends them at once
+    bool again = false;  ///< the receiver has sent something again, as it has not heard that it is here
   };
 
   /// The packet to send this tick, good until the next call, updates and marks filled in; null: none. `own`: this
@@ -43,12 +45,19 @@ class OutLink {
   /// Smoothed round trip in ticks, its acknowledgement delay taken out; a guess until the first measurement.
   float round_trip() const { return srtt_; }
   std::uint32_t sent() const { return seq_; }
+  /// Ticks since the receiver last said that something new of ours has arrived.
+  Tick unanswered(Tick now) const { return answered_at_ == kNever ? 0 : now - answered_at_; }
+  /// Marks on a link that has been unanswered for so long come at most so many ticks after one another.
+  static Tick probe_interval(Tick unanswered);
+  /// Unanswered for so long, a link is sent no repeats: see above.
+  static constexpr Tick kSilent = 3 * kTicksPerSecond;
   /// Updates sent more than once, counted by repetition.
   std::uint64_t repeats() const { return repeats_; }
 
  private:
   // Datagrams whose time of sending is remembered for round trips: 4 s at one a tick.
   static constexpr std::size_t kRemembered = 256;
+  static constexpr Tick kNever = -1000;
   struct Flight {
     Tick sent = -1;  ///< tick of the last transmission, -1 before the first
     int times = 0;
@@ -56,11 +65,13 @@ class OutLink {
   bool arrived(std::uint32_t index) const;
   bool lost(const Flight& f, Tick now) const;
   bool echoes(const Flight& f, Tick now) const;
-  bool mark_is_due(const Context& c);
+  void begin_marks(Tick now);
+  bool mark_is_due(const Context& c) const;
   Tick interval(const Context& c, std::uint32_t end) const;
   Flight& flight(std::uint32_t index);
   void empty_packet();
   void sample(float rtt);
+  bool last_were_missed(Tick now) const;
 
   std::uint32_t seq_ = 0;
   StatePacket packet_;
@@ -71,10 +82,11 @@ class OutLink {
   std::uint32_t acked_ = 0;
   std::uint32_t acked_beyond_ = 0;
   bool fresh_ = false;          ///< begun with an admission
+  bool missed_ = false;         ///< the receiver has spoken since, and does not know of our last datagrams
   Tick newest_seen_sent_ = -1;  ///< when the newest datagram known to have arrived was sent
   std::uint32_t newest_seen_ = 0;
+  Tick answered_at_ = kNever;
   Ring<Flight> flights_{32};  ///< updates acked_ + i
-  static constexpr Tick kNever = -1000;
   Tick last_sent_ = kNever;
   Tick interval_ = 15;   ///< between marks
   bool marked_ = false;  ///< the last datagram had nothing but its mark

@@ -20,22 +20,16 @@ Fold::Fold(const Scene& scene, int slots, int peers, bool authority)
   for (PeerId p = 0; p < slots; ++p) world_.set_free(p, true);
 }
 
-int Fold::apply(const Bundle& bundle) {
-  if (!members_[bundle.peer].present) return 0;
-  if (bundle.leave) {
-    remove(bundle.peer);
-    return 0;
-  }
+void Fold::apply(const Bundle& bundle) {
+  if (!members_[bundle.peer].present) return;
+  if (bundle.leave) return remove(bundle.peer);
   for (const Removal& r : bundle.removals)
     if (members_[r.slot].present && members_[r.slot].incarnation == r.incarnation) remove(r.slot);
   if (bundle.admission) admit(*bundle.admission);
   if (bundle.going && world_.scene().region) members_[bundle.peer].going = *bundle.going;
   for (const Passage& p : bundle.passages) pass(bundle.peer, p, bundle.tick);
   if (bundle.avatar) apply_avatar(bundle.peer, *bundle.avatar, bundle.tick);
-  int refused = 0;
-  for (const BodyUpdate& u : bundle.bodies)
-    if (!apply_body(bundle.peer, u)) ++refused;
-  return refused;
+  for (const BodyUpdate& u : bundle.bodies) apply_body(bundle.peer, u);
 }
 
 void Fold::apply_avatar(PeerId p, const AvatarUpdate& u, Tick tick) {
@@ -46,18 +40,17 @@ void Fold::apply_avatar(PeerId p, const AvatarUpdate& u, Tick tick) {
   world_.set_state(world_.avatar(p), {u.position, 0, u.velocity, 0, u.awake});
 }
 
-bool Fold::apply_body(PeerId p, const BodyUpdate& u) {
-  if (!with_authority_) return false;
+void Fold::apply_body(PeerId p, const BodyUpdate& u) {
+  if (!with_authority_) return;
   set_hold(p, u.body, u.held);
   if (!u.has_state) {
     if (u.release && authority_[u.body].owner == p) authority_[u.body].released = true;
-    return true;
+    return;
   }
   Authority claim{p, u.release, u.epoch, u.claimed};
-  if (!wins(claim, authority_[u.body], u.body)) return false;
+  if (!wins(claim, authority_[u.body], u.body)) return;
   authority_[u.body] = claim;
   if (plays(u.body)) world_.set_state(u.body, u.state);
-  return true;
 }
 
 void Fold::admit(const Admission& a) {

@@ -52,9 +52,9 @@ class Fold {
   const std::vector<Member>& members() const { return members_; }
   const Residents& residents() const { return residents_; }
 
-  /// Overwrites with what the bundle says, as of now, whatever tick it bears; nothing if its peer is no member. Returns
-  /// how many of its bodies were refused because their authority has been superseded.
-  int apply(const Bundle& bundle);
+  /// Overwrites with what the bundle says, as of now, whatever tick it bears; nothing if its peer is no member.
+  /// What it says of a body is refused if that authority has been superseded.
+  void apply(const Bundle& bundle);
   /// Advances one tick.
   void step();
 
@@ -79,7 +79,7 @@ class Fold {
 
  private:
   void apply_avatar(PeerId p, const AvatarUpdate& u, Tick tick);
-  bool apply_body(PeerId p, const BodyUpdate& u);
+  void apply_body(PeerId p, const BodyUpdate& u);
   void admit(const Admission& a);
   void remove(PeerId p);
   void pass(PeerId p, const Passage& passage, Tick tick);

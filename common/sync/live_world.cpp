@@ -6,6 +6,18 @@
 #include "common/world/avatar_control.h"
 
 namespace padr::sync {
+namespace {
+
+/// Who touched whom in the step that led there. A touch may be over in the step that it begins in.
+void take_touching(const world::View& after, std::vector<Contact>& out) {
+  out = after.contacts();
+  for (const std::uint32_t key : after.snapshot().parted)
+    if (world::second_of(key) < after.entities()) out.push_back({world::first_of(key), world::second_of(key)});
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+}
+
+}  // namespace
 
 LiveWorld::LiveWorld(const Scene& scene, const FoldState& start, PeerId self, bool authority)
     : world_(scene, static_cast<int>(start.avatars.size())),
@@ -20,7 +32,9 @@ LiveWorld::LiveWorld(const Scene& scene, const FoldState& start, PeerId self, bo
   for (PeerId p = 0; p < world_.slots(); ++p) world_.set_free(p, p == self || !authority);
   for (EntityId b = 0; b < world_.bodies(); ++b) world_.set_present(b, false);
   view_.change().contacts.reserve(world_.usual_contacts());
+  touching_.reserve(world_.usual_contacts());
   adopt(start, std::vector<bool>(reach_.size(), false), true);
+  touching_ = view_.contacts();
 }
 
 void LiveWorld::take_tables(const FoldState& predicted) {
@@ -174,6 +188,7 @@ void LiveWorld::advance(std::optional<Vec2> target, const FoldState& predicted) 
   world_.step();
   ++tick_;
   look(predicted);
+  take_touching(view_, touching_);
 }
 
 void LiveWorld::look(const FoldState& predicted) {

@@ -45,8 +45,10 @@ class LiveWorld {
   /// to sleep every tick, would keep Box2D from letting it sleep.
   void settle(const Bundle& told);
 
-  /// Everything, as of now.
+  /// Everything, as of now. After `adopt` its contacts are predicted's, whose memory the next step goes on from.
   const world::View& world() const { return view_; }
+  /// Entities that touched in the last step, if only within it; sorted: what this peer has seen, whatever is adopted.
+  const std::vector<Contact>& touching() const { return touching_; }
   PeerId self() const { return self_; }
   EntityId avatar() const { return view_.avatar(self_); }
   /// As adopted last.
@@ -91,6 +93,7 @@ class LiveWorld {
   std::vector<bool> out_;        ///< by entity: not in stepped_
   std::vector<bool> keep_;       ///< by entity: as it is in world_, or not there
   world::Snapshot mine_;
+  std::vector<Contact> touching_;
   Residents residents_;
 };
 

@@ -71,7 +71,8 @@ const Bundle& Reporter::report(const Situation& s) {
   avatar_.reset();
   exact_ = false;
   aim_.follow(s.target);
-  changes_ = &chain_.update(s.live->world().contacts(), s.predicted->tick);
+  const bool all = technique_.update_every_contact;  // those, too, that are over in the step that they begin in
+  changes_ = &chain_.update(all ? s.live->touching() : s.live->world().contacts(), s.predicted->tick);
   const auto held = [this](EntityId b) { return chain_.held(b); };
   holding_ = std::any_of(chain_.linked().begin(), chain_.linked().end(), held);
   if (technique_.authority) {
@@ -266,27 +267,40 @@ void Reporter::tell_avatar(const Situation& s, Cause cause) {
   avatar_ = u;
 }
 
-// Small errors that would last: the input has stopped changing, or the avatar stands, and the model is still off within
-// its threshold, or still drives towards something else. One exact word, of the bodies it owns too, ends that: from
-// then on live and predicted are the same and, the input being steady, stay so.
-bool Reporter::settled_but_wrong(const Situation& s, const BodyState& truth) {
+void Reporter::follow_avatar(const Situation& s, const BodyState& truth) {
   const Tick now = s.predicted->tick;
   if (s.target != last_target_) {
     last_target_ = s.target;
     target_since_ = now;
   }
   if (length(truth.velocity) > kStillSpeed) avatar_moved_ = now;
+  const bool still = !truth.awake || world::has_arrived(truth.position, truth.velocity, s.target);
+  if (!still) avatar_driven_ = now;
+}
+
+bool Reporter::has_settled(Tick now) const {
   const bool steady = now - target_since_ >= kSettledTicks;
   const bool stands = now - avatar_moved_ >= kSettledTicks;
-  if ((!steady && !stands) || now - settled_told_ < kSettledTicks) return false;
+  return (steady || stands) && now - settled_told_ >= kSettledTicks;
+}
+
+bool Reporter::ends_exactly(const Situation& s) const {
+  const Tick now = s.predicted->tick;
+  const bool steady = now - target_since_ >= kSettledTicks;
+  const bool stands = now - avatar_moved_ >= kSettledTicks;
+  return steady && stands && now - settled_told_ >= kRestAgainTicks && anything_differs(s);
+}
+
+// Small errors that would last: the input has stopped changing, or the avatar stands, and the model is still off within
+// its threshold, or still drives towards something else. One exact word, of the bodies it owns too, ends that: from
+// then on live and predicted are the same and, the input being steady, stay so.
+bool Reporter::settled_but_wrong(const Situation& s, const BodyState& truth) const {
+  if (!has_settled(s.predicted->tick)) return false;
   const world::Kinematics& believed = s.predicted->world.entities[s.live->avatar()];
   const AvatarModel& model = s.predicted->avatars[self_];
   const bool misdriven = model.kind == Model::kInput && distance(model.control, s.target) > kMisdriven;
   const bool misplaced = distance(truth.position, believed.position) > kMisdriven;
-  exact_ = steady && stands && now - settled_told_ >= kRestAgainTicks && anything_differs(s);
-  if (!misdriven && !misplaced && !exact_) return false;
-  settled_told_ = now;
-  return true;
+  return misdriven || misplaced || ends_exactly(s);
 }
 
 bool Reporter::anything_differs(const Situation& s) const {
@@ -296,9 +310,7 @@ bool Reporter::anything_differs(const Situation& s) const {
   return false;
 }
 
-bool Reporter::avatar_rests(const Situation& s, const BodyState& truth) {
-  const bool still = !truth.awake || world::has_arrived(truth.position, truth.velocity, s.target);
-  if (!still) avatar_driven_ = s.predicted->tick;
+bool Reporter::avatar_rests(const Situation& s, const BodyState& truth) const {
   if (s.predicted->tick - avatar_rest_told_ < kRestAgainTicks) return false;
   return !truth.awake || s.predicted->tick - avatar_driven_ >= kStillTicks;
 }
@@ -313,13 +325,16 @@ void Reporter::watch_avatar(const Situation& s) {
 }
 
 void Reporter::report_avatar(const Situation& s) {
+  const BodyState truth = s.live->world().state(s.live->avatar());
+  follow_avatar(s, truth);
   // Nobody sees it before it is told of.
   if (!s.predicted->avatars[self_].present) return tell_avatar(s, Cause::kThreshold);
-  const BodyState truth = s.live->world().state(s.live->avatar());
   const world::Kinematics& believed = s.predicted->world.entities[s.live->avatar()];
   if (model_error_.exceeds(s.threshold) || (technique_.every_tick && truth.awake)) {
     tell_avatar(s, Cause::kThreshold);
   } else if (technique_.model == Model::kInput && settled_but_wrong(s, truth)) {
+    exact_ = ends_exactly(s);
+    settled_told_ = s.predicted->tick;
     tell_avatar(s, Cause::kAtRest);
   } else if (avatar_rests(s, truth) && (truth.awake || truth.position != believed.position || believed.awake)) {
     tell_avatar(s, Cause::kAtRest);

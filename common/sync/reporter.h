@@ -64,8 +64,14 @@ class Reporter {
   void report_bodies(const Situation& s);
   void report_rest(const Situation& s, EntityId b, bool differs);
   void report_avatar(const Situation& s);
-  bool avatar_rests(const Situation& s, const BodyState& truth);
-  bool settled_but_wrong(const Situation& s, const BodyState& truth);
+  /// What the avatar and its input did this tick, whatever is told of it.
+  void follow_avatar(const Situation& s, const BodyState& truth);
+  bool avatar_rests(const Situation& s, const BodyState& truth) const;
+  /// Input or avatar have been the same for long enough to be told exactly.
+  bool has_settled(Tick now) const;
+  bool settled_but_wrong(const Situation& s, const BodyState& truth) const;
+  /// The same, and nothing at all is going on: everything is told that differs in any bit.
+  bool ends_exactly(const Situation& s) const;
   bool anything_differs(const Situation& s) const;
   void bound_the_sum(const Situation& s);
   void complete_cluster(const Situation& s);

@@ -20,7 +20,7 @@ namespace padr::trace {
 
 /// A trace begins with these 7 bytes and the version's byte.
 inline constexpr std::string_view kMagic = "PADRTRC";
-inline constexpr std::uint8_t kFormatVersion = 4;
+inline constexpr std::uint8_t kFormatVersion = 5;
 
 /// Takes the next bytes of a trace; whole records at a time.
 using ByteSink = std::function<void(std::span<const std::byte>)>;
@@ -65,6 +65,11 @@ struct Begin {
 
 struct Order {
   std::span<const std::byte> fetched;  ///< a wire::Fetched with the update, as common/wire encodes it
+};
+
+/// Updates of a peer that is not heard, as another has them; as in node::Node.
+struct Relayed {
+  std::span<const std::byte> fetched;  ///< a wire::Fetched, as common/wire encodes it
 };
 
 struct Freeze {
@@ -166,6 +171,6 @@ struct Footer {
 
 /// One record after the header.
 using Event = std::variant<Step, Received, Sent, Confirmed, Footer, Begin, Order, Freeze, GiveUp, Excuse, Locate,
-                           Retune, Push, Remark>;
+                           Retune, Push, Remark, Relayed>;
 
 }  // namespace padr::trace

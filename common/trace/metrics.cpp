@@ -1,6 +1,7 @@
 #include "common/trace/metrics.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -80,15 +81,49 @@ void InconsistencyMeter::settle(PendingTicks::iterator at) {
   spare_.push_back(pending_.extract(at));
 }
 
+namespace {
+
+/// The views that an unowned body of a view is compared with, if that plays them out alone.
+class Others {
+ public:
+  Others(const View& view, const std::vector<const View*>& by_slot, const Truth& truth, int bodies) {
+    if (!view.unowned_alone) return;
+    for (std::size_t p = 0; p < by_slot.size(); ++p) {
+      const std::size_t avatar = static_cast<std::size_t>(bodies) + p;
+      if (avatar >= truth.present.size() || !truth.present[avatar]) continue;
+      if (by_slot[p] != nullptr && by_slot[p] != &view) views_[n_++] = by_slot[p];
+    }
+  }
+  bool any() const { return n_ > 0; }
+  float mean_distance(std::size_t e, Vec2 from) const {
+    float sum = 0;
+    for (std::size_t i = 0; i < n_; ++i)
+      if (views_[i]->live[e] != from) sum += distance(views_[i]->live[e], from);
+    return sum / static_cast<float>(n_);
+  }
+
+ private:
+  std::array<const View*, kMaxPeers> views_{};
+  std::size_t n_ = 0;
+};
+
+}  // namespace
+
 InconsistencyPoint inconsistency_of(const View& view, const std::vector<const View*>& by_slot, const Truth& truth,
                                     int bodies, Tick tick) {
   float avatars_m = 0;
   float bodies_m = 0;
   float shown_m = 0;
+  const Others others(view, by_slot, truth, bodies);
   for (std::size_t e = 0; e < truth.owner.size(); ++e) {
     const PeerId owner = truth.owner[e];
     const View* owners = owner == kNoPeer ? nullptr : by_slot[owner];
     if (!truth.present[e]) continue;
+    if (owner == kNoPeer && others.any()) {
+      bodies_m += others.mean_distance(e, view.live[e]);
+      shown_m += others.mean_distance(e, view.shown[e]);
+      continue;
+    }
     const Vec2 there = owners != nullptr ? owners->live[e] : truth.agreed[e];
     const Vec2 live = view.live[e];
     const Vec2 shown = view.shown[e];

@@ -40,23 +40,29 @@ using InconsistencySeries = std::vector<InconsistencyPoint>;
 struct View {
   std::vector<Vec2> live;   ///< m, by entity id
   std::vector<Vec2> shown;  ///< m
+  /// Bodies that nobody owns play out here alone: see plays_unowned_alone.
+  bool unowned_alone = false;
 };
 
 /// The agreed word on one tick.
 struct Truth {
-  std::vector<PeerId> owner;  ///< by entity id; kNoPeer: nobody, the agreed world itself is the truth
+  std::vector<PeerId> owner;  ///< by entity id; kNoPeer: nobody
   std::vector<bool> present;  ///< by entity id
   std::vector<Vec2> agreed;   ///< m, positions in the confirmed world
 };
 
 /// What one view is off by at a tick: the sum over entities that are there of the distance to where their authority has
-/// them. `by_slot`: everybody's view of the same tick by slot, null where there is none; what belongs to nobody, or to
-/// somebody whose view there is not, is where it is agreed to be.
+/// them. `by_slot`: everybody's view of the same tick by slot, null where there is none. An entity whose authority has
+/// no view is where it is agreed to be, and so is a body that nobody owns in the view of a peer that takes it from the
+/// agreed world. In the view of a peer that plays such bodies out alone there is no word to hold against: it is off by
+/// the mean of its distances to the live places in all other views of peers that are there; with two peers, by how far
+/// the two worlds are apart, as the paper measures it.
 InconsistencyPoint inconsistency_of(const View& view, const std::vector<const View*>& by_slot, const Truth& truth,
                                     int bodies, Tick tick);
 
 /// Combined inconsistency as all programs mean it: per tick, the sum over entities of the distance between a peer's
-/// view and the view of the entity's authority at the same session tick; for a body that nobody owns, the agreed world.
+/// view and the view of the entity's authority at the same session tick; for a body that nobody owns, the agreed world
+/// or the other views, see inconsistency_of.
 /// Who owned what is known once the tick is confirmed; views wait for that.
 class InconsistencyMeter {
  public:

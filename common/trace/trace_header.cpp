@@ -8,7 +8,7 @@ void put_technique(const Technique& t, file::Technique& out) {
   // Names every field, so that a new one does not compile until it is told here and in take_technique.
   const auto& [name, authority, replay, model, predictor, law, lead, time_space, high, low, body_threshold, convergence,
                radius, steps, count, pcc_bound, update_every_contact, every_tick, end_update, proxy_update, rest_state,
-               precision] = t;
+               precision, unowned, time_stamps] = t;
   out.set_name(name);
   out.set_authority(authority);
   out.set_replay(replay);
@@ -31,13 +31,16 @@ void put_technique(const Technique& t, file::Technique& out) {
   out.set_no_proxy_update(!proxy_update);
   out.set_no_rest_state(!rest_state);
   out.set_precision(static_cast<std::uint32_t>(precision));
+  out.set_unowned(static_cast<std::uint32_t>(unowned));
+  out.set_time_stamps(time_stamps);
 }
 
 bool take_technique(const file::Technique& in, Technique& t) {
   if (in.model() > static_cast<unsigned>(Model::kInput) || in.predictor() > static_cast<unsigned>(Predictor::kPcc) ||
       in.law() > static_cast<unsigned>(ThresholdLaw::kContinuous) ||
       in.convergence() > static_cast<unsigned>(Convergence::kPvb) ||
-      in.precision() > static_cast<unsigned>(Precision::kRounded))
+      in.precision() > static_cast<unsigned>(Precision::kRounded) ||
+      in.unowned() > static_cast<unsigned>(Unowned::kLive))
     return false;
   for (const float v : {in.lead(), in.time_space(), in.threshold_high(), in.threshold_low(), in.body_threshold(),
                         in.radius(), in.pcc_bound()})
@@ -65,6 +68,8 @@ bool take_technique(const file::Technique& in, Technique& t) {
   t.proxy_update = !in.no_proxy_update();
   t.rest_state = !in.no_rest_state();
   t.precision = static_cast<Precision>(in.precision());
+  t.unowned = static_cast<Unowned>(in.unowned());
+  t.time_stamps = in.time_stamps();
   return true;
 }
 

@@ -115,7 +115,10 @@ struct TraceReader::Parser {
       if (!e) return "no such entity";
       const std::uint32_t owner = in.owner(i) / 2;
       if (owner > static_cast<std::uint32_t>(r.header_.slots)) return "no such owner";
-      r.truth_.owner[*e] = owner == 0 ? kNoPeer : static_cast<PeerId>(owner - 1);
+      // Traces from before name the first peer as the owner of every body where there is no authority.
+      const bool body = *e < static_cast<std::size_t>(r.header_.bodies);
+      const bool nobody = owner == 0 || (body && !r.header_.technique.authority);
+      r.truth_.owner[*e] = nobody ? kNoPeer : static_cast<PeerId>(owner - 1);
       r.truth_.present[*e] = in.owner(i) % 2 != 0;
       r.truth_.agreed[*e] = {in.position(2 * i), in.position(2 * i + 1)};
       if (!is_finite(r.truth_.agreed[*e])) return "a confirmed position is not finite";
@@ -177,6 +180,7 @@ struct TraceReader::Parser {
       return b;
     }
     if (in.has_order()) return Order{keep(in.order().fetched())};
+    if (in.has_relayed()) return Relayed{keep(in.relayed().fetched())};
     if (in.has_freeze()) return Freeze{slot(in.freeze().peer(), "freezes no slot"), in.freeze().frozen()};
     if (in.has_give_up()) return GiveUp{slot(in.give_up().peer(), "gives up no slot")};
     if (in.has_locate()) {
@@ -298,6 +302,7 @@ std::optional<Event> TraceReader::next() {
     case file::Record::kOrder:
     case file::Record::kFreeze:
     case file::Record::kGiveUp:
+    case file::Record::kRelayed:
     case file::Record::kExcuse:
     case file::Record::kLocate:
       return parser.membership(record);

@@ -107,6 +107,12 @@ void TraceWriter::give_up(const GiveUp& g) {
   hand_over(record, sink_);
 }
 
+void TraceWriter::relayed(const Relayed& r) {
+  file::Record record;
+  record.mutable_relayed()->set_fetched(r.fetched.data(), r.fetched.size());
+  hand_over(record, sink_);
+}
+
 void TraceWriter::excuse() {
   file::Record record;
   record.mutable_excuse();

@@ -16,6 +16,7 @@ class TraceWriter {
   void order(const Order& o);
   void freeze(const Freeze& f);
   void give_up(const GiveUp& g);
+  void relayed(const Relayed& r);
   void excuse();
   void locate(const Locate& l);
   void retune(const Retune& r);

@@ -8,7 +8,7 @@ void take_truth(const sync::FoldState& confirmed, bool authority, Truth& out) {
   out.agreed.clear();
   for (const world::Kinematics& k : confirmed.world.entities) out.agreed.push_back(k.position);
   for (const sync::Authority& a : confirmed.authority) {
-    out.owner.push_back(authority ? a.holder() : PeerId{0});
+    out.owner.push_back(authority ? a.holder() : kNoPeer);
     out.present.push_back(true);
   }
   PeerId peer = 0;

@@ -18,6 +18,7 @@ void put_seats(const std::vector<Seat>& seats, RepeatedPtrField<Membership::Seat
     seat.set_slot(s.slot);
     seat.set_incarnation(s.incarnation);
     seat.set_have(s.have);
+    seat.set_heard(s.heard);
   }
 }
 
@@ -28,6 +29,7 @@ struct Encoder {
     out.mutable_pull()->set_nonce(m.nonce);
     out.mutable_pull()->set_from(m.from);
     out.mutable_pull()->set_wanted(m.wanted);
+    out.mutable_pull()->set_cookie(m.cookie);
   }
   void operator()(const Piece& m) const {
     auto& p = *out.mutable_piece();
@@ -37,8 +39,15 @@ struct Encoder {
     p.set_bytes(m.bytes.data(), m.bytes.size());
   }
   void operator()(const Enter& m) const { out.mutable_enter()->set_nonce(m.nonce); }
-  void operator()(const Poll& m) const { put_seats(m.lost, *out.mutable_poll()->mutable_lost()); }
-  void operator()(const Answer& m) const { put_seats(m.lost, *out.mutable_answer()->mutable_lost()); }
+  void operator()(const Poll& m) const {
+    put_seats(m.lost, *out.mutable_poll()->mutable_lost());
+    out.mutable_poll()->set_freeze(m.freeze);
+  }
+  void operator()(const Answer& m) const {
+    put_seats(m.lost, *out.mutable_answer()->mutable_lost());
+    out.mutable_answer()->set_frozen(m.frozen);
+    out.mutable_answer()->set_tick(static_cast<std::uint32_t>(m.tick));
+  }
   void operator()(const Fetch& m) const {
     out.mutable_fetch()->set_slot(m.slot);
     out.mutable_fetch()->set_incarnation(m.incarnation);
@@ -71,11 +80,13 @@ struct Encoder {
   }
 };
 
+constexpr std::uint32_t kMaxTick = 0x7FFFFFFF;
+
 using Taken = std::optional<MembershipMessage>;
 
 Taken take(const Membership::Pull& in) {
-  if (in.nonce() == 0 || in.from() >= kMaxPieces) return std::nullopt;
-  return Pull{in.nonce(), in.from(), in.wanted()};
+  if (in.nonce() == 0 || in.from() >= kMaxPieces || in.cookie() == 0) return std::nullopt;
+  return Pull{in.nonce(), in.from(), in.wanted(), in.cookie()};
 }
 
 Taken take(const Membership::Piece& in) {
@@ -92,19 +103,25 @@ Taken take(const Membership::Enter& in) {
   return Enter{in.nonce()};
 }
 
-bool take_seats(const RepeatedPtrField<Membership::Seat>& in, std::vector<Seat>& out) {
-  if (in.empty() || in.size() > kMaxPeers) return false;
+bool take_seats(const RepeatedPtrField<Membership::Seat>& in, std::size_t most, std::vector<Seat>& out) {
+  if (in.empty() || static_cast<std::size_t>(in.size()) > most) return false;
   for (const Membership::Seat& s : in) {
-    if (s.slot() >= kMaxPeers || (!out.empty() && s.slot() <= out.back().slot)) return false;
-    out.push_back({static_cast<PeerId>(s.slot()), s.incarnation(), s.have()});
+    if (s.slot() >= kMaxPeers || (!out.empty() && s.slot() <= out.back().slot) || s.heard() > kMostHeard) return false;
+    out.push_back({static_cast<PeerId>(s.slot()), s.incarnation(), s.have(), s.heard()});
   }
   return true;
 }
 
-template <typename Message>
-Taken take_lost(const RepeatedPtrField<Membership::Seat>& in) {
-  Message m;
-  if (!take_seats(in, m.lost)) return std::nullopt;
+Taken take(const Membership::Poll& in) {
+  Poll m{{}, in.freeze()};
+  if (!take_seats(in.lost(), kMostLost, m.lost)) return std::nullopt;
+  return m;
+}
+
+Taken take(const Membership::Answer& in) {
+  if (in.tick() > kMaxTick) return std::nullopt;
+  Answer m{{}, in.frozen(), static_cast<Tick>(in.tick())};
+  if (!take_seats(in.lost(), kMostLost, m.lost)) return std::nullopt;
   return m;
 }
 
@@ -114,7 +131,6 @@ Taken take(const Membership::Fetch& in) {
 }
 
 Taken take(const Membership::Fetched& in) {
-  constexpr std::uint32_t kMaxTick = 0x7FFFFFFF;
   if (in.slot() >= kMaxPeers || in.updates().updates_size() == 0 || in.updates().mark_tick() >= kMaxTick)
     return std::nullopt;
   Fetched f{static_cast<PeerId>(in.slot()), in.incarnation(), {}};
@@ -131,7 +147,7 @@ Taken take(const Membership::Fetched& in) {
 
 Taken take(const Membership::Probe& in) {
   Probe p{in.incarnation(), {}, in.knows_you(), in.newest()};
-  if (!take_seats(in.members(), p.members)) return std::nullopt;
+  if (!take_seats(in.members(), kMaxPeers, p.members)) return std::nullopt;
   return p;
 }
 
@@ -156,9 +172,9 @@ std::optional<MembershipMessage> decode_membership(std::span<const std::byte> pa
     case Membership::kEnter:
       return take(in.enter());
     case Membership::kPoll:
-      return take_lost<Poll>(in.poll().lost());
+      return take(in.poll());
     case Membership::kAnswer:
-      return take_lost<Answer>(in.answer().lost());
+      return take(in.answer());
     case Membership::kFetch:
       return take(in.fetch());
     case Membership::kFetched:

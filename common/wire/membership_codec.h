@@ -18,6 +18,7 @@ struct Pull {
   std::uint64_t nonce = 0;
   std::uint32_t from = 0;    ///< below kMaxPieces
   std::uint64_t wanted = 0;  ///< bit i: piece from+i
+  std::uint64_t cookie = 0;  ///< of the Welcome, not 0
   friend bool operator==(const Pull&, const Pull&) = default;
 };
 
@@ -38,16 +39,26 @@ struct Seat {
   PeerId slot = kNoPeer;  ///< below kMaxPeers
   std::uint32_t incarnation = 0;
   std::uint32_t have = 0;
+  /// In an Answer: 1 + how many ticks before its tick the newest mark is by which the slot's peer has answered the
+  /// sender, kMostHeard at most; 0: there is none.
+  std::uint32_t heard = 0;
   friend bool operator==(const Seat&, const Seat&) = default;
 };
 
+/// Who asks and who answers are not among the lost.
+inline constexpr std::size_t kMostLost = kMaxPeers - 2;
+inline constexpr std::uint32_t kMostHeard = 0x3FFF;
+
 struct Poll {
-  std::vector<Seat> lost;  ///< 1 .. kMaxPeers, by ascending slot
+  std::vector<Seat> lost;  ///< 1 .. kMostLost, by ascending slot
+  bool freeze = false;     ///< take nothing more from them; otherwise it is only asked who hears them
   friend bool operator==(const Poll&, const Poll&) = default;
 };
 
 struct Answer {
-  std::vector<Seat> lost;  ///< 1 .. kMaxPeers, by ascending slot
+  std::vector<Seat> lost;  ///< 1 .. kMostLost, by ascending slot
+  bool frozen = false;     ///< as the Poll that is answered
+  Tick tick = 0;           ///< of the sender
   friend bool operator==(const Answer&, const Answer&) = default;
 };
 

@@ -63,6 +63,7 @@ struct Encoder {
     w.set_wanted(static_cast<std::uint32_t>(m.wanted));
     w.set_running(m.running);
     w.set_incarnation(m.incarnation);
+    w.set_cookie(m.cookie);
   }
   void operator()(const Redirect& m) const {
     auto& r = *out.mutable_redirect();
@@ -134,14 +135,15 @@ std::optional<SessionMessage> take(const Session::Welcome& in) {
   constexpr std::uint32_t most = kMaxPeers;
   if (in.slots() > most || in.wanted() == 0 || in.wanted() > in.slots() || in.peer() >= in.slots()) return std::nullopt;
   // Those of tick 0, and only they, have incarnation 0.
-  if (in.running() != (in.incarnation() != 0)) return std::nullopt;
+  if (in.running() != (in.incarnation() != 0) || in.running() != (in.cookie() != 0)) return std::nullopt;
   if (!in.running() && (in.peer() == 0 || in.peer() >= in.wanted())) return std::nullopt;
   return Welcome{in.nonce(),
                  static_cast<PeerId>(in.peer()),
                  static_cast<int>(in.slots()),
                  static_cast<int>(in.wanted()),
                  in.running(),
-                 in.incarnation()};
+                 in.incarnation(),
+                 in.cookie()};
 }
 
 std::optional<SessionMessage> take(const Session::Redirect& in) {

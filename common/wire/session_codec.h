@@ -31,6 +31,7 @@ struct Welcome {
   int wanted = 0;                 ///< 1 .. slots
   bool running = false;           ///< the session runs already; `peer` is below slots
   std::uint32_t incarnation = 0;  ///< of the newcomer in its slot: not 0 if running, 0 otherwise
+  std::uint64_t cookie = 0;       ///< to be said with every Pull: not 0 if running, 0 otherwise
   friend bool operator==(const Welcome&, const Welcome&) = default;
 };
 

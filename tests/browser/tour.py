@@ -4,7 +4,7 @@
 from browser import *
 
 PEERS = 4
-STEPS = 6
+STEPS = 9
 HOW = """return padr.session.controllable().map((p) => [p.slot, p.technique, p.knobs, p.links.map((l) => [l.to, l.netem ?? ""])])"""
 
 
@@ -17,7 +17,7 @@ class Tour(Case):
         cls.browser = cls.start(Browser())
         cls.browser.open(cls.monitor.address)
 
-    def test_six_steps_and_everything_as_before(self):
+    def test_all_steps_and_everything_as_before(self):
         b = self.browser
         self.wait_for_peers(b, PEERS)
         wait(lambda: all(len(p[3]) == PEERS - 1 and p[2] for p in b.script(HOW)), "all links and knobs to be told")
@@ -26,13 +26,13 @@ class Tour(Case):
         inconsistency = "return [...padr.session.points.values()].reduce((a, p) => a + (p.combined_m ?? 0), 0)"
         for step in range(1, STEPS + 1):
             self.assertEqual(b.text("#tour .count"), f"Step {step} of {STEPS}")
-            time.sleep(6)
+            time.sleep(3.5)
             b.picture(f"tour-{step}")
             print(f"{b.text('#tour .title')}: combined inconsistency of all views {b.script(inconsistency):.2f} m")
             self.assertEqual(b.text("#tour .status"), "")
             if not b.script("return document.querySelector('#tour .half').hidden"):
                 b.find("#tour .half").click()
-                time.sleep(6)
+                time.sleep(3.5)
                 b.picture(f"tour-{step}b")
                 print(f"  the other half: {b.script(inconsistency):.2f} m")
             if step == STEPS:  # the one who was cut off has to be back
@@ -41,6 +41,36 @@ class Tour(Case):
             b.find("#tour .next").click()
         self.assertTrue(b.script("return document.querySelector('#tour').hidden"))
         wait(lambda: same(b.script(HOW), before), f"everything as before: {before}")
+        self.check_console(b)
+
+
+class Scene(Case):
+    """The tour in the session that tools/demo.sh --scene stop-short plays."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.monitor = cls.start(Monitor())
+        path = os.path.join(os.path.dirname(__file__), "../../common/scenarios/paths/ball.csv")
+        cls.session = cls.start(Session(cls.monitor, 2, "--scenario", "ball", "--technique", "avatar-only", "--threshold", "0.8",
+                                        own=[["--input", f"path:{path},loop"], ["--input", "rest"]]))  # fmt: skip
+        cls.browser = cls.start(Browser())
+        cls.browser.open(cls.monitor.address)
+
+    def test_says_what_is_seen_without_authority(self):
+        b = self.browser
+        self.wait_for_peers(b, 2)
+        wait(lambda: b.script("return (padr.session.points.get(1)?.bodies_m ?? 0) > 1"), "the model to have hit the ball")
+        b.find("#tour-button").click()
+        said = {}
+        for _ in range(STEPS):
+            said[b.text("#tour .title")] = b.text("#tour .text")
+            time.sleep(0.3)
+            self.assertEqual(b.text("#tour .status"), "", "no step asks for what a session without authority refuses")
+            b.find("#tour .next").click()
+        self.assertIn("Time after time avatar 0 runs at the ball. It stops just short", said["Stopping short"])
+        self.assertIn("Nobody has authority here", said["Stopping short"])
+        self.assertIn("look-ahead is blind to a stop short", said["What a predictor sees"])
+        self.assertIn("--scene proxy", said["The chain by proxy"])
         self.check_console(b)
 
 

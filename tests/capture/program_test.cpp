@@ -14,18 +14,21 @@ class Program : public Shell {
  protected:
   Outcome capture(const std::string& arguments) const { return shell(std::string(PADR_CAPTURE) + " " + arguments); }
   void write(const std::string& name, const Data& data) const { Shell::write(name, text_of(data)); }
-  /// A state datagram in a frame.
-  static Data state(std::uint32_t seq) {
+  /// A state datagram in a frame. `count`: of the updates that its sender says it has made.
+  static Data state(std::uint32_t seq, std::uint16_t session = 5, std::uint32_t count = 0) {
     sync::StatePacket p;
     p.seq = seq;
     p.mark_tick = static_cast<Tick>(seq);
-    return ethernet(ipv4(udp(text_of(wire::seal({wire::Kind::kState, 1, 5}, wire::encode(p))))));
+    p.mark_count = count;
+    return ethernet(ipv4(udp(text_of(wire::seal({wire::Kind::kState, 1, session}, wire::encode(p))))));
   }
 };
 
 TEST_F(Program, SaysWhatIsWrongWithTheCommandLine) {
   for (const auto& [arguments, line] : std::vector<std::pair<std::string, std::string>>{
            {"", "A subcommand is required"},
+           {"sumary x", "'sumary' is no command; allowed: summary, timeline, rebuild, compare, export, follow"},
+           {"summary peer.trace", "peer.trace: not a capture but a trace; padr-report reads it"},
            {"summary", "CAPTURE is required"},
            {"summary nothing.pcap", "cannot read 'nothing.pcap': No such file or directory"},
            {"summary .", "it is a directory"},
@@ -34,6 +37,7 @@ TEST_F(Program, SaysWhatIsWrongWithTheCommandLine) {
            {"rebuild x --peers " + std::to_string(kMaxPeers + 1), "--peers"},
            {"compare x", "at least one capture and one trace"}}) {
     Shell::write("x", "");
+    Shell::write("peer.trace", "PADRTRC and more");
     const Outcome o = capture(arguments);
     EXPECT_EQ(o.status, 2) << arguments;
     EXPECT_NE(o.err.find(line), std::string::npos) << arguments << ": " << o.err;
@@ -81,6 +85,44 @@ TEST_F(Program, SeveralCapturesCountADatagramOnce) {
   EXPECT_EQ(seqs, (std::vector<std::string>{"1", "2", "2", "3"}));
   EXPECT_NE(capture("summary a.pcap b.pcap").out.find("4 datagrams of PADR"), std::string::npos);
   EXPECT_NE(capture("summary a.pcap b.pcap").out.find("2 seen in another file, too"), std::string::npos);
+}
+
+// A demo beside a crowd, on the loopback device.
+TEST_F(Program, OfSeveralSessionsRebuildAsksWhichOne) {
+  write("two.pcap", pcap({}, {state(1, 9), state(1, 513), state(2, 513)}));
+  const Outcome which = capture("rebuild two.pcap --scenario arena --peers 2");
+  EXPECT_EQ(which.status, 2);
+  EXPECT_EQ(which.err,
+            "padr-capture: --session: the capture has 2 sessions, say which one: 513 (ticks 1 to 2, 1 peer, 2 state "
+            "datagrams); 9 (ticks 1 to 1, 1 peer, 1 state datagrams)\n");
+  for (const std::string number : {"513", "0x201"}) {
+    const Outcome one = capture("rebuild two.pcap --scenario arena --peers 2 --session " + number);
+    EXPECT_EQ(one.err, "");
+    EXPECT_TRUE(one.out.starts_with("session 513: arena")) << one.out;
+  }
+  const Outcome other = capture("rebuild two.pcap --session 7");
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.err.find("--session: 7 is not in the capture; it has 513 ("), std::string::npos) << other.err;
+  for (const std::string number : {"0", "65536", "0x10000", "5a", "0x", "-1", "5 "}) {
+    const Outcome wrong = capture("rebuild two.pcap --session '" + number + "'");
+    EXPECT_EQ(wrong.status, 2) << number;
+    EXPECT_NE(wrong.err.find("allowed: 1 .. 65535 or 0x1 .. 0xffff"), std::string::npos) << wrong.err;
+  }
+}
+
+TEST_F(Program, WhatBeginsInTheMiddleIsNotRebuiltAndItSaysWhyAtOnce) {
+  write("middle.pcap", pcap({}, {state(300, 5, 7), state(301, 5, 7)}));
+  const Outcome o = capture("rebuild middle.pcap");
+  EXPECT_EQ(o.status, 1);
+  EXPECT_EQ(o.out, "");
+  EXPECT_TRUE(
+      o.err.starts_with("padr-capture: rebuild: session 5 had begun when the capture did, at tick 300: update 0 "
+                        "of peer 1 is not in it, and no whole transfer to a newcomer is."))
+      << o.err;
+  EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+  // Nothing is proven where no hash is reached.
+  write("begin.pcap", pcap({}, {state(1)}));
+  EXPECT_EQ(capture("rebuild begin.pcap --scenario arena --peers 2").status, 1);
 }
 
 TEST_F(Program, FollowsAPipeAndAFileThatGrows) {

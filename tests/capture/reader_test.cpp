@@ -154,7 +154,7 @@ TEST(Reader, DamageIsNamedWithPacketAndByte) {
 TEST(Reader, WhatIsNoCaptureIsRefused) {
   EXPECT_THROW(reading(bytes_of("PADRTRC and so on")), UserError);
   EXPECT_THROW(reading(bytes_of("xy")), UserError);
-  EXPECT_EQ(reading({}), Lines{"made: packet 1 at byte 0: the file ends in its midst"});
+  EXPECT_EQ(reading({}), Lines{"made: the file is empty or ends after a few bytes"});
 }
 
 /// Files of every kind with three packets each, and where each packet ends.

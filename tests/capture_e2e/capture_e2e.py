@@ -65,7 +65,7 @@ def is_somebodys(datagram):
 
 def is_sealed(datagram):
     """By what it says itself: damage can make one seem so, or another's."""
-    return is_somebodys(datagram) and 30 <= len(datagram) <= 1220 and datagram[2] in (0x64, 0x65, 0x66, 0x68, 0x69, 0x6A)
+    return is_somebodys(datagram) and 30 <= len(datagram) <= 1220 and datagram[2] in (0x74, 0x75, 0x76, 0x78, 0x79, 0x7A)
 
 
 def is_claimed(datagram):
@@ -73,7 +73,7 @@ def is_claimed(datagram):
     if datagram[:2] != b"Pd" or len(datagram) < 6:
         return False
     good = len(datagram) >= 10 and zlib.crc32(datagram[:-4]) == int.from_bytes(datagram[-4:], "little")
-    return good or is_sealed(datagram) or datagram[2] in (0x60, 0x61, 0x62) and is_somebodys(datagram)
+    return good or is_sealed(datagram) or datagram[2] in (0x70, 0x71, 0x72) and is_somebodys(datagram)
 
 
 def senders(keylog):
@@ -194,6 +194,7 @@ class Captures(Case):
             self.assertGreater(link["delay_least_ms"], 5)
             self.assertTrue(20 < link["delay_mean_ms"] < 300, link)
         self.check_rebuilt(files[0], least=6)
+        self.check_middle(files[0], traces)
 
     def test_killed_and_late(self):
         own = [self.own(i) for i in range(4)]
@@ -256,6 +257,17 @@ class Captures(Case):
         self.capture("timeline", *files, "--svg", self.path("t.svg"))
         with open(self.path("t.svg"), encoding="utf-8") as f:
             self.assertIn("</svg>", f.read())
+
+    def check_middle(self, file, traces):
+        """Of a capture that begins later nothing can be rebuilt or compared, and that is no success."""
+        middle = self.path("middle.pcap")
+        datagrams = pcap.read(file)
+        pcap.write(middle, [d for d in datagrams if d[0] > datagrams[-1][0] - 4 * 10**9])
+        c = self.as_json("compare", middle, *traces, code=1)
+        self.assertFalse(c["agree"])
+        self.assertIn("had begun when the capture did", c["not_compared"])
+        self.assertIn("THE WORLDS WERE NOT COMPARED", self.capture("compare", middle, *traces, code=1))
+        self.assertEqual(self.capture("rebuild", middle, code=1), "")
 
     def check_gap(self, file, of):
         """Without the datagrams that carry one certain update, the world ends there, and it is said why."""

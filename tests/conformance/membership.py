@@ -4,15 +4,17 @@ from rules import ascends, require
 from updates import MOST_PEERS, MOST_TICK, UPDATE_FIELDS, decode_update
 
 MOST_PIECES, MOST_PIECE = 2048, 1150
+MOST_HEARD = 0x3FFF
 
-SEAT_FIELDS = {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("have", "uint32")}
+SEAT_FIELDS = {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("have", "uint32"), 4: ("heard", "uint32")}
 TOLD_FIELDS = {2: ("mark_tick", "uint32"), 3: ("mark_count", "uint32"), 9: ("update", UPDATE_FIELDS)}
 MEMBERSHIP_MESSAGES = {
-    1: ("pull", {1: ("nonce", "fixed64"), 2: ("from", "uint32"), 3: ("wanted", "fixed64")}),
+    1: ("pull", {1: ("nonce", "fixed64"), 2: ("from", "uint32"), 3: ("wanted", "fixed64"),
+                  4: ("cookie", "fixed64")}),
     2: ("piece", {1: ("nonce", "fixed64"), 2: ("index", "uint32"), 3: ("count", "uint32"), 4: ("bytes", "bytes")}),
     3: ("enter", {1: ("nonce", "fixed64")}),
-    4: ("poll", {1: ("lost", SEAT_FIELDS)}),
-    5: ("answer", {1: ("lost", SEAT_FIELDS)}),
+    4: ("poll", {1: ("lost", SEAT_FIELDS), 2: ("freeze", "bool")}),
+    5: ("answer", {1: ("lost", SEAT_FIELDS), 2: ("frozen", "bool"), 3: ("tick", "uint32")}),
     6: ("fetch", {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("from", "uint32")}),
     7: ("fetched", {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("updates", Single(TOLD_FIELDS))}),
     8: ("probe", {1: ("incarnation", "uint32"), 2: ("member", SEAT_FIELDS), 3: ("knows_you", "bool"), 4: ("newest", "uint32")}),
@@ -24,10 +26,13 @@ def decode_membership(payload):
     name, out = one_of(payload, MEMBERSHIP_MESSAGES)
     require(out.get("nonce") != 0, "no nonce")
     require(out.get("slot", 0) < MOST_PEERS, "a slot that is none")
-    for seats in (out[column] for column in ("lost", "member") if column in out):
-        check_seats(seats)
+    for column, most in (("lost", MOST_PEERS - 2), ("member", MOST_PEERS)):
+        if column in out:
+            check_seats(out[column], most)
+    require(out.get("tick", 0) <= MOST_TICK + 1, "a tick that is none")
     if name == "pull":
         require(out["from"] < MOST_PIECES, "from beyond the last piece")
+        require(out["cookie"] != 0, "no cookie")
     elif name == "piece":
         require(out["index"] < out["count"] <= MOST_PIECES, "a piece that is none")
         require(1 <= len(out["bytes"]) <= MOST_PIECE, "a piece of another size")
@@ -36,10 +41,11 @@ def decode_membership(payload):
     return name, out
 
 
-def check_seats(seats):
-    require(1 <= len(seats) <= MOST_PEERS, "nobody, or too many")
+def check_seats(seats, most):
+    require(1 <= len(seats) <= most, "nobody, or too many")
     require(all(seat["slot"] < MOST_PEERS for seat in seats), "a slot that is none")
     require(ascends([seat["slot"] for seat in seats]), "seats do not ascend")
+    require(all(seat["heard"] <= MOST_HEARD for seat in seats), "heard too long ago")
 
 
 def decode_fetched(state):

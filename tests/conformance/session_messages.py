@@ -8,7 +8,7 @@ SESSION_MESSAGES = {
     1: ("join", {1: ("nonce", "fixed64"), 2: ("scene_hash", "fixed64"), 3: ("fingerprint", "fixed64"),
                  4: ("authority", "bool"), 5: ("scenario", "text"), 6: ("padding", "bytes")}),
     2: ("welcome", {1: ("nonce", "fixed64"), 2: ("peer", "uint32"), 3: ("slots", "uint32"), 4: ("wanted", "uint32"),
-                    5: ("running", "bool"), 6: ("incarnation", "uint32")}),
+                    5: ("running", "bool"), 6: ("incarnation", "uint32"), 7: ("cookie", "fixed64")}),
     3: ("redirect", {1: ("nonce", "fixed64"), 2: ("address", "bytes"), 3: ("port", "uint32")}),
     4: ("refuse", {1: ("nonce", "fixed64"), 2: ("reason", "text")}),
     5: ("ping", {1: ("sent_us", "sfixed64"), 2: ("padding", "bytes")}),
@@ -73,6 +73,7 @@ def check_session(name, content):
         least, most = (0, content["slots"]) if content["running"] else (1, content["wanted"])
         require(least <= content["peer"] < most, "a number that is none")
         require(content["running"] == (content["incarnation"] > 0), "an incarnation of the wrong sort")
+        require(content["running"] == (content["cookie"] > 0), "a cookie of the wrong sort")
     elif name in ("ask", "tell"):
         check_finding(name, content)
     elif name == "ping":

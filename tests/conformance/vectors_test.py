@@ -65,8 +65,8 @@ def check_order_of_reasons(datagram):
     assert reason(b"") == "short"
     assert reason(b"Pd" + bytes(1199)) == "long"
     assert reason(rebuilt(b"Px", 0x7F)) == "magic"
-    assert reason(rebuilt(b"Pd", 0x7F)) == "version"
-    assert reason(rebuilt(b"Pd", 0x6F)) == "kind"
+    assert reason(rebuilt(b"Pd", 0x8F)) == "version"
+    assert reason(rebuilt(b"Pd", 0x7F)) == "kind"
 
 
 def check_shortened(datagram):

@@ -115,6 +115,21 @@ TEST_F(Region, TheFirstWordOnWhereItIsBoundCounts) {
   EXPECT_EQ(fold.residents().slots[*fold.residents().find(kStranger)].bound, 0U) << "said of it before it came in";
 }
 
+// It was bound for here when it crossed the border, and pushed to the far side of where it came from before anybody was
+// in both regions. Once that was no believable place: nobody took the entry, nor anything else that its sender said
+// from then on.
+TEST_F(Region, WhatComesInMayLieOnTheFarSideOfTheRegionItComesFrom) {
+  const auto taken = [this](Vec2 at) {
+    Bundle b;
+    b.peer = 1;
+    b.passages.push_back(entry(1, at));
+    return admit(b, scene, 4) == DropReason::kNone;
+  };
+  EXPECT_TRUE(taken({plane.side + 20.5F, 4}));
+  EXPECT_TRUE(taken({2 * plane.side + 15, -plane.side - 15}));
+  EXPECT_FALSE(taken({3 * plane.side + 21, 4}));
+}
+
 TEST_F(Region, WithoutRoomNothingComesIn) {
   const int rooms = plane.spare / 3;
   for (int i = 0; i <= rooms; ++i) {
@@ -196,8 +211,8 @@ TEST(AdmitPassages, Table) {
   EXPECT_EQ(judge(entry(0), scene), DropReason::kValue) << "nothing crosses for the zeroth time";
   EXPECT_EQ(judge(entry(1U << 30U), scene), DropReason::kValue);
   EXPECT_EQ(judge(entry(1, {4, 4}, 3), scene), DropReason::kValue) << "no such build";
-  EXPECT_EQ(judge(entry(1, {-19, 4}), scene), DropReason::kNone);
-  EXPECT_EQ(judge(entry(1, {-21, 4}), scene), DropReason::kValue);
+  EXPECT_EQ(judge(entry(1, {-67, 4}), scene), DropReason::kNone);
+  EXPECT_EQ(judge(entry(1, {-69, 4}), scene), DropReason::kValue);
   EXPECT_EQ(judge(exit_of(kStranger, 1), scene), DropReason::kNone);
   Passage bound;
   bound.name = kStranger;

@@ -102,6 +102,24 @@ class Crowd(Case):
         self.assertEqual(code, 1, err)
         self.assertIn("another one", err)
 
+    def test_a_signal_while_a_neighbouring_region_lingers_spoils_nothing(self):
+        def stands(x, *arguments):
+            path = self.file(f"{x}.csv", f"t,x,y\n0,{x},12\n1000,{x},12\n")
+            # So slow that the neighbour has not answered the goodbye before it is stopped.
+            return self.peer("--crowd", "--start", f"{x},12", "--input", f"path:{path}", "--netem", "delay 500ms", *arguments)
+
+        leaver = stands(20, "--duration", 8, "--status-interval", 0.2)
+        neighbour = stands(36, "--join", f"127.0.0.1:{leaver.port()}")
+        leaver.wait_for("2 regions, up to 1 others in one")
+        leaver.wait_for("leaving 2 regions .* the time to play is over")
+        neighbour.process.send_signal(signal.SIGSTOP)
+        time.sleep(1.5)  # its own region has nobody else and is over; the other one lingers for 3 s
+        leaver.process.send_signal(signal.SIGTERM)
+        self.assertEqual(leaver.end(), 0, leaver.text())
+        neighbour.process.send_signal(signal.SIGCONT)
+        neighbour.process.send_signal(signal.SIGTERM)
+        self.assertEqual(neighbour.end(), 0, neighbour.text())
+
     def test_nobody_there(self):
         code, _, err = run("--crowd", "--join", "127.0.0.1:9", "--join-timeout", 1)
         self.assertEqual(code, 1, err)

@@ -40,7 +40,7 @@ padr::wire::Bytes padr::test::good_input(Rng& rng) {
         add(all, wire::Kind::kSession, sender, wire::encode_session(wire::Ping{i}));
         break;
       case 2:
-        add(all, wire::Kind::kMembership, sender, wire::encode_membership(wire::Pull{kNonce, 0, ~0ULL}));
+        add(all, wire::Kind::kMembership, sender, wire::encode_membership(wire::Pull{kNonce, 0, ~0ULL, kNonce}));
         add(all, wire::Kind::kMembership, sender, wire::encode_membership(wire::Enter{kNonce}));
         break;
       case 3: {

@@ -3,6 +3,7 @@
 
 #include "common/wire/session_codec.h"
 #include "tests/gate/two_gates.h"
+#include "tests/membership/party.h"
 
 namespace padr::test {
 namespace {
@@ -44,6 +45,55 @@ TEST(Amplification, NothingUnprovenGetsBackMoreThanItSent) {
     std::printf("  %-20s %6.0f %6.0f %6.2f\n", name, in, out, out / in);
     EXPECT_LE(out, in) << name;
   }
+}
+
+// In a session without a key, which anybody may come into, by whatever its members say.
+TEST(Amplification, WithoutAKeyNothingUnprovenGetsBackMoreThanItSentEither) {
+  const Endpoint stranger = place(66);
+  constexpr std::uint64_t kNonce = 77;
+  double out = 0;
+  const lab::GatheringConfig config = party_config(6, "delay 5ms", 5);
+  Party party(config, [&](lab::Gathering& g) {
+    g.on_tamper = [&](int) {
+      return [&](node::Parcel p) {
+        if (same_place(p.to, stranger)) out += static_cast<double>(p.bytes.size()) + kHeaders;
+        return std::vector{std::move(p)};
+      };
+    };
+  });
+  party.run(4);
+  ASSERT_TRUE(party.united()) << party.story();
+  const std::uint16_t number = party.net().peer(0).session().number();
+  constexpr PeerId kElsewhere = 9;  // a slot that nobody sits in
+  const auto session = [&](const wire::SessionMessage& m) {
+    return wire::seal({wire::Kind::kSession, kElsewhere, number}, wire::encode_session(m));
+  };
+  const auto membership = [&](const wire::MembershipMessage& m) {
+    return wire::seal({wire::Kind::kMembership, kElsewhere, number}, wire::encode_membership(m));
+  };
+  const std::vector<std::pair<const char*, wire::Bytes>> all{
+      {"Join", session(wire::Join{kNonce, scene_hash(config.scene), 1, config.technique.authority, config.scene.name})},
+      {"Join, other physics", session(wire::Join{kNonce + 1, scene_hash(config.scene), 2, true, "x"})},
+      {"Ping", session(wire::Ping{1})},
+      {"Pull", membership(wire::Pull{kNonce, 0, ~std::uint64_t{0}, 1})},
+      {"Enter", membership(wire::Enter{kNonce})},
+      {"Probe", membership(wire::Probe{99, {{kElsewhere, 99, 0}}, false, 99})},
+      {"Poll", membership(wire::Poll{{{1, 0, 0}}})},
+      {"Fetch", membership(wire::Fetch{1, 0, 0})},
+      {"state", wire::seal({wire::Kind::kState, kElsewhere, number}, wire::Bytes(30))}};
+  std::printf("  %-20s %6s %6s %6s\n", "from anywhere", "in", "out", "factor");
+  for (const auto& [name, d] : all) {
+    out = 0;
+    constexpr int kTimes = 20;
+    for (int i = 0; i < kTimes; ++i) {
+      party.net().inject(stranger, i % 2, d);
+      party.run(0.05);
+    }
+    const double in = kTimes * (static_cast<double>(d.size()) + kHeaders);
+    std::printf("  %-20s %6.0f %6.0f %6.2f\n", name, in, out, out / in);
+    EXPECT_LE(out, in) << name;
+  }
+  EXPECT_TRUE(party.united()) << party.story();
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "common/node/gate.h"
 
 #include <algorithm>
+#include <list>
 
 #include "tests/gate/two_gates.h"
 
@@ -252,6 +253,59 @@ TEST(Gate, MemoryIsBoundedWhoeverComes) {
   g.now += 61'000'000;
   g.meet();
   EXPECT_EQ(g.b.channels(), Gate::kMostChannels);
+}
+
+// Anybody can say a Hello again that somebody else has said, and gets a cookie for it.
+TEST(Gate, NobodyIsForgottenForWhoProvesNothing) {
+  int told = 0;
+  node::GateConfig config = gate_config(2);
+  config.on_key = [&](const PublicKey&, const PublicKey&, const wire::Key&) { ++told; };
+  Gate b(std::move(config));
+  Micros now = 1'000'000;
+  std::list<Gate> others;
+  for (std::uint64_t i = 0; i < Gate::kMostChannels; ++i) {
+    Gate& other = others.emplace_back(gate_config(100 + i));
+    other.send(place(2), kNoPeer, words("in"), now);
+    for (int round = 0; round < 3; ++round) {
+      for (const auto& p : taken(other)) b.receive(place(7), p.bytes, now);
+      for (const auto& p : taken(b)) other.receive(place(2), p.bytes, now);
+    }
+  }
+  ASSERT_EQ(b.channels(), Gate::kMostChannels);
+  EXPECT_EQ(told, 2 * static_cast<int>(Gate::kMostChannels));
+  now += 61'000'000;
+  const PublicKey stranger = wire::public_key(key_of(5));
+  const wire::Key h = wire::handshake_key(gate_config(1).session);
+  b.receive(place(66), wire::encode_handshake(wire::Hello{stranger, 1}, h), now);
+  const auto answer = wire::decode_handshake(taken(b).at(0).bytes, h);
+  ASSERT_TRUE(answer && std::holds_alternative<wire::Cookie>(*answer));
+  const wire::Introduction in{stranger, 1, std::get<wire::Cookie>(*answer).cookie};
+  b.receive(place(66), wire::encode_handshake(in, key_of(9)), now);
+  EXPECT_EQ(b.stats().dropped[static_cast<std::size_t>(GateDrop::kTag)], 1U);
+  EXPECT_EQ(b.channels(), Gate::kMostChannels);
+  EXPECT_EQ(told, 2 * static_cast<int>(Gate::kMostChannels)) << "its keys have been told";
+  Gate& quietest = others.front();
+  Endpoint name = place(2);
+  name.key = b.key();
+  quietest.send(name, kNoPeer, words("still here"), now);
+  bool passes = false;
+  for (const auto& p : taken(quietest)) passes = passes || b.receive(place(7), p.bytes, now).has_value();
+  EXPECT_TRUE(passes);
+}
+
+TEST(Gate, KeysAreToldOfSoManyPeersAtMost) {
+  int told = 0;
+  node::GateConfig config = gate_config(1);
+  config.on_key = [&](const PublicKey&, const PublicKey&, const wire::Key&) { ++told; };
+  config.most_keys = 3;
+  Gate a(std::move(config));
+  for (std::uint64_t n = 1; n <= 5; ++n) {
+    Endpoint to = place(static_cast<int>(n));
+    to.key = wire::public_key(key_of(50 + n));
+    a.send(to, 1, words("x"), 0);
+    EXPECT_EQ(told, 2 * static_cast<int>(std::min<std::uint64_t>(n, 3)));
+    EXPECT_EQ(a.has_told_all_keys(), n >= 3);
+  }
 }
 
 TEST(Gate, PlacesThatNeverAnswerAreForgotten) {

@@ -112,6 +112,39 @@ TEST(Floods, WhoIsAskedWhatItHasOfALostPeerAndNeverAnswers) {
   }
 }
 
+// It says that it hears a peer that is gone. Nobody can sign that one's updates, so it is not believed for long.
+TEST(Floods, WhoSaysForEverThatItHearsALostPeer) {
+  for (const auto mode : {wire::SealMode::kNone, wire::SealMode::kAuth}) {
+    Trial t(4, 2, mode, 306);
+    const PeerId lost = 3;
+    t.liar().speak_of_others([](wire::MembershipMessage& m) {
+      if (auto* answer = std::get_if<wire::Answer>(&m))
+        for (wire::Seat& s : answer->lost) s.heard = 1;
+    });
+    t.party().net().kill(t.person(lost));
+    t.party().run(5);
+    EXPECT_TRUE(t.node(0).other(lost).reachable()) << "it is believed for a while";
+    t.party().run(4.5);
+    EXPECT_GT(t.liar().told, 0U);
+    EXPECT_FALSE(t.node(0).other(lost).reachable()) << t.party().story();
+    t.expect_no_harm_to({0, 1});
+  }
+}
+
+// What others relay of a peer is its own words or nothing.
+TEST(Floods, WhoRelaysWhatAnotherHasNotSaid) {
+  Trial t(4, 2, wire::SealMode::kAuth, 307);
+  t.liar().speak_of_others([](wire::MembershipMessage& m) {
+    if (auto* fetched = std::get_if<wire::Fetched>(&m))
+      for (sync::Bundle& b : fetched->updates) b.avatar = avatar_at({3, 3});
+  });
+  t.party().net().cut(t.person(1), t.person(3), true);
+  t.party().net().cut(t.person(3), t.person(1), true);
+  t.party().run(20);
+  EXPECT_GT(t.liar().told, 0U);
+  t.expect_no_harm_to({0, 1, 3});
+}
+
 // Polls, fetches, answers, probes and joins by the thousand.
 TEST(Floods, MessagesOfMembership) {
   for (const auto mode : {wire::SealMode::kNone, wire::SealMode::kAuth}) {
@@ -133,7 +166,7 @@ TEST(Floods, MessagesOfMembership) {
         membership(wire::Fetch{1, 0, 0});
         membership(fetched);
         membership(wire::Probe{0, {{2, 0, 0}, {5, 9, 0}, {6, 9, 0}, {7, 9, 0}, {8, 9, 0}, {9, 9, 0}}, false, 100});
-        membership(wire::Pull{++nonce, 0, ~std::uint64_t{0}});
+        membership(wire::Pull{++nonce, 0, ~std::uint64_t{0}, nonce});
         membership(wire::Enter{nonce});
         const wire::Join join{nonce, 0, 0, true, "x"};
         out.push_back(wire::seal({wire::Kind::kSession, kNoPeer, h.session}, wire::encode_session(join)));

@@ -105,6 +105,19 @@ TEST(Guard, AnOrderOfNoRightMayBeTriedForAWhile) {
   EXPECT_TRUE(again.hears());
 }
 
+TEST(Guard, ASeriesOfSuchOrdersBeginsWithItsFirst) {
+  Guarded g;
+  constexpr Tick kFirst = 100;  // less than kMuted after the beginning
+  for (Tick t = kFirst; t < kFirst + Guard::kInsists; t += 30) {
+    g.run_to(t);
+    g.drop(DropReason::kRight);
+    EXPECT_TRUE(g.hears()) << "tick " << t;
+  }
+  g.run_to(kFirst + Guard::kInsists);
+  g.drop(DropReason::kRight);
+  EXPECT_FALSE(g.hears());
+}
+
 // Where nothing says who somebody is, nobody can be told from who speaks in his name.
 TEST(Guard, WithoutAKeyNobodyIsCutOffForNonsense) {
   Guarded g(false);

@@ -62,7 +62,7 @@ struct Played {
 
 std::vector<std::pair<std::string, Spec>> every_alternative() {
   std::vector<std::pair<std::string, Spec>> all;
-  for (const compare::Contestant& c : compare::all_contestants({}))
+  for (const compare::Contestant& c : compare::all_contestants())
     if (const auto* spec = std::get_if<Spec>(&c.how)) all.emplace_back(c.id, *spec);
   return all;
 }

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/link/netem_spec.h"
 #include "common/model/ids.h"
@@ -11,11 +12,8 @@ namespace padr::lab::compare {
 namespace {
 
 Plan plan(const std::string& techniques, int seeds) {
-  Technique full = technique_by_name("full");
-  set_threshold(full, "0.3:0.1");
-  set_body_threshold(full, "0.05");
   Plan p;
-  p.contestants = chosen_contestants(techniques, full);
+  p.contestants = chosen_contestants(techniques);
   p.setting.ticks = 10 * kTicksPerSecond;
   for (const char* netem : {"delay 0ms", "delay 100ms"})
     p.networks.push_back({netem, link::parse_netem(netem, nullptr)});
@@ -35,7 +33,7 @@ TEST(Compare, NoAlternativeBeatsFullInBoth) {
 }
 
 TEST(Compare, SameSeedSameResult) {
-  Plan p = plan("fixed,full,snapshot-20,state-sync-20,dis", 1);
+  Plan p = plan("fixed-0.5,full,snapshot-20,state-sync-20,dis", 1);
   p.networks = {{"bad", link::parse_netem("delay 60ms 30ms loss 10% duplicate 2% corrupt 1%", nullptr)}};
   p.parallel.threads = 2;
   const std::string first = csv(run_plan(p), p);
@@ -63,14 +61,13 @@ TEST(Compare, StandingIsDecidedByBothMeasures) {
 }
 
 TEST(Compare, ListsOfTechniques) {
-  const Technique full = technique_by_name("full");
-  EXPECT_EQ(chosen_contestants("all", full).size(), all_contestants(full).size());
-  const std::vector<Contestant> some = chosen_contestants("dis,paper,dis", full);
-  ASSERT_EQ(some.size(), 4U);
+  EXPECT_EQ(chosen_contestants("all").size(), all_contestants().size());
+  const std::vector<Contestant> some = chosen_contestants("dis,paper,dis");
+  ASSERT_EQ(some.size(), 7U);
   EXPECT_EQ(some.back().id, "dis");
   for (const char* wrong : {"", "fulll", "full,,dis", "full,none"}) {
     try {
-      chosen_contestants(wrong, full);
+      chosen_contestants(wrong);
       FAIL() << wrong;
     } catch (const UserError& e) {
       const std::string line = e.what();
@@ -78,6 +75,52 @@ TEST(Compare, ListsOfTechniques) {
       EXPECT_NE(line.find("state-sync-20"), std::string::npos);
     }
   }
+}
+
+TEST(Compare, OneNameIsOneSetting) {
+  for (const Contestant& c : all_contestants()) {
+    const auto* t = std::get_if<Technique>(&c.how);
+    if (c.id == "full") {
+      EXPECT_EQ(describe(*t), describe(technique_by_name("full")));
+    }
+    if (c.id.starts_with("fixed-")) {
+      EXPECT_NE(c.what.find(c.id.substr(6, 3) + " m"), std::string::npos) << c.what;
+    }
+  }
+  const Plan p = plan("full,fixed-0.3", 1);
+  const std::string text = table({}, p);
+  for (const Contestant& c : p.contestants)
+    EXPECT_NE(text.find(describe(std::get<Technique>(c.how))), std::string::npos);
+}
+
+TEST(Compare, AContestantIsAddedByItsKnobs) {
+  const Contestant c = added_contestant("full --lead 0.2 --unowned=live");
+  EXPECT_EQ(c.id, "full --lead 0.2 --unowned=live");
+  const auto& t = std::get<Technique>(c.how);
+  EXPECT_EQ(t.lead, 0.2F);
+  EXPECT_EQ(t.unowned, Unowned::kLive);
+  EXPECT_EQ(t.threshold_high, technique_by_name("full").threshold_high);
+  for (const auto& [text, part] :
+       {std::pair{"", "avatar-only"}, std::pair{"full --led 1", "--lead"}, std::pair{"full --lead", "no value"},
+        std::pair{"full --lead 7", "0 to 1 seconds"}}) {
+    try {
+      added_contestant(text);
+      FAIL() << text;
+    } catch (const UserError& e) {
+      EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
+    }
+  }
+}
+
+TEST(Compare, ErrorsByHand) {
+  Row r;
+  for (const double m : {1.0, 2.0, 3.0, 6.0}) {
+    r.scores.emplace_back();
+    r.scores.back().off.mean_m = m;
+  }
+  const Figure f = r.over([](const Score& s) { return s.off.mean_m; });
+  EXPECT_DOUBLE_EQ(f.mean, 3);
+  EXPECT_NEAR(f.error, std::sqrt(14.0 / 3 / 4), 1e-12);
 }
 
 TEST(Compare, TooManyPeersIsTheUsersMistake) {

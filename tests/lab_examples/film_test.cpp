@@ -1,6 +1,8 @@
 // Film strips: what is on them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tools/lab/examples/film.h"
 #include "tools/lab/examples/variant.h"
 #include "tools/plot/svg.h"
@@ -27,6 +29,18 @@ TEST(Film, HasTheTruthAboveEveryBelief) {
   EXPECT_FALSE(disturbed(film.rows[0].frames.back()));
   EXPECT_TRUE(disturbed(film.rows[1].frames.back()));
   EXPECT_FALSE(disturbed(film.rows[2].frames.back()));
+}
+
+TEST(Film, OfAStopShortBeginsItsCountAtTheModelsHit) {
+  const plot::FilmStrip film = film_of(story_by_name("dominoes"), {{"a", without_authority().technique}}, {});
+  EXPECT_EQ(film.columns[1], "the model hits");
+  EXPECT_NE(film.rows[0].note.find("touches nothing"), std::string::npos) << film.rows[0].note;
+  const auto disturbed = [](const plot::Frame& f) {
+    return std::count_if(f.things.begin(), f.things.end(),
+                         [](const plot::Thing& t) { return t.role == plot::Role::kDisturbed; });
+  };
+  EXPECT_EQ(disturbed(film.rows[1].frames[1]), 0) << "at the hit";
+  EXPECT_EQ(disturbed(film.rows[1].frames.back()), 20) << "all of them lie";
 }
 
 TEST(Film, IsTheSameEveryTime) {

@@ -1,5 +1,6 @@
 // padr-lab examples as a user meets it.
 #include "tests/shell.h"
+#include "tools/lab/examples/story.h"
 
 namespace padr {
 namespace {
@@ -21,6 +22,23 @@ TEST_F(Examples, WriteTheSameFilesHoweverManyRunAtOnce) {
   EXPECT_EQ(read("takes1"), read("takes3"));
   EXPECT_EQ(read("means1"), read("means3"));
   EXPECT_GT(read("takes1").size(), 2U * 14 * 60);
+}
+
+// tools/demo.sh and the test with real peers play the stories from these files.
+TEST_F(Examples, WriteThePathsThatComeWithTheScenarios) {
+  for (const std::string story : {"ball", "dominoes", "van", "proxy"}) {
+    ASSERT_EQ(shell("cp '" PADR_PATHS "/" + story + ".csv' was").status, 0);
+    EXPECT_EQ(read("was"), scenarios::write_path_csv(lab::examples::path_of(lab::examples::story_by_name(story), 0)))
+        << "padr-lab examples --out DIR writes DIR/path-" << story << ".csv anew";
+  }
+}
+
+TEST_F(Examples, TellEachPredictorsWorthAndWriteThePathOnFilm) {
+  ASSERT_EQ(examples("--out here --stories ball --takes 1 --no-pictures").status, 0);
+  EXPECT_NE(read("out").find("\n  lookahead: It steps a copy from where the avatar truly is"), std::string::npos);
+  EXPECT_EQ(read("here/predictors.csv").find("story,predictor,takes,warned,"), 0U);
+  EXPECT_NE(read("here/summary.json").find("\"avoided_m\""), std::string::npos);
+  EXPECT_EQ(read("here/path-ball.csv").find("t,x,y\n"), 0U);
 }
 
 TEST_F(Examples, SayWhatTheyWereAskedInTheSummary) {

@@ -24,7 +24,7 @@ const Experiment& experiment() {
     const std::uint64_t first = test::seed(1);
     for (std::uint64_t seed = first; seed < first + kCases; ++seed)
       e.plan.cases.push_back(
-          {"wander-" + std::to_string(seed), "", "wander", seed, scenarios::load_embedded("arena", seed)});
+          {"wander-" + std::to_string(seed), "", "wander", "wander", seed, scenarios::load_embedded("arena", seed)});
     e.plan.settings = figure_settings();
     e.plan.ticks = 60 * kTicksPerSecond;
     e.results = run_plan(e.plan, {.quiet = true});
@@ -48,10 +48,10 @@ int below(const std::string& setting, const std::string& other, double (*number)
 }
 
 // In single runs the order can be another one: one pile that is pushed for long decides a peak.
-void every_claim_holds_on_average() {
+void every_claim_but_one_holds_on_average() {
   EXPECT_FALSE(experiment().claims.empty());
   for (const Claim& c : experiment().claims) {
-    EXPECT_TRUE(c.on_average) << c.id << ": " << c.measured;
+    EXPECT_EQ(c.on_average, c.id != "bounded-with-authority") << c.id << ": " << c.measured;
     EXPECT_GT(c.holds_in, 0) << c.id << ": " << c.measured;
   }
 }
@@ -59,6 +59,17 @@ void every_claim_holds_on_average() {
 void the_ends_of_the_range_differ_in_most_runs() {
   EXPECT_GT(2 * below("fixed-0.3", "fixed-0.8", [](const Measures& m) { return m.combined.peak_m; }), kCases);
   EXPECT_GT(2 * below("fixed-0.8", "fixed-0.3", [](const Measures& m) { return m.updates_per_min; }), kCases);
+}
+
+// What a wrong model has set in motion beyond the reach of any contact stays where it went, as nobody owns it and the
+// two worlds play it out apart: the time without contact is within the threshold about half the time, not nearly
+// always.
+void what_no_contact_record_sees_is_not_put_right() {
+  for (const char* t : kThresholds) {
+    const double share = mean(std::string("fixed-") + t, [](const Measures& m) { return m.free_within_share; });
+    EXPECT_LT(share, 0.95) << t;
+  }
+  EXPECT_GT(mean("full-0.8-0.3", [](const Measures& m) { return m.free_within_share; }), 0.99);
 }
 
 void without_authority_it_grows_in_every_run() {
@@ -117,7 +128,8 @@ void confirmed_worlds_are_the_same() {
 
 // One test, as every test is a process of its own and the runs are what takes the time.
 TEST(Figures, ThePapersClaims) {
-  every_claim_holds_on_average();
+  every_claim_but_one_holds_on_average();
+  what_no_contact_record_sees_is_not_put_right();
   the_ends_of_the_range_differ_in_most_runs();
   without_authority_it_grows_in_every_run();
   an_avatar_is_off_by_its_threshold_at_most();

@@ -53,6 +53,32 @@ TEST_F(FiguresProgram, RecordedPathsAndALoopByThem) {
   EXPECT_TRUE(there("a/series-rest-1.csv"));
 }
 
+/// What stands behind the key, to the end of its line, from `from` on.
+std::string behind(const std::string& json, const std::string& key, std::size_t from = 0) {
+  const std::size_t at = json.find("\"" + key + "\": ", from);
+  if (at == std::string::npos) return "";
+  const std::size_t begin = at + key.size() + 4;
+  return json.substr(begin, json.find_first_of(",\n", begin) - begin);
+}
+
+TEST_F(FiguresProgram, ARowsCommandGivesItsNumbersAgain) {
+  ASSERT_EQ(figures("--out a --seeds 1 --seconds 8 --no-pictures --unowned agreed --add 'full --lead 0.2'").status, 0);
+  const std::string all = read("a/summary.json");
+  const std::size_t cases = all.find("\"cases\"");
+  for (const char* id : {"fixed-0.5", "full---lead-0.2"}) {
+    const std::size_t row = all.find("\"" + std::string(id) + "\": {", cases);
+    ASSERT_NE(row, std::string::npos) << id;
+    const std::string quoted = behind(all, "command", row);
+    ASSERT_GT(quoted.size(), 20U);
+    const std::string command = quoted.substr(1, quoted.size() - 2);
+    EXPECT_EQ(command.rfind("padr-lab run ", 0), 0U) << command;
+    const test::Outcome again = shell("'" + std::string(PADR_LAB) + "' " + command.substr(9) + " --json -");
+    ASSERT_EQ(again.status, 0) << again.err;
+    EXPECT_EQ(behind(again.out, "mean_m"), behind(all, "mean_m", row)) << command;
+    EXPECT_EQ(behind(again.out, "peak_m"), behind(all, "peak_m", row)) << command;
+  }
+}
+
 TEST_F(FiguresProgram, MistakesAreOneLineAndNothingIsWritten) {
   for (const char* words : {"", "--out a --seconds 1", "--out a --seeds 0", "--out a --input path:none.csv",
                             "--out a --scenario nowhere", "--out a --netem 'delay x'", "--out a --jobs -1"}) {

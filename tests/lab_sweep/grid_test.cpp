@@ -129,5 +129,17 @@ TEST(Shards, AreWrittenAsPartOfAll) {
                                                     "1000000");
 }
 
+TEST(Grid, TechniquesMayBringTheirKnobs) {
+  GridText t = text();
+  t.techniques = "fixed --threshold 0.8,fixed --threshold 0.3,full";
+  t.seeds = "1";
+  const Grid grid(t);
+  ASSERT_EQ(grid.size(), 3U);
+  EXPECT_EQ(grid.point(0).technique.threshold_high, 0.8F);
+  EXPECT_EQ(grid.point(1).technique_name, "fixed --threshold 0.3");
+  EXPECT_EQ(grid.point(1).technique.threshold_high, 0.3F);
+  EXPECT_EQ(describe(grid.point(2).technique), describe(technique_by_name("full")));
+}
+
 }  // namespace
 }  // namespace padr::lab::sweep

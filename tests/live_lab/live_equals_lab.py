@@ -61,6 +61,11 @@ def main():
 
     assert live["confirmed_mismatches"] == 0 and lab["confirmed_mismatches"] == 0
     assert live["confirmed_ticks"] >= SECONDS * 60, live["confirmed_ticks"]
+    # Players' deeds and what they cost are measured from traces of real peers as in the lab.
+    for name in ("fidelity_mean_m", "fidelity_own_mean_m", "fidelity_others_mean_m", "fidelity_peak_m"):
+        print(f"{name:24} live {live[name]:8.3f}  lab {lab[name]:8.3f}")
+    assert 0 < live["fidelity_mean_m"] < 5 * lab["fidelity_mean_m"], live["fidelity_mean_m"]
+    assert sum(p["deeds"] for p in live["by_peer"]) > 0 and all("pcc_mean_m" in p for p in live["by_peer"])
     close = True
     for name, factor in [("mean_m", 2.0), ("avatar_mean_m", 2.0), ("updates_per_s", 2.0), ("wire_kbps", 1.6),
                          ("datagrams_per_s", 1.5)]:  # fmt: skip

@@ -123,6 +123,43 @@ TEST(Joining, MoreSlotsThanPlacesToStartFromAreRefused) {
   }
 }
 
+// Peers 0 and 2 run on one machine, and know one another by its loopback address. What others are told of them, by
+// whomever, says which machine that is.
+TEST(Joining, ALoopbackAddressMeansTheMachineOfWhoToldItFirst) {
+  lab::GatheringConfig config = party_config(2, "delay 20ms", 23);
+  config.host = [](int person) { return person == 2 ? 0 : person; };
+  Party party(std::move(config));
+  party.run(5);
+  party.net().start(0, true);
+  ASSERT_TRUE(party.run_until(5, [&] { return party.united(); }).has_value()) << party.story();
+  party.net().leave(0);
+  party.run(3);
+  const int newcomer = party.net().start(1);
+  ASSERT_TRUE(party.run_until(5, [&] { return party.united(); }).has_value()) << party.story();
+  party.run(6);
+  EXPECT_TRUE(party.united()) << party.story();
+  EXPECT_EQ(party.story().find("is lost"), std::string::npos) << party.story();
+  const node::Node& n = party.node(newcomer);
+  EXPECT_EQ(n.other(party.node(2).self()).at, party.net().place_of(2));
+  EXPECT_EQ(party.judge().violation(), "");
+}
+
+// A clock that is 500 ppm off is 30 ms off after a minute.
+TEST(Joining, ClocksThatDriftAreSteered) {
+  lab::GatheringConfig config = party_config(2, "delay 20ms", 9, 2);
+  config.most_ppm = 400;
+  Party party(std::move(config));
+  party.run(40);
+  const auto apart = [&] { return std::abs(party.net().session_now(0) - party.net().session_now(1)); };
+  Micros most = apart();
+  for (int i = 0; i < 40; ++i) {
+    party.run(0.5);
+    most = std::max(most, apart());
+  }
+  EXPECT_LT(most, kMicrosPerSecond / kTicksPerSecond) << "us, a tick";
+  EXPECT_GT(std::abs(party.net().rate(0) - party.net().rate(1)), 500e-6) << "or nothing was steered";
+}
+
 TEST(Joining, TheFounderMayLeave) {
   Party party(3, "delay 30ms 5ms loss 1%", 17);
   party.run(5);

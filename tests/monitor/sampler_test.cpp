@@ -32,11 +32,11 @@ TEST(Sampler, FramesAreDueAtTheirRateAndOnTheSameTicksForAll) {
 
 /// Two peers in the arena, the first one looked at.
 struct Watched {
-  explicit Watched(const char* technique, Tick ticks) : sampler(20, Detail::kAll) {
+  explicit Watched(const char* technique, Tick ticks, const char* netem = "delay 50ms") : sampler(20, Detail::kAll) {
     lab::SimulationConfig c;
     c.scene = scenarios::load_embedded("arena", 1);
     c.technique = technique_by_name(technique);
-    c.netem = link::parse_netem("delay 50ms");
+    c.netem = link::parse_netem(netem);
     c.ticks = ticks;
     for (int p = 0; p < 2; ++p) {
       inputs.push_back(scenarios::make_input("wander", {c.scene, p, 1, {}}));
@@ -124,9 +124,27 @@ TEST(Sampler, AStatusIsWhatTheNodeCounts) {
   ASSERT_EQ(s.links.size(), 1U);
   EXPECT_EQ(s.links[0].to, 1);
   EXPECT_TRUE(s.links[0].there && s.links[0].measured);
-  EXPECT_NEAR(s.links[0].delay_in_ms, 50, 17);
+  EXPECT_NEAR(s.links[0].delay_least_ms, 50, 17);
   EXPECT_NEAR(s.links[0].round_trip_ms, 100, 40);
   EXPECT_EQ(s.links[0].loss_in, 0);
+}
+
+// At jitter the least is half of what most datagrams take.
+TEST(Sampler, DelayIsTheMiddleAndTheSlowestTwentiethAndLossIsOfWhatWasSent) {
+  const Watched w("avatar-only", 1200, "delay 100ms 50ms loss 10%");
+  const monitor::Status s = Sampler::status(w.node());
+  ASSERT_EQ(s.links.size(), 1U);
+  const monitor::LinkStatus& l = s.links[0];
+  ASSERT_TRUE(l.measured);
+  EXPECT_LT(l.delay_least_ms, 75);
+  EXPECT_NEAR(l.delay_p50_ms, 108, 20) << "and half a tick until the step";
+  EXPECT_GT(l.delay_p95_ms, 135);
+  EXPECT_LT(l.delay_p95_ms, 175);
+  const std::uint64_t sent = w.simulation->node(1).stats().datagrams_sent;
+  EXPECT_NEAR(static_cast<double>(l.judged_in), static_cast<double>(sent), 20) << "but for those under way";
+  EXPECT_NEAR(static_cast<double>(l.lost_in) / static_cast<double>(l.judged_in), 0.1, 0.06);
+  EXPECT_GT(l.loss_of, 0U);
+  EXPECT_LE(l.loss_of, 192U);
 }
 
 TEST(Sampler, AnAgreedWorldIsTheConfirmedOneWithItsOwners) {

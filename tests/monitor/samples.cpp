@@ -90,8 +90,12 @@ monitor::LinkStatus any_link(Rng& rng) {
   if (rng.chance(0.9)) l.at = any_endpoint(rng);
   l.round_trip_ms = static_cast<float>(rng.uniform(0, 500));
   l.measured = rng.chance(0.9);
-  l.delay_in_ms = static_cast<float>(rng.uniform(-500, 500));
+  for (float* ms : {&l.delay_least_ms, &l.delay_p50_ms, &l.delay_p95_ms})
+    *ms = static_cast<float>(rng.uniform(-500, 500));
   l.loss_in = static_cast<float>(rng.uniform());
+  l.loss_of = static_cast<std::uint32_t>(rng.below(193));
+  l.judged_in = rng.next_u64() >> (1 + rng.below(63));
+  l.lost_in = rng.next_u64() % (l.judged_in + 1);
   l.silence_ms = static_cast<float>(rng.uniform(0, 5000));
   l.cut_out = rng.chance(0.1);
   l.cut_in = rng.chance(0.1);
@@ -155,6 +159,7 @@ monitor::Frame any_frame(Rng& rng, EntityId entities, int views) {
   f.driven = rng.chance(0.5);
   f.holding = rng.chance(0.5);
   f.interaction = rng.chance(0.5);
+  f.unowned_alone = rng.chance(0.5);
   f.contact_in = static_cast<Tick>(rng.below(32)) - 1;
   f.level = static_cast<float>(rng.uniform());
   f.radius = static_cast<float>(rng.uniform(0, 100));

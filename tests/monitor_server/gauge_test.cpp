@@ -126,6 +126,20 @@ TEST(Gauge, WhatNobodyOwnsIsWhereItIsAgreedToBe) {
   EXPECT_FLOAT_EQ(points[0].second.bodies_m, 4);
 }
 
+TEST(Gauge, WhatNobodyOwnsIsComparedBetweenViewsThatPlayItOutAlone) {
+  Gauge g(1);
+  for (PeerId p = 0; p < 2; ++p) {
+    auto f = frame(3, p == 0 ? 1 : 1.5F);
+    f->unowned_alone = true;
+    g.frame(p, f);
+  }
+  g.agreed(agreed(3, kNoPeer));
+  const auto points = g.take();
+  ASSERT_EQ(points.size(), 2U);
+  EXPECT_FLOAT_EQ(points[0].second.bodies_m, 0.5F);
+  EXPECT_FLOAT_EQ(points[1].second.bodies_m, 0.5F);
+}
+
 TEST(Gauge, ATickWithALostFrameIsLeftOut) {
   Gauge g(1);
   g.frame(0, frame(3, 1));

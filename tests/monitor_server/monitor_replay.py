@@ -32,6 +32,7 @@ class Replaying(MonitorCase):
         history = page.wait("history")
         self.assertGreater(len(history["points"]), 3 * SECONDS)
         self.assertGreater(sum(q["combined_m"] is not None for p in history["points"] for q in p["peers"]), 6 * SECONDS)
+        self.assertGreater(sum(q["fidelity_m"] is not None for p in history["points"] for q in p["peers"]), 6 * SECONDS)
         self.assertGreater(len(page.events()), 5)
         self.assertFalse([e for e in page.events() if "differently" in e["text"]])
         for slot in range(3):

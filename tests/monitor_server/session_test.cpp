@@ -186,7 +186,11 @@ TEST(Session, MetricsAreInPrometheusForm) {
   EXPECT_NE(text.find("\npadr_peer_agrees{peer=\"1\"} 1\n"), std::string::npos);
   EXPECT_NE(text.find("\npadr_peer_inconsistency_metres{peer=\"0\",part=\"avatars\"} "), std::string::npos);
   EXPECT_NE(text.find("\npadr_peer_updates_total{peer=\"0\",cause=\"threshold\"} "), std::string::npos);
-  EXPECT_NE(text.find("\npadr_link_delay_seconds{from=\"1\",peer=\"0\"} 0."), std::string::npos);
+  for (const char* what : {"delay", "delay_p95", "delay_least"})
+    EXPECT_NE(text.find("\npadr_link_" + std::string(what) + "_seconds{from=\"1\",peer=\"0\"} 0."), std::string::npos)
+        << what;
+  EXPECT_NE(text.find("\n# TYPE padr_link_judged_total counter\n"), std::string::npos);
+  EXPECT_NE(text.find("\npadr_link_lost_total{from=\"1\",peer=\"0\"} 0\n"), std::string::npos);
 }
 
 TEST(Session, WhatIsDroppedOfWhomAndWhoIsCutOffIsInTheWordsAndTheMetrics) {

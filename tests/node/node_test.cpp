@@ -127,6 +127,36 @@ TEST(Node, SurvivesGarbageAndItsOwnAndForeignDatagrams) {
   EXPECT_EQ(stats.hash_mismatches, 0U);
 }
 
+// A newcomer to a session whose confirmed world lags far behind has many ticks to step up to.
+TEST(Node, ANewcomerCatchesUpInPartsToTheSameBits) {
+  const Scene scene = scenarios::load_embedded("arena", 1);
+  NodeConfig founder_config;
+  founder_config.peers = 1;
+  founder_config.slots = 2;
+  Node founder(scene, founder_config);
+  for (int i = 0; i < 200; ++i) founder.step(scene.bodies.front().position);
+  NodeConfig config;
+  config.self = 1;
+  config.slots = 2;
+  config.incarnation = 1;
+  constexpr Tick kPart = 60;
+  constexpr Tick kBehind = 10 * kPart;
+  const sync::Transfer start = founder.transfer();
+  const Tick then = start.state.tick;
+  Node parts(scene, config, start, then + kBehind);
+  EXPECT_EQ(parts.now(), then);
+  for (Tick t = kPart; t < kBehind; t += kPart) {
+    EXPECT_FALSE(parts.catch_up(kPart));
+    EXPECT_EQ(parts.now(), then + t);
+  }
+  EXPECT_TRUE(parts.catch_up(kPart));
+  EXPECT_EQ(parts.now(), then + kBehind);
+  Node at_once(scene, config, start, then + kBehind);
+  EXPECT_TRUE(at_once.catch_up(kBehind));
+  EXPECT_EQ(parts.live_hash(), at_once.live_hash());
+  EXPECT_EQ(state_hash(parts.agreed().predicted_state()), state_hash(at_once.agreed().predicted_state()));
+}
+
 TEST(Node, OneDatagramPerReceiverAndTickAtMostAndNoneTooLarge) {
   Mesh mesh(3, "delay 80ms 30ms loss 20%", 4);
   std::vector<bool> running(3, true);

@@ -39,6 +39,20 @@ void expect_same(const trace::Inconsistency& a, const trace::Inconsistency& b) {
   EXPECT_EQ(a.shown_peak_m, b.shown_peak_m);
 }
 
+void expect_same_deeds(const report::Peer& r, PeerId p, const trace::FidelityMeter& lab) {
+  const trace::FidelitySeries& series = lab.series(p);
+  ASSERT_EQ(r.fidelity_series.size(), series.size());
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    ASSERT_EQ(r.fidelity_series[i].tick, series[i].tick);
+    ASSERT_EQ(r.fidelity_series[i].own_m, series[i].own_m) << "tick " << series[i].tick;
+    ASSERT_EQ(r.fidelity_series[i].others_m, series[i].others_m) << "tick " << series[i].tick;
+    ASSERT_EQ(r.fidelity_series[i].nobody_m, series[i].nobody_m) << "tick " << series[i].tick;
+    ASSERT_EQ(r.pcc_series[i].cost_m, lab.pcc().series(p)[i].cost_m) << "tick " << series[i].tick;
+  }
+  EXPECT_EQ(r.deeds, lab.deeds(p));
+  EXPECT_EQ(r.pcc.bodies_peak, lab.pcc().result(p).bodies_peak);
+}
+
 /// The lab's simulation, recorded.
 struct RecordedSimulation {
   Scene scene = scenarios::load_embedded("arena", 3);
@@ -53,6 +67,7 @@ struct RecordedSimulation {
     c.technique = technique;
     c.netem = link::parse_netem(netem);
     c.ticks = 600;
+    c.fidelity = true;
     trace::Provenance from;
     from.scenario = "arena";
     from.scenario_text = std::string(scenarios::embedded_text("arena"));
@@ -87,6 +102,7 @@ TEST(Report, EqualsTheLabsOwnMeter) {
       series.resize(of_lab.size());
       expect_same(trace::summarize(series), lab.meter().result(p));
       all.push_back(std::move(series));
+      expect_same_deeds(r.peers[p], p, *lab.fidelity());
       const node::NodeStats& stats = lab.node(p).stats();
       EXPECT_EQ(r.peers[p].traffic.updates, stats.updates_by_cause);
       EXPECT_EQ(r.peers[p].traffic.datagrams, stats.datagrams_sent);
@@ -96,6 +112,9 @@ TEST(Report, EqualsTheLabsOwnMeter) {
     }
     expect_same(trace::summarize_all(all), lab.meter().overall());
     EXPECT_GT(r.overall.inconsistency.mean_m, 0.1);
+    EXPECT_EQ(r.overall.fidelity.mean_m, lab.fidelity()->overall().mean_m);
+    EXPECT_GT(r.overall.fidelity.mean_m, 0.001);
+    EXPECT_EQ(r.left_out, lab.fidelity()->left_out());
     EXPECT_EQ(r.confirmed.ticks, lab.confirmed_ticks());
     // It may know some more confirmed ticks than the lab at the end, not fewer.
     EXPECT_GE(r.hand_overs.takeovers, lab.flips().all().takeovers);

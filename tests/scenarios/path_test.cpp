@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/scenarios/path.h"
+#include "common/scenarios/path_survey.h"
 #include "tests/scenarios/support.h"
 
 namespace padr::scenarios {
@@ -72,6 +73,71 @@ TEST(PathCsv, AMillionRowsAndNotOneMore) {
   for (int i = 0; i < 1'000'000; ++i) text += std::to_string(i) + ",0,0\n";  // all of them accepted
   EXPECT_EQ(error_of([&] { parse_path_csv(text + "1000000,0,0\n", "p.csv"); }),
             "p.csv:1000001:1: one row too many, allowed: at most 1000000 rows");
+}
+
+TEST(PathCsv, TimesInMillisecondsAndSeveralRowsOfOne) {
+  const PathUnits units{1000, "ms", "px", true};
+  EXPECT_EQ(parse_path_csv("t,x,y\n1700000000000,100,50\n1700000000000,200,60\n1700000000500,300,70\n", "p.csv", units)
+                .points(),
+            (std::vector<PathPoint>{{1.7e9, {200, 60}}, {1700000000.5, {300, 70}}}));
+  EXPECT_EQ(error_of([&] { parse_path_csv("5,1,2\n4,1,2\n", "p.csv", units); }),
+            "p.csv:2:1: t is 4 ms, allowed: more than 5 ms, the t of the row before");
+  EXPECT_EQ(error_of([&] { parse_path_csv("5,1e9,2\n", "p.csv", units); }),
+            "p.csv:1:3: x is \"1e9\", allowed: -10000 .. 10000 px");
+}
+
+Scene room() {
+  Scene s;
+  s.lower = {0, 0};
+  s.upper = {20, 15};
+  s.avatar.radius = 0.5F;
+  s.avatar.max_speed = 6;
+  return s;
+}
+
+TEST(PathSurvey, SaysWhatThePathAsksForAndWarnsOfOtherUnits) {
+  const PathNotes good = notes_on_path(Path({{5, {1, 2}}, {6, {4, 2}}, {7, {4, 6}}}), "p.csv", room());
+  EXPECT_EQ(good.summary,
+            "path p.csv: 3 points in 2 s, x 1 .. 4 m, y 2 .. 6 m, up to 4 m/s; the world: x 0 .. 20 m, y 0 .. 15 m, "
+            "avatars make up to 6 m/s");
+  EXPECT_TRUE(good.warnings.empty());
+  const std::string hint = "; padr-lab path fits paths in pixels and milliseconds to a scenario";
+  // Pixels and milliseconds, as they are.
+  EXPECT_EQ(notes_on_path(Path({{0, {100, 10}}, {1000, {800, 10}}, {2000, {800, 10}}}), "p.csv", room()).warnings,
+            (std::vector<std::string>{"path p.csv: 3 of its 3 points are outside the world (x 0 .. 20 m, y 0 .. 15 m)" +
+                                      hint}));
+  EXPECT_EQ(
+      notes_on_path(Path({{0, {1, 1}}, {1000, {8, 1}}}), "p.csv", room()).warnings,
+      (std::vector<std::string>{"path p.csv: it hardly moves, at most 0.007 m/s; are its times milliseconds?" + hint}));
+  // A corner is a part of the world; nobody gets 6.1 m in a second.
+  EXPECT_TRUE(notes_on_path(Path({{0, {0, 15}}, {1, {6, 15}}}), "p.csv", room()).warnings.empty());
+  EXPECT_EQ(
+      notes_on_path(Path({{0, {0, 15}}, {1, {6.1F, 15}}, {2, {6.1F, 15}}}), "p.csv", room()).warnings,
+      (std::vector<std::string>{"path p.csv: after 1 of its 3 points it asks for more than an avatar can do: up to "
+                                "6.1 m/s of 6 m/s" +
+                                hint}));
+}
+
+TEST(PathSurvey, TrembleIsNoSpeed) {
+  std::vector<PathPoint> points;
+  for (int i = 0; i <= 400; ++i)
+    points.push_back({i / 200.0, {10 + (i % 2 == 0 ? 0.0F : 0.1F), 5 + 0.01F * static_cast<float>(i)}});
+  EXPECT_NEAR(survey_path(Path(points), room()).fastest, 2, 0.1) << "20 m/s from one point to the next";
+}
+
+TEST(FitPath, FillsTheWorldAsFarAsItGoesTheRightWayUp) {
+  // A window of 1000 by 300 pixels: the width decides.
+  const Path path({{50, {0, 0}}, {51, {1000, 0}}, {53, {1000, 300}}});
+  const std::vector<PathPoint> turned = fit_path(path, "p.csv", room(), true).points();
+  EXPECT_EQ(turned[0], (PathPoint{0, {0.5F, 7.5F + 2.85F}}));
+  EXPECT_EQ(turned[1], (PathPoint{1, {19.5F, 7.5F + 2.85F}}));
+  EXPECT_EQ(turned[2], (PathPoint{3, {19.5F, 7.5F - 2.85F}}));
+  EXPECT_EQ(fit_path(path, "p.csv", room(), false).points()[0].position, (Vec2{0.5F, 7.5F - 2.85F}));
+  EXPECT_EQ(fit_path(Path({{0, {3, 3}}, {1, {3, 9}}}), "p.csv", room(), false).points()[1].position, (Vec2{10, 14.5F}));
+  EXPECT_EQ(error_of([] {
+              fit_path(Path({{0, {3, 3}}, {1, {3, 3}}}), "p.csv", room(), true);
+            }),
+            "p.csv: all points are in one place, allowed: a path that moves");
 }
 
 Path random_path() {

@@ -28,8 +28,8 @@ TEST(SessionCodec, EveryMessageComesBackAsItWas) {
       wire::Join{~0ULL, ~0ULL, ~0ULL, true, std::string(wire::kMaxLabel, 'x')},
       wire::Welcome{7, 1, 2, 2},
       wire::Welcome{7, 63, 64, 64},
-      wire::Welcome{7, 0, 1, 1, true, 1},
-      wire::Welcome{7, 63, 64, 1, true, ~0U},
+      wire::Welcome{7, 0, 1, 1, true, 1, 1},
+      wire::Welcome{7, 63, 64, 1, true, ~0U, ~0ULL},
       wire::Redirect{9, place(4)},
       wire::Refuse{0, ""},
       wire::Refuse{9, std::string(wire::kMaxReason, 'y')},
@@ -73,12 +73,14 @@ TEST(SessionCodec, ValuesOutOfRangeAreRefused) {
       wire::Welcome{1, 2, 2, 2},
       wire::Welcome{1, 1, 1, 2},
       wire::Welcome{1, 1, 65, 2},
-      wire::Welcome{1, 1, 2, 2, false, 1},  // who is there at tick 0 is the first in its slot
-      wire::Welcome{1, 1, 2, 2, true, 0},   // who comes later is not
-      wire::Welcome{1, 2, 2, 2, true, 1},
-      wire::Welcome{1, 1, 2, 0, true, 1},
-      wire::Welcome{1, 1, 2, 3, true, 1},
-      wire::Welcome{1, 1, 65, 2, true, 1},
+      wire::Welcome{1, 1, 2, 2, false, 1},     // who is there at tick 0 is the first in its slot
+      wire::Welcome{1, 1, 2, 2, true, 0, 1},   // who comes later is not
+      wire::Welcome{1, 1, 2, 2, true, 1, 0},   // and proves its address
+      wire::Welcome{1, 1, 2, 2, false, 0, 1},  // as others do in other ways
+      wire::Welcome{1, 2, 2, 2, true, 1, 1},
+      wire::Welcome{1, 1, 2, 0, true, 1, 1},
+      wire::Welcome{1, 1, 2, 3, true, 1, 1},
+      wire::Welcome{1, 1, 65, 2, true, 1, 1},
       wire::Redirect{1, Endpoint{}},
       wire::Ping{wire::kMaxClock + 1},
       wire::Pong{0, -wire::kMaxClock - 1, 1},

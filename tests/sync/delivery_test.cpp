@@ -3,6 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <deque>
+#include <utility>
+
+#include "common/model/rng.h"
+#include "tests/seed.h"
 
 namespace padr::sync {
 namespace {
@@ -37,6 +43,17 @@ struct Script {
     p.loss = per_cent;
     link.on_packet(p, 0);
   }
+  /// What has been sent by then has arrived, and the word of that here.
+  void answers(Tick t) {
+    if (t % 10 != 0) return;
+    StatePacket p;
+    p.seq = ++answers_;
+    p.updates.resize(1);
+    p.have = link.acked();
+    p.seen_seq = link.sent();
+    link.on_packet(p, t);
+  }
+  std::uint32_t answers_ = 1000;
   void hear(Tick t, std::uint32_t seq, std::uint32_t have, std::uint32_t seen, std::uint32_t age = 0,
             std::uint32_t beyond = 0) {
     StatePacket p;
@@ -82,6 +99,7 @@ TEST(Delivery, WhereNothingHappensMarksAreFewerUntilSomethingDoes) {
   ASSERT_TRUE(at(0));
   for (Tick t = 1; t < 36; ++t) EXPECT_FALSE(at(t)) << t;
   EXPECT_TRUE(at(36));
+  s.hear(40, 1, 0, 2);
   EXPECT_FALSE(at(56));
   quiet = false;
   EXPECT_TRUE(at(57)) << "news from elsewhere, and the last mark is long ago";
@@ -95,13 +113,81 @@ TEST(Delivery, WhereNothingHappensMarksAreFewerUntilSomethingDoes) {
   EXPECT_TRUE(at(108)) << "in this peer's phase";
 }
 
+TEST(Delivery, WhoIsSentSomethingAgainAnswersSoon) {
+  Script s;
+  const auto at = [&s](Tick t, bool again) {
+    return s.link.compose({t, 0, 0, false, true, true, 0, again}, s.own, 0, forty, 1000) != nullptr;
+  };
+  ASSERT_TRUE(at(0, false));
+  EXPECT_FALSE(at(1, true)) << "the answer may have crossed it";
+  EXPECT_FALSE(at(2, true));
+  EXPECT_TRUE(at(3, true));
+  for (Tick t = 4; t < 45; ++t) EXPECT_FALSE(at(t, false)) << t;
+}
+
+TEST(Delivery, ALinkThatFallsSilentIsProbedFasterAndFasterAndThenLess) {
+  Script s;
+  std::vector<Tick> sent;
+  for (Tick t = 0; t <= 600; ++t)
+    if (s.link.compose({t, 0, 0, false, true, true}, s.own, 0, forty, 1000) != nullptr) sent.push_back(t);
+  const auto between = [&sent](Tick from, Tick to) {
+    return std::count_if(sent.begin(), sent.end(), [from, to](Tick t) { return t > from && t <= to; });
+  };
+  EXPECT_LE(between(0, 59), 1) << "as calm as ever";
+  EXPECT_GE(between(60, 90), 3);
+  EXPECT_GE(between(0, 180), 35) << "so many must get lost in a row before it counts as silent";
+  EXPECT_EQ(between(360, 600), 16) << "bounded, however long it lasts";
+  s.hear(601, 1, 0, s.link.sent());
+  EXPECT_FALSE(s.link.compose({602, 0, 0, false, true, true}, s.own, 0, forty, 1000) != nullptr) << "calm again";
+}
+
+TEST(Delivery, OnALinkThatHasBeenSilentForThreeSecondsNothingIsRepeatedUntilItAnswers) {
+  Script s;
+  s.hear(0, 1, 0, 0);
+  s.update(1);
+  ASSERT_EQ(s.at(1)->updates.size(), 1U);
+  std::size_t again = 0;
+  for (Tick t = 2; t < 180; ++t)
+    if (const auto p = s.at(t)) again += p->updates.size();
+  EXPECT_GE(again, 2U);
+  for (Tick t = 181; t < 400; ++t)
+    if (const auto p = s.at(t)) {
+      EXPECT_TRUE(p->updates.empty()) << t;
+    }
+  s.update(400);
+  EXPECT_EQ(s.at(400)->updates.size(), 1U) << "what is new goes out: the silence may be the other way's";
+  s.hear(410, 2, 0, s.link.sent());
+  const auto repair = s.at(411);
+  ASSERT_TRUE(repair);
+  EXPECT_EQ(repair->updates.front().index, 0U);
+}
+
+// The other end goes on speaking and does not know of our last mark: it waits for it, perhaps for an answer.
+TEST(Delivery, AMarkThatGotLostIsSentAgainWhenTheOtherEndSpeaks) {
+  Script s;
+  const auto at = [&s](Tick t) {
+    return s.link.compose({t, 0, 0, false, true, true}, s.own, 0, forty, 1000) != nullptr;
+  };
+  ASSERT_TRUE(at(0));
+  s.hear(4, 1, 0, 1);
+  for (Tick t = 1; t < 45; ++t) EXPECT_FALSE(at(t)) << t;
+  ASSERT_TRUE(at(45));  // lost
+  s.hear(50, 2, 0, 1);
+  EXPECT_FALSE(at(50)) << "it may be on its way";
+  s.hear(59, 3, 0, 1);
+  EXPECT_TRUE(at(59));
+  EXPECT_FALSE(at(60));
+}
+
 // Or else all who begin together would send their first marks, to everybody, in the same tick.
 TEST(Delivery, MarksComeInThePeersPhaseFromTheFirstOn) {
   for (const Tick phase : {0, 11, 22, 44}) {
     Script s;
     std::vector<Tick> sent;
-    for (Tick t = 0; t <= 300; ++t)
+    for (Tick t = 0; t <= 300; ++t) {
       if (s.link.compose({t, 0, 0, false, true, false, phase}, s.own, 0, forty, 1000) != nullptr) sent.push_back(t);
+      s.answers(t);
+    }
     ASSERT_GE(sent.size(), 6U);
     EXPECT_LT(sent.front(), 45);
     for (const Tick t : sent) EXPECT_EQ((t + phase) % 45, 0) << t;
@@ -115,6 +201,7 @@ TEST(Delivery, AfterAnUpdateTheNextMarkButOneIsInPhaseAgain) {
     if (t == 100) s.update(t);
     if (s.link.compose({t, 0, 0, false, true, false, 11}, s.own, 0, forty, 1000) != nullptr) sent.push_back(t);
     if (t == 110) s.hear(t, 1, 1, s.link.sent());
+    s.answers(t);
   }
   const auto update = std::find(sent.begin(), sent.end(), 100);
   ASSERT_GE(sent.end() - update, 4);
@@ -273,6 +360,51 @@ TEST(Delivery, NonsenseAcknowledgementsAreHarmless) {
   s.at(3);
   s.hear(4, 1, 0, 0);
   SUCCEED();
+}
+
+/// Two ends that have nothing to tell one another, and what a network in bursts leaves of their marks.
+struct BurstyLink {
+  explicit BurstyLink(std::uint64_t seed) : rng(seed) {}
+  struct End {
+    OutLink link;
+    Ring<Bundle> own;
+    bool bad = false;                                  ///< its way out loses everything
+    std::deque<std::pair<Tick, StatePacket>> arrives;  ///< here
+    std::uint32_t seen = 0;
+    Tick answered = 0;
+    std::uint64_t sent = 0;
+  };
+  std::array<End, 2> ends;
+  Rng rng;
+  int silences = 0;  ///< of 3 s, at either end
+  void tick(Tick t) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      End& e = ends[i];
+      for (; !e.arrives.empty() && e.arrives.front().first <= t; e.arrives.pop_front()) {
+        const StatePacket& p = e.arrives.front().second;
+        if (p.seen_seq > e.seen) e.seen = p.seen_seq, e.answered = t;
+        e.link.on_packet(p, t);
+      }
+      if (t - e.answered == 180) ++silences;
+      const StatePacket* p =
+          e.link.compose({t, 0, 0, false, true, true, static_cast<Tick>(11 * i)}, e.own, 0, forty, 1000);
+      if (p == nullptr) continue;
+      ++e.sent;
+      e.bad = e.bad ? !rng.chance(0.3) : rng.chance(0.01);  // gemodel 1% 30%
+      if (!e.bad) ends[1 - i].arrives.emplace_back(t + 5, *p);
+    }
+  }
+};
+
+// In a burst one datagram after the other gets lost, however far apart they are: at a calm link's pace five of them are
+// more than the 3 s after which a peer counts as silent.
+TEST(Delivery, ABurstOfLossesDoesNotSilenceACalmLink) {
+  BurstyLink link(test::seed(7));
+  constexpr Tick kTenHours = 10 * 3600 * 60;
+  for (Tick t = 0; t < kTenHours; ++t) link.tick(t);
+  EXPECT_LE(link.silences, 2) << "in ten hours";
+  const double a_second = static_cast<double>(link.ends[0].sent) * 60 / kTenHours;
+  EXPECT_LT(a_second, 1.6) << "a calm link stays one";
 }
 
 }  // namespace

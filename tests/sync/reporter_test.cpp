@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/sync/agreed_world.h"
+#include "common/world/avatar_control.h"
 #include "tests/world/test_scene.h"
 
 namespace padr::sync {
@@ -96,6 +97,26 @@ TEST(Reporter, SteadyInputIsToldOnceByTheInputModel) {
   for (int i = 0; i < 200; ++i)
     if (peer.tick({2, 7}).avatar) ++updates;
   EXPECT_EQ(updates, 1);
+}
+
+// Its model was off by more than the threshold in each of these ticks, and told of for that.
+TEST(Reporter, AnAvatarThatWasDrivenUntilNowDoesNotRestYet) {
+  Alone peer(technique_by_name("fixed"), corridor(false));
+  peer.technique.threshold_high = 0;
+  const Vec2 target{2, 7};
+  const auto arrived = [&] {
+    const world::View& w = peer.live.world();
+    return world::has_arrived(w.position(peer.live.avatar()), w.velocity(peer.live.avatar()), target);
+  };
+  int driven = 0;
+  for (; !arrived(); ++driven) ASSERT_TRUE(peer.tick(target).avatar) << driven;
+  EXPECT_GT(driven, 30);
+  peer.technique.threshold_high = 10;
+  for (int i = 1; i < 30; ++i) {
+    const bool told = peer.tick(target).avatar.has_value();
+    if (!peer.live.world().state(peer.live.avatar()).awake) break;  // then it rests
+    EXPECT_FALSE(told) << i << " ticks after it has arrived";
+  }
 }
 
 TEST(Reporter, TouchingABodyClaimsItWithFullStateAtThatTick) {

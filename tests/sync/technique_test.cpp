@@ -53,6 +53,9 @@ TEST(Technique, KnobsSayWhatIsAllowed) {
   EXPECT_NE(message_of(set_convergence, "jump").find("pvb"), std::string::npos);
   EXPECT_EQ(message_of(set_precision, "exact"), "");
   EXPECT_NE(message_of(set_precision, "16").find("exact, rounded"), std::string::npos);
+  EXPECT_EQ(message_of(set_unowned, "live"), "");
+  EXPECT_NE(message_of(set_unowned, "mine").find("live, agreed"), std::string::npos);
+  EXPECT_NE(message_of(set_time_stamps, "1").find("on, off"), std::string::npos);
   EXPECT_NE(message_of(set_replay, "yes").find("on, off"), std::string::npos);
   EXPECT_NE(message_of(set_steps, "0").find("1 to 600"), std::string::npos);
   EXPECT_NE(message_of(set_count, "1.5").find("bodies"), std::string::npos);
@@ -63,11 +66,14 @@ TEST(Technique, KnobsSayWhatIsAllowed) {
 TEST(Technique, DescribedKnobsReadBack) {
   Technique t = technique_by_name("full");
   set_threshold(t, "0.3:0.1");
-  EXPECT_EQ(describe(t),
-            "full --threshold 0.3:0.1 --body-threshold 0.1 --replay on --model input --lead 0.1 --time-space 0.04 "
-            "--predictor lookahead --threshold-law two-level --convergence pvb --radius 3 --precision rounded --steps "
-            "30 --count 4 "
-            "--pcc-bound 0.1");
+  EXPECT_EQ(
+      describe(t),
+      "full --threshold 0.3:0.1 --body-threshold 0.1 --replay on --model input --lead 0.1 --time-space 0.04 "
+      "--predictor lookahead --threshold-law two-level --convergence pvb --radius 3 --precision rounded --unowned "
+      "agreed --steps 30 --count 4 --pcc-bound 0.1");
+  set_unowned(t, "live");
+  set_time_stamps(t, "on");
+  EXPECT_NE(describe(t).find(" --unowned live --time-stamps on "), std::string::npos);
 }
 
 }  // namespace

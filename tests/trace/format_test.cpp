@@ -152,6 +152,8 @@ TEST(TraceFormat, EveryTechniqueComesBackWhole) {
     set_pcc_bound(h.technique, "0.7");
     set_count(h.technique, "9");
     set_precision(h.technique, name == "full" ? "exact" : "rounded");
+    set_unowned(h.technique, name == "full" ? "live" : "agreed");
+    set_time_stamps(h.technique, name == "full" ? "on" : "off");
     Bytes bytes;
     trace::TraceWriter w(h, [&](std::span<const std::byte> b) { bytes.insert(bytes.end(), b.begin(), b.end()); });
     const Technique got = trace::TraceReader(bytes, "t").header().technique;
@@ -258,9 +260,9 @@ TEST(TraceFormat, CutAtEveryByte) {
 TEST(TraceFormat, WhatIsNoTraceIsNamed) {
   const Bytes good = small_trace();
   Bytes newer = good;
-  newer[7] = std::byte{5};
+  newer[7] = std::byte{6};
   Bytes older = good;
-  older[7] = std::byte{3};
+  older[7] = std::byte{4};
   Bytes after = good;
   after.push_back(std::byte{0});
   Bytes endless = small_trace(false);
@@ -276,9 +278,9 @@ TEST(TraceFormat, WhatIsNoTraceIsNamed) {
       {{}, "some.trace: is empty, not a trace"},
       {text("t,x,y\n0,1,2\n"), "some.trace: not a trace of padr (it does not begin with PADRTRC)"},
       {text("PADR"), "some.trace: ends within the first 8 bytes"},
-      {newer, "some.trace: trace format 5; this program reads format 4"},
-      {older, "some.trace: trace format 3; this program reads format 4"},
-      {text("PADRTRC\x04"), "some.trace: ends before its header is complete"},
+      {newer, "some.trace: trace format 6; this program reads format 5"},
+      {older, "some.trace: trace format 4; this program reads format 5"},
+      {text("PADRTRC\x05"), "some.trace: ends before its header is complete"},
       {after, "some.trace: record 10 at byte " + std::to_string(good.size()) + ": comes after the footer"},
       {endless, "some.trace: record 9 at byte " + std::to_string(endless.size() - 6) + ": its length makes no sense"},
       {unknown, "some.trace: record 9 at byte " + std::to_string(unknown.size() - 4) +

@@ -50,6 +50,9 @@ TEST(Knobs, EveryKnobChangesWhilePlayingAndReplaysToTheBit) {
       with([](Technique& t) { set_threshold(t, "0.05"); }),
       with([](Technique& t) { set_precision(t, "exact"); }),
       with([](Technique& t) { set_model(t, "second"); }),
+      with([](Technique& t) { set_unowned(t, "live"); }),
+      with([](Technique& t) { set_unowned(t, "agreed"); }, "adaptive"),
+      with([](Technique& t) { set_time_stamps(t, "on"); }, "adaptive"),
       with([](Technique& t) { set_convergence(t, "snap"); }, "fixed"),
       technique_by_name("everything"),
       with([](Technique& t) { set_convergence(t, "blend"); }),
@@ -113,7 +116,7 @@ TEST(Knobs, ALowerThresholdTellsMoreFromThenOn) {
 EntityId lonely_body(const node::Node& n) {
   for (EntityId b = 0; b < n.live().world().bodies(); ++b) {
     const auto touches = [b](const Contact& c) { return c.first == b || c.second == b; };
-    const auto& contacts = n.live().world().contacts();
+    const auto& contacts = n.live().touching();
     const bool free = n.agreed().predicted_state().authority[b].holder() == kNoPeer;
     if (free && std::none_of(contacts.begin(), contacts.end(), touches)) return b;
   }

@@ -106,21 +106,26 @@ std::string list(const std::string& at, const Bundle& b) {
 std::string seats(const char* name, const std::vector<wire::Seat>& from) {
   std::string s;
   for (std::size_t i = 0; i < from.size(); ++i)
-    s += line("%s[%zu] = %d %u %u\n", name, i, int{from[i].slot}, from[i].incarnation, from[i].have);
+    s += line("%s[%zu] = %d %u %u %u\n", name, i, int{from[i].slot}, from[i].incarnation, from[i].have, from[i].heard);
   return s;
 }
 
 struct MembershipLister {
   std::string operator()(const wire::Pull& m) const {
-    return line("pull.nonce = %llu\npull.from = %u\npull.wanted = %llu\n", ull(m.nonce), m.from, ull(m.wanted));
+    return line("pull.nonce = %llu\npull.from = %u\npull.wanted = %llu\npull.cookie = %llu\n", ull(m.nonce), m.from,
+                ull(m.wanted), ull(m.cookie));
   }
   std::string operator()(const wire::Piece& m) const {
     return line("piece.nonce = %llu\npiece.index = %u\npiece.count = %u\n", ull(m.nonce), m.index, m.count) +
            "piece.bytes = " + bytes_of(m.bytes) + "\n";
   }
   std::string operator()(const wire::Enter& m) const { return line("enter.nonce = %llu\n", ull(m.nonce)); }
-  std::string operator()(const wire::Poll& m) const { return seats("poll.lost", m.lost); }
-  std::string operator()(const wire::Answer& m) const { return seats("answer.lost", m.lost); }
+  std::string operator()(const wire::Poll& m) const {
+    return seats("poll.lost", m.lost) + line("poll.freeze = %d\n", flag(m.freeze));
+  }
+  std::string operator()(const wire::Answer& m) const {
+    return seats("answer.lost", m.lost) + line("answer.frozen = %d\nanswer.tick = %d\n", flag(m.frozen), m.tick);
+  }
   std::string operator()(const wire::Fetch& m) const {
     return line("fetch.slot = %d\nfetch.incarnation = %u\nfetch.from = %u\n", int{m.slot}, m.incarnation, m.from);
   }
@@ -144,7 +149,8 @@ struct SessionLister {
   std::string operator()(const wire::Welcome& m) const {
     return line("welcome.nonce = %llu\nwelcome.peer = %d\n", ull(m.nonce), int{m.peer}) +
            line("welcome.slots = %d\nwelcome.wanted = %d\n", m.slots, m.wanted) +
-           line("welcome.running = %d\nwelcome.incarnation = %u\n", flag(m.running), m.incarnation);
+           line("welcome.running = %d\nwelcome.incarnation = %u\nwelcome.cookie = %llu\n", flag(m.running),
+                m.incarnation, ull(m.cookie));
   }
   std::string operator()(const wire::Redirect& m) const {
     return line("redirect.nonce = %llu\n", ull(m.nonce)) + "redirect.address = " + address_of(m.founder) +

@@ -17,6 +17,11 @@ std::vector<Seat> seats(int n) {
   return s;
 }
 
+std::vector<Seat> heard(std::vector<Seat> all, std::uint32_t when) {
+  for (Seat& s : all) s.heard = when;
+  return all;
+}
+
 sync::Bundle bye(std::uint32_t index, Tick tick) {
   sync::Bundle b;
   b.peer = 3;
@@ -44,16 +49,16 @@ TEST(MembershipCodec, BothSidesOfEveryLimit) {
   const Bytes most(kPieceBytes);
   constexpr std::uint64_t kNonce = ~0ULL;
   const std::vector<MembershipMessage> good{
-      Pull{1, 0, 0},
-      Pull{kNonce, kMaxPieces - 1, ~0ULL},
+      Pull{1, 0, 0, 1},
+      Pull{kNonce, kMaxPieces - 1, ~0ULL, ~0ULL},
       Piece{1, 0, 1, one},
       Piece{kNonce, kMaxPieces - 1, kMaxPieces, most},
       Enter{1},
       Enter{kNonce},
       Poll{seats(1)},
-      Poll{seats(64)},
+      Poll{seats(62), true},
       Answer{{{63, 0, 0}}},
-      Answer{seats(64)},
+      Answer{heard(seats(62), 0x3FFF), true, 0x7FFFFFFF},
       Fetch{0, 0, 0},
       Fetch{63, ~0U, ~0U},
       Fetched{3, ~0U, {bye(0, 0)}},
@@ -70,8 +75,9 @@ TEST(MembershipCodec, BothSidesOfEveryLimit) {
     EXPECT_EQ(*back, good[i]) << i;
   }
   const std::vector<MembershipMessage> wrong{
-      Pull{0, 0, 1},
-      Pull{1, kMaxPieces, 1},
+      Pull{0, 0, 1, 1},
+      Pull{1, 0, 1, 0},
+      Pull{1, kMaxPieces, 1, 1},
       Piece{0, 0, 1, one},
       Piece{1, 0, 0, one},
       Piece{1, 1, 1, one},
@@ -80,10 +86,13 @@ TEST(MembershipCodec, BothSidesOfEveryLimit) {
       Piece{1, 0, 1, Bytes(kPieceBytes + 1)},
       Enter{0},
       Poll{},
-      Poll{seats(65)},
+      Poll{seats(63)},
       Poll{{{1, 0, 0}, {1, 1, 0}}},
       Poll{{{2, 0, 0}, {1, 0, 0}}},
       Answer{},
+      Answer{seats(63)},
+      Answer{heard(seats(1), 0x4000)},
+      Answer{seats(1), false, -1},
       Answer{{{64, 0, 0}}},
       Answer{{{1, 0, 0}, {1, 1, 0}}},
       Fetch{64, 0, 0},
@@ -155,17 +164,17 @@ struct Range {
   static bool nonce(std::uint64_t v) { return v != 0; }
   static bool of(const std::vector<Seat>& s) {
     for (std::size_t i = 0; i < s.size(); ++i)
-      if (s[i].slot >= kMaxPeers || (i > 0 && s[i].slot <= s[i - 1].slot)) return false;
+      if (s[i].heard > 0x3FFF || s[i].slot >= kMaxPeers || (i > 0 && s[i].slot <= s[i - 1].slot)) return false;
     return !s.empty();
   }
-  bool operator()(const Pull& m) const { return nonce(m.nonce) && m.from < kMaxPieces; }
+  bool operator()(const Pull& m) const { return nonce(m.nonce) && m.from < kMaxPieces && m.cookie != 0; }
   bool operator()(const Piece& m) const {
     return nonce(m.nonce) && m.index < m.count && m.count <= kMaxPieces && !m.bytes.empty() &&
            m.bytes.size() <= kPieceBytes;
   }
   bool operator()(const Enter& m) const { return nonce(m.nonce); }
-  bool operator()(const Poll& m) const { return of(m.lost); }
-  bool operator()(const Answer& m) const { return of(m.lost); }
+  bool operator()(const Poll& m) const { return of(m.lost) && m.lost.size() <= 62; }
+  bool operator()(const Answer& m) const { return of(m.lost) && m.lost.size() <= 62 && m.tick >= 0; }
   bool operator()(const Fetch& m) const { return m.slot < kMaxPeers; }
   bool operator()(const Fetched& m) const {
     for (const sync::Bundle& b : m.updates)

@@ -94,11 +94,13 @@ sync::Admission any_admission(Rng& rng, PeerId by) {
   return a;
 }
 
-std::vector<wire::Seat> any_seats(Rng& rng) {
+/// `told`: when they were heard.
+std::vector<wire::Seat> any_seats(Rng& rng, bool told = false) {
   std::vector<wire::Seat> seats;
   while (seats.empty())
     for (PeerId p = 0; p < kMaxPeers; ++p)
-      if (rng.chance(0.2)) seats.push_back({p, any_count(rng), any_count(rng)});
+      if (rng.chance(0.2))
+        seats.push_back({p, any_count(rng), any_count(rng), told ? rng.below(wire::kMostHeard + 1) : 0});
   return seats;
 }
 
@@ -221,15 +223,15 @@ wire::MembershipMessage any_membership(Rng& rng, std::size_t kind) {
   const auto slot = static_cast<PeerId>(rng.below(kMaxPeers));
   switch (kind % kMembershipKinds) {
     case 0:
-      return wire::Pull{1 + rng.next_u64() / 2, rng.below(wire::kMaxPieces), rng.next_u64()};
+      return wire::Pull{1 + rng.next_u64() / 2, rng.below(wire::kMaxPieces), rng.next_u64(), rng.next_u64() | 1U};
     case 1:
       return any_piece(rng);
     case 2:
       return wire::Enter{1 + rng.next_u64() / 2};
     case 3:
-      return wire::Poll{any_seats(rng)};
+      return wire::Poll{any_seats(rng), rng.chance(0.5)};
     case 4:
-      return wire::Answer{any_seats(rng)};
+      return wire::Answer{any_seats(rng, true), rng.chance(0.5), static_cast<Tick>(any_count(rng) >> 1U)};
     case 5:
       return wire::Fetch{slot, any_count(rng), any_count(rng)};
     case 6:

@@ -12,6 +12,7 @@
 
 #include "common/model/hash.h"
 #include "common/node/entrant.h"
+#include "common/node/relay.h"
 #include "common/node/session_desk.h"
 #include "common/node/sides.h"
 #include "common/sync/admit.h"
@@ -198,11 +199,13 @@ TEST(WireMd, HasTheVectorsOfMembershipDatagrams) {
   fetched.updates[1].tick = 1210;
   fetched.updates[1].bodies.clear();
   const std::vector<MembershipMessage> messages{
-      Pull{kNonce, 3, 0b1001},
+      Pull{kNonce, 3, 0b1001, 0x1122334455667788},
       Piece{kNonce, 3, 8, {std::byte{0x0A}, std::byte{0xFF}, std::byte{0}}},
       Enter{kNonce},
       Poll{{{0, 0, 0}, {3, 77, 0}}},
-      Answer{{{0, 0, 298}, {3, 77, 12}}},
+      Answer{{{0, 0, 298, 51}, {3, 77, 12}}, false, 4500},
+      Poll{{{3, 77, 0}}, true},
+      Answer{{{3, 77, 12}}, true, 4572},
       Fetch{3, 77, 11},
       fetched,
       Probe{3, {{1, 0, 0}, {2, 3, 0}}, true, 77},
@@ -338,12 +341,24 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("most_start_lead_us", Pace::kMostStartLead);
   add("unheard_us", Pace::kUnheard);
   add("entrant_ping_us", node::Entrant::kPing);
+  add("entrant_idle_ping_us", node::Entrant::kIdlePing);
   add("entrant_samples", node::Entrant::kSamples);
   add("entrant_again_us", node::Entrant::kAgain);
   add("entrant_patience_us", node::Entrant::kPatience);
-  add("silence", node::Removals::kSilence);
+  add("doubt", node::kDoubt);
+  add("silence", node::kSilence);
+  add("answer_patience", node::kAnswerPatience);
+  add("heard_lately", node::kHeardLately);
+  add("believed", node::kBelieved);
   add("ask_again", node::Removals::kAskAgain);
   add("withheld", node::Removals::kWithheld);
+  add("relay_after", node::Node::kRelayAfter);
+  add("relay_until", node::Node::kRelayUntil);
+  add("relay_pace", node::Relay::kPace);
+  add("relay_hurry", node::Relay::kHurry);
+  add("relay_patience", node::Relay::kPatience);
+  add("relay_served", node::Relay::kServed);
+  add("heartbeat", node::Node::kHeartbeat);
   add("probe_pace", node::Sides::kPace);
   add("probe_grace", node::Sides::kGrace);
   add("probe_lately", node::Sides::kLately);

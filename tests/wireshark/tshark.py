@@ -30,7 +30,7 @@ def or_skip(*programs):
     """Ends the test as skipped if a program is missing."""
     missing = [program for program in ("tshark", *programs) if not shutil.which(program)]
     if missing:
-        print(f"skipped: {' and '.join(missing)} not found (tools/deps.sh check)")
+        print(f"skipped: {' and '.join(missing)} not found (tools/deps.sh test)")
         sys.exit(SKIPPED)
 
 

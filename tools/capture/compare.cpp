@@ -26,8 +26,9 @@ constexpr const char* kCompareFooter =
     "Example:\n"
     "  padr-capture compare lo.pcap out/demo/peer*.trace\n"
     "\n"
-    "Exit code: 0 if capture and traces agree but for what was lost; 1 if not, or if a file is damaged; 2 for a wrong\n"
-    "command line.";
+    "Exit code: 0 if capture and traces agree but for what was lost; 1 if not, if the worlds could not be compared, "
+    "or\n"
+    "if a file is damaged; 2 for a wrong command line.";
 
 struct CompareOptions {
   std::vector<std::string> files;
@@ -65,16 +66,32 @@ Setting setting_of(const std::vector<TraceStory>& traces) {
   return s;
 }
 
-std::vector<WorldCheck> compare_worlds(const Bookkeeper& books, const std::vector<TraceStory>& traces) {
-  const Ledger& ledger = books.choose(traces.front().header.session);
+struct WorldChecks {
+  std::vector<WorldCheck> traces;
+  std::string not_compared;  ///< why nothing could be compared beyond what all begin with; empty if something was
+};
+
+const Ledger& ledger_of(const Bookkeeper& books, std::uint16_t session) {
+  const auto found = books.ledgers().find(session);
+  if (found != books.ledgers().end() && found->second.states > 0) return found->second;
+  const std::string all = books.sessions();
+  throw UserError("compare: the traces are of session " + std::to_string(session) + ", and the capture has " +
+                  (all.empty() ? "no state datagrams of PADR" : "others: " + all));
+}
+
+WorldChecks compare_worlds(const Bookkeeper& books, const std::vector<TraceStory>& traces) {
+  const Ledger& ledger = ledger_of(books, traces.front().header.session);
+  WorldChecks out;
+  out.not_compared = nothing_to_begin_with(ledger);
   Setting setting = setting_of(traces);
   if (setting.peers == 0) setting.peers = ledger.peers;
   Tick until = 0;
   for (const TraceStory& t : traces)
     if (!t.confirmed.empty()) until = std::max(until, t.confirmed.rbegin()->first);
   std::map<Tick, std::uint64_t> rebuilt;
-  rebuild(ledger, setting, until, [&](const sync::FoldState& s, std::uint64_t hash) { rebuilt[s.tick] = hash; });
-  std::vector<WorldCheck> checks;
+  const Rebuilt r =
+      rebuild(ledger, setting, until, [&](const sync::FoldState& s, std::uint64_t hash) { rebuilt[s.tick] = hash; });
+  std::uint64_t beyond_begin = 0;
   for (const TraceStory& t : traces) {
     WorldCheck c;
     c.label = t.label;
@@ -86,15 +103,21 @@ std::vector<WorldCheck> compare_worlds(const Bookkeeper& books, const std::vecto
         continue;
       }
       ++c.compared;
+      if (tick > 0) ++beyond_begin;
       if (ours->second == hash) {
         ++c.alike;
       } else if (c.first_difference < 0) {
         c.first_difference = tick;
       }
     }
-    checks.push_back(c);
+    out.traces.push_back(c);
   }
-  return checks;
+  if (beyond_begin == 0 && out.not_compared.empty())
+    out.not_compared = until == 0            ? "the traces have confirmed nothing beyond tick 0"
+                       : r.stretches.empty() ? "the capture has neither the session's start nor a whole transfer"
+                       : !r.got_anywhere()   ? "nothing beyond the beginning could be rebuilt: " + r.stretches[0].why
+                                             : "no tick is both in what was rebuilt and in what the traces confirmed";
+  return out;
 }
 
 std::string named(const std::vector<Passage>& list, std::size_t most) {
@@ -134,9 +157,10 @@ std::string links_text(const std::vector<LinkStory>& links, bool all) {
   return out;
 }
 
-std::string worlds_text(const std::vector<WorldCheck>& checks) {
+std::string worlds_text(const WorldChecks& checks) {
+  if (!checks.not_compared.empty()) return "confirmed worlds: not compared: " + checks.not_compared + "\n";
   std::string out = "confirmed worlds, rebuilt from the capture:\n";
-  for (const WorldCheck& c : checks) {
+  for (const WorldCheck& c : checks.traces) {
     out += "  " + c.label + ": ";
     if (c.superseded) out += "given up for another life, ";
     out += std::to_string(c.alike) + " of " + std::to_string(c.compared) + " ticks are the same";
@@ -153,10 +177,10 @@ void put(support::Json& j, const char* name, const std::vector<Passage>& list) {
   j.end_array();
 }
 
-std::string as_json(const Comparison& c, const std::vector<LinkStory>& links, const std::vector<WorldCheck>& worlds,
-                    bool agree) {
+std::string as_json(const Comparison& c, const std::vector<LinkStory>& links, const WorldChecks& worlds, bool agree) {
   support::Json j;
-  j.begin_object().field("agree", agree).field("damaged_captured", c.damaged());
+  j.begin_object().field("agree", agree).field("not_compared", worlds.not_compared);
+  j.field("damaged_captured", c.damaged());
   j.field("damaged_received", c.damaged_received()).key("links").begin_array();
   for (const LinkStory& l : links) {
     j.begin_object().field("from", to_string(l.from)).field("to", to_string(l.to)).field("captured", l.captured);
@@ -170,7 +194,7 @@ std::string as_json(const Comparison& c, const std::vector<LinkStory>& links, co
     j.end_object();
   }
   j.end_array().key("confirmed").begin_array();
-  for (const WorldCheck& w : worlds) {
+  for (const WorldCheck& w : worlds.traces) {
     j.begin_object().field("trace", support::valid_utf8(w.label)).field("compared", w.compared).field("alike", w.alike);
     j.field("not_rebuilt", w.beyond).field("superseded", w.superseded).end_object();
   }
@@ -197,21 +221,24 @@ int run_compare(const CompareOptions& o) {
     books.take(*d);
   }
   const std::vector<LinkStory> links = comparison.links();
-  const std::vector<WorldCheck> worlds = compare_worlds(books, comparison.traces());
+  const WorldChecks worlds = compare_worlds(books, comparison.traces());
+  const bool compared = worlds.not_compared.empty();
   bool agree = true;
   for (const LinkStory& l : links) agree = agree && (l.captured == 0 || l.contradictions.empty());
-  for (const WorldCheck& w : worlds) agree = agree && (w.superseded || w.alike == w.compared);
+  for (const WorldCheck& w : worlds.traces) agree = agree && (w.superseded || w.alike == w.compared);
   if (o.json != "-") {
     std::string text = links_text(links, o.losses) + worlds_text(worlds);
     if (comparison.damaged() + comparison.damaged_received() > 0)
       text += "damaged on the way: " + std::to_string(comparison.damaged()) + " in the capture, " +
               std::to_string(comparison.damaged_received()) + " received\n";
-    text += agree ? "capture and traces agree but for what was lost\n" : "CAPTURE AND TRACES DISAGREE\n";
+    text += !agree     ? "CAPTURE AND TRACES DISAGREE\n"
+            : compared ? "capture and traces agree but for what was lost\n"
+                       : "the datagrams agree but for what was lost; THE WORLDS WERE NOT COMPARED\n";
     write_text("", "-", text);
   }
-  if (!o.json.empty()) write_text("--json", o.json, as_json(comparison, links, worlds, agree));
+  if (!o.json.empty()) write_text("--json", o.json, as_json(comparison, links, worlds, agree && compared));
   const int read = warn_incomplete(captures.troubles());
-  return agree ? read : support::kExitFailure;
+  return agree && compared ? read : support::kExitFailure;
 }
 
 }  // namespace

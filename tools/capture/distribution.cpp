@@ -45,6 +45,26 @@ NumberWindow::Seen NumberWindow::add(std::uint32_t n) {
   return Seen::kNewLate;
 }
 
+void ToldLoss::add(std::uint32_t lowest, std::uint32_t highest, std::uint32_t percent) {
+  if (highest <= kUnderWay) return;
+  const std::uint32_t judged = highest - kUnderWay;
+  if (!begun_) counted_to_ = last_ = std::min(lowest - std::min(lowest, 1U), judged);
+  begun_ = true;
+  last_ = std::max(last_, judged);
+  last_percent_ = percent;
+  if (last_ - counted_to_ < kWindow) return;
+  const std::uint32_t more = last_ - counted_to_;
+  of_ += more;
+  lost_ += more * static_cast<double>(percent) / 100;
+  counted_to_ = last_;
+}
+
+double ToldLoss::percent() const {
+  if (of() == 0) return 0;
+  const double open = (last_ - counted_to_) * static_cast<double>(last_percent_) / 100;
+  return 100 * (lost_ + open) / static_cast<double>(of());
+}
+
 std::size_t Gaps::bin(std::uint64_t us) {
   const unsigned width = static_cast<unsigned>(std::bit_width(us));
   if (width <= kFine + 1) return us;

@@ -15,8 +15,11 @@ class NumberWindow {
   Seen add(std::uint32_t n);
   std::uint64_t distinct() const { return distinct_; }
   std::uint32_t highest() const { return highest_; }
+  std::uint32_t lowest() const { return lowest_; }
+  /// Numbers from the lowest to the highest seen: of so many `missing` is a part.
+  std::uint64_t span() const { return distinct_ == 0 ? 0 : std::uint64_t{highest_} - lowest_ + 1; }
   /// Numbers between the lowest and the highest seen that have not been.
-  std::uint64_t missing() const { return distinct_ == 0 ? 0 : std::uint64_t{highest_} - lowest_ + 1 - distinct_; }
+  std::uint64_t missing() const { return span() - distinct_; }
 
  private:
   static constexpr std::uint32_t kSize = 4096;
@@ -28,6 +31,28 @@ class NumberWindow {
   std::uint32_t lowest_ = 0;
   std::uint32_t highest_ = 0;
   std::uint64_t distinct_ = 0;
+};
+
+/// What a receiver tells of a link's loss, over all of it. It tells a percentage of the latest 192 numbers, again and
+/// again: each number counts once here.
+class ToldLoss {
+ public:
+  /// `lowest`, `highest`: the link's numbers in the capture when it is told.
+  void add(std::uint32_t lowest, std::uint32_t highest, std::uint32_t percent);
+  /// How many numbers it is of; 0 if nothing was told.
+  std::uint64_t of() const { return of_ + (last_ - counted_to_); }
+  /// Of these, those that did not arrive. Every percentage is rounded down, so it is up to a point low.
+  double percent() const;
+
+ private:
+  static constexpr std::uint32_t kUnderWay = 8;  ///< the newest are not judged
+  static constexpr std::uint32_t kWindow = 192;
+  std::uint32_t counted_to_ = 0;
+  std::uint32_t last_ = 0;
+  std::uint32_t last_percent_ = 0;
+  std::uint64_t of_ = 0;
+  double lost_ = 0;
+  bool begun_ = false;
 };
 
 /// Times between two events: mean exactly, percentiles to 3 %.

@@ -9,6 +9,23 @@ namespace padr::capture {
 namespace {
 
 constexpr std::size_t kMostJoins = 4096;
+constexpr std::size_t kMostNamed = 8;  ///< sessions in a message
+
+/// Of who was there at tick 0: how many of its updates are known from the first on without a gap.
+std::uint32_t known_from_start(const Ledger::Voice& v) {
+  std::uint32_t have = 0;
+  while (v.updates.contains(have)) ++have;
+  return have;
+}
+
+/// For messages: its number and what tells it from others.
+std::string named(const Ledger& l) {
+  std::string text = std::to_string(l.session) + " (";
+  if (l.join) text += l.join->scenario + ", ";
+  return text + "ticks " + std::to_string(l.oldest) + " to " + std::to_string(l.newest) + ", " +
+         std::to_string(l.voices.size()) + (l.voices.size() == 1 ? " peer, " : " peers, ") + std::to_string(l.states) +
+         " state datagrams)";
+}
 
 /// An update passed on is one of its own slot's log, and may pass on another one.
 void retell(const sync::Bundle& b, Ledger& l) {
@@ -70,6 +87,7 @@ void Bookkeeper::state(const Datagram& d, const sync::StatePacket& p, PeerId sen
   v.at = d.from;
   v.last_ns = d.time_ns;
   v.last_tick = std::max(v.last_tick, p.mark_tick);
+  l.oldest = l.oldest < 0 ? p.mark_tick : std::min(l.oldest, p.mark_tick);
   l.newest = std::max(l.newest, p.mark_tick);
   for (const sync::Bundle& b : p.updates) {
     v.updates.try_emplace(b.index, b);
@@ -108,18 +126,54 @@ void Bookkeeper::membership(const Datagram& d, const wire::MembershipMessage& m,
   }
 }
 
+std::string Bookkeeper::sessions() const {
+  std::vector<const Ledger*> all;
+  for (const auto& [number, l] : ledgers_)
+    if (l.states > 0) all.push_back(&l);
+  std::stable_sort(all.begin(), all.end(), [](const Ledger* a, const Ledger* b) { return a->states > b->states; });
+  std::string text;
+  for (std::size_t i = 0; i < std::min(all.size(), kMostNamed); ++i) text += (i == 0 ? "" : "; ") + named(*all[i]);
+  if (all.size() > kMostNamed) text += "; and " + std::to_string(all.size() - kMostNamed) + " with fewer datagrams";
+  return text;
+}
+
 const Ledger& Bookkeeper::choose(std::optional<int> session) const {
-  const Ledger* most = nullptr;
-  std::string numbers;
+  const Ledger* chosen = nullptr;
+  std::size_t candidates = 0;
   for (const auto& [number, l] : ledgers_) {
-    if (l.states == 0) continue;
-    numbers += (numbers.empty() ? "" : ", ") + std::to_string(number);
-    if (session ? *session == number : most == nullptr || l.states > most->states) most = &l;
+    if (l.states == 0 || (session && *session != number)) continue;
+    chosen = &l;
+    ++candidates;
   }
-  if (most != nullptr) return *most;
-  if (session && !numbers.empty())
-    throw UserError("--session: " + std::to_string(*session) + " is not in the capture; it has " + numbers);
-  throw UserError("CAPTURE: there are no state datagrams of PADR in it");
+  if (candidates == 1) return *chosen;
+  if (candidates > 1)
+    throw UserError("--session: the capture has " + std::to_string(candidates) +
+                    " sessions, say which one: " + sessions());
+  if (const std::string all = sessions(); session && !all.empty())
+    throw UserError("--session: " + std::to_string(*session) + " is not in the capture; it has " + all);
+  throw UserError("CAPTURE: there are no state datagrams of PADR in it" +
+                  std::string(unreadable_ > 0 ? " that are whole and undamaged" : ""));
+}
+
+std::string nothing_to_begin_with(const Ledger& ledger) {
+  const auto whole = [](const auto& t) { return t.second.complete(); };
+  if (std::any_of(ledger.transfers.begin(), ledger.transfers.end(), whole)) return "";
+  std::string lacks;
+  bool anybody = false;
+  for (const auto& [life, voice] : ledger.voices) {
+    if (life.incarnation > 0) continue;
+    anybody = true;
+    const std::uint32_t have = known_from_start(voice);
+    if (!lacks.empty() || voice.marks.begin()->first <= have) continue;
+    lacks = "update " + std::to_string(have) + " of peer " + to_string(life) + " is not in it";
+  }
+  if (!anybody) lacks = "it has nothing of those who were there at tick 0";
+  if (lacks.empty()) return "";
+  return "session " + std::to_string(ledger.session) + " had begun when the capture did, at tick " +
+         std::to_string(ledger.oldest) + ": " + lacks +
+         ", and no whole transfer to a newcomer is. Without one of the two the confirmed world cannot be rebuilt; "
+         "capture from before the first peer starts, or let a peer join while you capture. summary, timeline, export "
+         "and follow do without";
 }
 
 }  // namespace padr::capture

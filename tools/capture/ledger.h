@@ -55,19 +55,28 @@ struct Ledger {
   std::map<std::pair<PeerId, std::uint32_t>, sync::Bundle> retold;
   std::vector<Check> checks;                                       ///< each of (tick, life) once
   std::map<std::pair<Endpoint, std::uint64_t>, Pieces> transfers;  ///< by receiver and nonce
+  Tick oldest = -1;                                                ///< the first mark of anybody; -1: none
   Tick newest = 0;                                                 ///< the latest mark of anybody
 };
+
+/// Why no tick of the session's confirmed world beyond its beginning follows from its packets, for people; empty if one
+/// may. The world begins with the session's start, for which every update of those who were there is needed, or with a
+/// whole transfer to a newcomer.
+std::string nothing_to_begin_with(const Ledger& ledger);
 
 /// Reads sessions into ledgers.
 class Bookkeeper {
  public:
   void take(const Datagram& d);
   const std::map<std::uint16_t, Ledger>& ledgers() const { return ledgers_; }
-  /// The session of that number, or, with none given, the one with most state datagrams. Throws UserError if there is
-  /// no such session.
+  /// The session of that number, or, with none given, the only one. Throws UserError that lists the sessions if there
+  /// is no such session, or are several and none is given.
   const Ledger& choose(std::optional<int> session) const;
   /// State, session and membership datagrams that did not decode or had been damaged on the way.
   std::uint64_t unreadable() const { return unreadable_; }
+
+  /// The sessions that have state datagrams, those with most of them first, for messages.
+  std::string sessions() const;
 
  private:
   void state(const Datagram& d, const sync::StatePacket& p, PeerId sender, Ledger& l);

@@ -115,6 +115,10 @@ std::uint64_t Rebuilt::agreeing() const {
       std::count_if(hashes.begin(), hashes.end(), [](const Hash& h) { return h.agrees; }));
 }
 
+bool Rebuilt::got_anywhere() const {
+  return std::any_of(stretches.begin(), stretches.end(), [](const Stretch& s) { return s.to > s.from; });
+}
+
 Rebuilt rebuild(const Ledger& ledger, const Setting& setting, Tick until, const WorldSink& sink) {
   return Rebuilder(ledger, setting, until, sink).run();
 }

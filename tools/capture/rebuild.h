@@ -42,6 +42,8 @@ struct Rebuilt {
   std::uint64_t unbelievable = 0;   ///< updates that no receiver takes
   std::uint64_t bad_transfers = 0;  ///< that do not decode
   std::uint64_t agreeing() const;
+  /// Whether any tick was reached beyond those that it begins with.
+  bool got_anywhere() const;
 };
 
 /// Called for the world at the begin of every tick reached, in order, with its hash.

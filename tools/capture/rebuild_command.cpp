@@ -1,4 +1,5 @@
-#include "common/model/user_error.h"
+#include <cstdio>
+
 #include "tools/capture/commands.h"
 #include "tools/capture/rebuild_output.h"
 #include "tools/capture/setting.h"
@@ -34,6 +35,11 @@ int run_rebuild(const RebuildOptions& o, const std::vector<std::string>& command
   Bookkeeper books;
   while (const Datagram* d = captures.next()) books.take(*d);
   const Ledger& ledger = books.choose(o.setting.session());
+  if (const std::string why = nothing_to_begin_with(ledger); !why.empty()) {
+    std::fprintf(stderr, "padr-capture: rebuild: %s\n", why.c_str());
+    warn_incomplete(captures.troubles());
+    return support::kExitFailure;
+  }
   const Setting setting = o.setting.setting(ledger);
 
   std::unique_ptr<StatesCsv> csv;
@@ -51,7 +57,7 @@ int run_rebuild(const RebuildOptions& o, const std::vector<std::string>& command
   if (!o.json.empty()) write_text("--json", o.json, rebuilt_json(setting, ledger, r, last_hash, command));
 
   const int read = warn_incomplete(captures.troubles());
-  bool good = !r.stretches.empty() && r.agreeing() == r.hashes.size();
+  bool good = r.got_anywhere() && r.agreeing() == r.hashes.size();
   for (const Stretch& s : r.stretches) good = good && !s.gap;
   return good ? read : support::kExitFailure;
 }

@@ -48,6 +48,7 @@ class SessionFields {
     r_.number("padr.welcome.wanted", static_cast<std::uint64_t>(m.wanted));
     r_.flag("padr.welcome.running", m.running);
     r_.number("padr.welcome.incarnation", m.incarnation);
+    r_.hex64("padr.welcome.cookie", m.cookie);
   }
   void operator()(const wire::Redirect& m) const {
     r_.hex64("padr.nonce", m.nonce);
@@ -117,7 +118,7 @@ class SessionFields {
 };
 
 struct SeatNames {
-  std::string_view slot, incarnation, have;
+  std::string_view slot, incarnation, have, heard;
 };
 
 class MembershipFields {
@@ -128,6 +129,7 @@ class MembershipFields {
     r_.hex64("padr.nonce", m.nonce);
     r_.number("padr.pull.from", m.from);
     r_.hex64("padr.pull.wanted", m.wanted);
+    r_.hex64("padr.pull.cookie", m.cookie);
   }
   void operator()(const wire::Piece& m) const {
     r_.hex64("padr.nonce", m.nonce);
@@ -137,10 +139,14 @@ class MembershipFields {
   }
   void operator()(const wire::Enter& m) const { r_.hex64("padr.nonce", m.nonce); }
   void operator()(const wire::Poll& m) const {
-    seats(m.lost, {"padr.poll.lost.slot", "padr.poll.lost.incarnation", "padr.poll.lost.have"});
+    seats(m.lost, {"padr.poll.lost.slot", "padr.poll.lost.incarnation", "padr.poll.lost.have", "padr.poll.lost.heard"});
+    r_.flag("padr.poll.freeze", m.freeze);
   }
   void operator()(const wire::Answer& m) const {
-    seats(m.lost, {"padr.answer.lost.slot", "padr.answer.lost.incarnation", "padr.answer.lost.have"});
+    seats(m.lost,
+          {"padr.answer.lost.slot", "padr.answer.lost.incarnation", "padr.answer.lost.have", "padr.answer.lost.heard"});
+    r_.flag("padr.answer.frozen", m.frozen);
+    r_.number("padr.answer.tick", static_cast<std::uint32_t>(m.tick));
   }
   void operator()(const wire::Fetch& m) const {
     r_.number("padr.fetch.slot", m.slot);
@@ -172,7 +178,8 @@ class MembershipFields {
   }
   void operator()(const wire::Probe& m) const {
     r_.number("padr.probe.incarnation", m.incarnation);
-    seats(m.members, {"padr.probe.members.slot", "padr.probe.members.incarnation", "padr.probe.members.have"});
+    seats(m.members, {"padr.probe.members.slot", "padr.probe.members.incarnation", "padr.probe.members.have",
+                      "padr.probe.members.heard"});
     r_.flag("padr.probe.knows_you", m.knows_you);
     r_.number("padr.probe.newest", m.newest);
   }
@@ -183,6 +190,7 @@ class MembershipFields {
       r_.number(names.slot, s.slot);
       r_.number(names.incarnation, s.incarnation);
       r_.number(names.have, s.have);
+      r_.number(names.heard, s.heard);
     }
   }
 

@@ -31,10 +31,25 @@ bool is_built_in(const std::string& name) {
 
 }  // namespace
 
+CLI::Validator session_number() {
+  return {[](std::string& text) -> std::string {
+            const bool hex = text.starts_with("0x") || text.starts_with("0X");
+            const char* begin = text.data() + (hex ? 2 : 0);
+            const char* end = text.data() + text.size();
+            std::uint16_t number = 0;
+            const auto [stop, error] = std::from_chars(begin, end, number, hex ? 16 : 10);
+            if (error != std::errc() || stop != end || number == 0)
+              return "'" + text + "' is no number of a session, allowed: 1 .. 65535 or 0x1 .. 0xffff";
+            text = std::to_string(number);
+            return "";
+          },
+          ""};
+}
+
 void SettingFlags::declare(CLI::App& app, const std::string& group) {
-  app.add_option("--session", session_, "Number of the session; default: the one with most state datagrams")
+  app.add_option("--session", session_, "Number of the session, if the capture has several; also as 0x3039")
       ->type_name("N")
-      ->check(CLI::Range(1, 65535))
+      ->transform(session_number())
       ->group(group);
   app.add_option("--scenario", scenario_, "If the capture has no Join, or was made with a scenario file")
       ->type_name("NAME|FILE")
@@ -64,7 +79,9 @@ Setting SettingFlags::setting(const Ledger& ledger) const {
     name = told;
   }
   if (name.empty())
-    throw UserError("--scenario: the capture has no Join, so say what was played: --scenario NAME --seed N");
+    throw UserError(
+        "--scenario: the capture has no Join, so say what was played: --scenario NAME|FILE --seed N" +
+        std::string(ledger.slots == 0 ? " --slots N, and if it begins with the session's start --peers N" : ""));
   const support::LoadedScenario loaded = support::load_scenario(name, seed_.value_or(seed));
   Setting s;
   s.scene = loaded.scene;

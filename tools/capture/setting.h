@@ -9,6 +9,9 @@
 
 namespace padr::capture {
 
+/// For --session: decimal, as everything that we print, or hexadecimal with 0x.
+CLI::Validator session_number();
+
 /// What the packets may not tell: flags, and how they and a session's Join and Welcome go together.
 class SettingFlags {
  public:

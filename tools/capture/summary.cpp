@@ -88,26 +88,38 @@ std::string lives_text(const Tally& t, std::uint16_t session) {
 }
 
 std::string links_text(const Tally& t, std::uint16_t session, const SessionTally& s) {
-  support::Table table({"link", "dgrams", "missing", "dupl", "late", "told lost %", "gap ms", "p95", "delay ms", "p50",
-                        "p95", "least", "jitter", "peers' least", "marks", "resent", "ack ms"});
+  support::Table table({"link",  "dgrams", "lost",         "of",    "loss %",   "told %", "of",
+                        "dupl",  "late",   "gap ms",       "p95",   "delay ms", "p50",    "p95",
+                        "least", "jitter", "peers' least", "marks", "resent",   "ack ms"});
   for (const auto& [key, tally] : links_of(t, session)) {
     const LinkTally& link = *tally;
     const DelayFigures d = delays_of(link, s);
-    table.row(
-        {link_name(t, key), count(link.traffic.datagrams), count(link.seqs.missing()), count(link.duplicates),
-         count(link.reordered),
-         link.losses_told == 0
-             ? "-"
-             : support::fixed_or_dash(static_cast<double>(link.loss_told) / static_cast<double>(link.losses_told), 1),
-         support::fixed_or_dash(link.gaps.mean_us() / 1000, 1),
-         support::fixed_or_dash(link.gaps.percentile_us(0.95) / 1000, 1), support::fixed_or_dash(d.mean_ms, 1),
-         support::fixed_or_dash(d.p50_ms, 1), support::fixed_or_dash(d.p95_ms, 1),
-         support::fixed_or_dash(d.least_ms, 1), support::fixed_or_dash(d.jitter_ms, 1),
-         link.transit ? support::fixed_or_dash(*link.transit / 10.0, 1) : "-", count(link.marks), count(link.repeats),
-         link.acks.count() == 0 ? "-" : support::fixed_or_dash(link.acks.mean_us() / 1000, 1)});
+    table.row({link_name(t, key),
+               count(link.traffic.datagrams),
+               count(link.seqs.missing()),
+               count(link.seqs.span()),
+               support::fixed_or_dash(loss_percent(link), 2),
+               link.told_loss.of() == 0 ? "-" : support::fixed_or_dash(link.told_loss.percent(), 1),
+               count(link.told_loss.of()),
+               count(link.duplicates),
+               count(link.reordered),
+               support::fixed_or_dash(link.gaps.mean_us() / 1000, 1),
+               support::fixed_or_dash(link.gaps.percentile_us(0.95) / 1000, 1),
+               support::fixed_or_dash(d.mean_ms, 1),
+               support::fixed_or_dash(d.p50_ms, 1),
+               support::fixed_or_dash(d.p95_ms, 1),
+               support::fixed_or_dash(d.least_ms, 1),
+               support::fixed_or_dash(d.jitter_ms, 1),
+               link.transit ? support::fixed_or_dash(*link.transit / 10.0, 1) : "-",
+               count(link.marks),
+               count(link.repeats),
+               link.acks.count() == 0 ? "-" : support::fixed_or_dash(link.acks.mean_us() / 1000, 1)});
   }
   std::string out =
-      "\nLinks. Missing: numbers that are not in the capture. Delay: from the begin of the tick of sending, by ";
+      "\nLinks. Lost: of the datagrams' numbers from the first to the last in the capture (of), those that are not in\n"
+      "it. Told: the same by the receiver, which tells it in whole per cent, rounded down. Delay: from the begin of "
+      "the\n"
+      "tick of sending, by ";
   out +=
       s.tick0().second ? "the session's clock as Pings and Pongs tell it" : "the fastest datagram, which counts as 0";
   out +=
@@ -158,6 +170,11 @@ std::vector<std::pair<LinkKey, const LinkTally*>> links_of(const Tally& tally, s
     return order(a.first) < order(b.first);
   });
   return all;
+}
+
+double loss_percent(const LinkTally& link) {
+  const std::uint64_t of = link.seqs.span();
+  return of == 0 ? 0 : 100.0 * static_cast<double>(link.seqs.missing()) / static_cast<double>(of);
 }
 
 DelayFigures delays_of(const LinkTally& link, const SessionTally& session) {

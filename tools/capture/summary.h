@@ -36,6 +36,9 @@ struct DelayFigures {
   double least_ms = 0;
   double jitter_ms = 0;
 };
+/// Of a link's numbers from the first to the last in the capture, the share that is not in it: lost before it came
+/// there.
+double loss_percent(const LinkTally& link);
 DelayFigures delays_of(const LinkTally& link, const SessionTally& session);
 
 }  // namespace padr::capture

@@ -39,7 +39,8 @@ void put(Json& j, const Tally& t, const LinkKey& key, const LinkTally& link, con
   }
   j.field("to_incarnation", key.to_incarnation).field("to_address", to_string(key.to));
   put(j, link.traffic);
-  j.field("missing", link.seqs.missing()).field("duplicates", link.duplicates).field("reordered", link.reordered);
+  j.field("missing", link.seqs.missing()).field("missing_of", link.seqs.span());
+  j.field("loss_percent", loss_percent(link)).field("duplicates", link.duplicates).field("reordered", link.reordered);
   j.field("marks", link.marks).field("updates_resent", link.repeats);
   j.field("gap_mean_ms", link.gaps.mean_us() / 1000).field("gap_p50_ms", link.gaps.percentile_us(0.5) / 1000);
   j.field("gap_p95_ms", link.gaps.percentile_us(0.95) / 1000);
@@ -53,11 +54,12 @@ void put(Json& j, const Tally& t, const LinkKey& key, const LinkTally& link, con
     j.null();
   }
   j.key("receivers_loss_percent");
-  if (link.losses_told > 0) {
-    j.value(static_cast<double>(link.loss_told) / static_cast<double>(link.losses_told));
+  if (link.told_loss.of() > 0) {
+    j.value(link.told_loss.percent());
   } else {
     j.null();
   }
+  j.field("receivers_loss_of", link.told_loss.of());
   j.field("acknowledged_updates", link.acks.count()).field("ack_mean_ms", link.acks.mean_us() / 1000);
   j.end_object();
 }

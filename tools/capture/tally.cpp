@@ -159,8 +159,7 @@ void Tally::acknowledge(const Datagram& d, const LifeKey& from) {
   LinkTally& back = found->second;
   if (scan_.transit != 0 && (!back.transit || scan_.transit < *back.transit)) back.transit = scan_.transit;
   if (scan_.transit != 0) {  // told in the same datagrams
-    back.loss_told += scan_.loss;
-    ++back.losses_told;
+    back.told_loss.add(back.seqs.lowest(), back.seqs.highest(), scan_.loss);
   }
   std::erase_if(back.unacked, [&](const auto& u) {
     const bool beyond = u.first > scan_.have && u.first - scan_.have <= 32 &&

@@ -62,9 +62,8 @@ struct LinkTally {
   Gaps gaps;      ///< between two datagrams
   Delays delays;  ///< capture time less the time of the tick of sending, on a clock whose zero is not known
   std::optional<std::int32_t> transit;  ///< 0.1 ms, the least that the receiver has told of this link
-  std::uint64_t loss_told = 0;          ///< sum and count of what the receiver told
-  std::uint64_t losses_told = 0;
-  Gaps acks;  ///< from the first time an update is here until its acknowledgement is
+  ToldLoss told_loss;                   ///< by the receiver
+  Gaps acks;                            ///< from the first time an update is here until its acknowledgement is
   std::deque<std::pair<std::uint32_t, std::int64_t>> unacked;  ///< number and time, the latest 256
 };
 

@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <cstdio>
 #include <optional>
 
 #include "common/model/user_error.h"
 #include "tools/capture/commands.h"
+#include "tools/capture/setting.h"
 #include "tools/capture/timeline.h"
 
 namespace padr::capture {
@@ -24,7 +26,11 @@ std::pair<std::uint16_t, std::vector<Event>> choose(const Timeline& t, std::opti
     if (session ? *session == it->first : found == all.end() || it->second.size() > found->second.size()) found = it;
   }
   if (found == all.end()) {
-    if (session) throw UserError("--session: " + std::to_string(*session) + " is not in the capture");
+    std::string numbers;
+    for (const auto& [number, events] : all)
+      if (number != 0) numbers += (numbers.empty() ? "" : ", ") + std::to_string(number);
+    if (session && !numbers.empty())
+      throw UserError("--session: " + std::to_string(*session) + " is not in the capture; it has " + numbers);
     throw UserError("CAPTURE: nothing that happened in a session of PADR is in it");
   }
   std::vector<Event> events = found->second;
@@ -39,6 +45,11 @@ int run_timeline(const TimelineOptions& o) {
   Timeline timeline;
   while (const Datagram* d = captures.next()) timeline.take(*d);
   const auto [session, events] = choose(timeline, o.session);
+  const auto in_sessions = timeline.events().size() - (timeline.events().contains(0) ? 1U : 0U);
+  if (!o.session && in_sessions > 1)
+    std::fprintf(stderr,
+                 "padr-capture: timeline: of %zu sessions in the capture this is %d (--session N for another)\n",
+                 in_sessions, int{session});
   if (!o.svg.empty()) write_text("--svg", o.svg, timeline_svg(session, events));
   if (!o.json.empty()) write_text("--json", o.json, timeline_json(session, events));
   if (!o.csv.empty()) write_text("--csv", o.csv, timeline_csv(events));
@@ -57,7 +68,7 @@ Run declare_timeline(CLI::App& app) {
              "  padr-capture timeline peer0.pcapng --csv events.csv --svg events.svg");
   app.add_option("--session", o->session, "Number of the session; default: the one with most events")
       ->type_name("N")
-      ->check(CLI::Range(1, 65535));
+      ->transform(session_number());
   app.add_option("--csv", o->csv, "One row an event; - is standard output")->type_name("FILE|-");
   app.add_option("--svg", o->svg, "A picture: peers, and who owns which body")->type_name("FILE");
   app.add_option("--json", o->json, "The events as JSON; - is standard output")->type_name("FILE|-");

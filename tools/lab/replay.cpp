@@ -72,6 +72,7 @@ class Replay::Again {
     if (!start || start->state.tick != b.confirmed)
       throw UserError(label_ + ": the agreed world that it begins with does not decode");
     node_.emplace(scene_, config(), *start, b.tick, sink());
+    node_->catch_up(std::max(0, b.tick - b.confirmed));
   }
   void take(const trace::Received& r) {
     compare_rest();
@@ -85,8 +86,15 @@ class Replay::Again {
       throw UserError(label_ + ": an order after tick " + std::to_string(node_->now()) + " does not decode");
     node_->order(fetched->updates[0]);
   }
+  void take(const trace::Relayed& r) {
+    const auto message = wire::decode_membership(r.fetched);
+    const auto* fetched = message ? std::get_if<wire::Fetched>(&*message) : nullptr;
+    if (fetched == nullptr)
+      throw UserError(label_ + ": what was relayed after tick " + std::to_string(node_->now()) + " does not decode");
+    node_->relay(fetched->slot, fetched->incarnation, fetched->updates);
+  }
   void take(const trace::Freeze& f) { node_->freeze(f.peer, f.frozen); }
-  void take(const trace::GiveUp& g) { node_->give_up(g.peer); }
+  void take(const trace::GiveUp& g) { node_->give_up(g.peer, true); }
   void take(const trace::Excuse&) { node_->excuse_silence(); }
   void take(const trace::Locate& l) { node_->locate(l.peer, l.at); }
   void take(const trace::Retune& r) { node_->retune(r.technique); }

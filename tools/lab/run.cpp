@@ -79,9 +79,17 @@ void RunCommand::declare(CLI::App& app) {
       ->type_name("SPEC");
   netem_.declare(app);
   technique_.declare(app);
+  app.add_option("--fidelity", fidelity_,
+                 "Whether to measure fidelity and physics-consistency-cost, which docs/metrics.md defines: on or off")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
+  app.add_option("--watch", watch_, "Count only what this peer sees, and only while there is input")
+      ->type_name("PEER")
+      ->check(CLI::Range(0, kMaxPeers - 1));
   app.add_option("--json", json_, "Summary as JSON to a file, or - for standard output in place of the table")
       ->type_name("FILE|-");
-  app.add_option("--csv", series_, "Inconsistency of every peer at every tick as CSV")->type_name("FILE|-");
+  app.add_option("--csv", series_, "Inconsistency and fidelity of every peer at every tick as CSV")
+      ->type_name("FILE|-");
   app.add_option("--trace", trace_dir_, "Write one trace per peer into this folder, for padr-report and replay")
       ->type_name("DIR");
   app.footer(
@@ -122,11 +130,15 @@ int RunCommand::run(const std::vector<std::string>& command) {
   if (slots_ != 0 && slots_ < peers_)
     throw UserError("--slots: " + std::to_string(slots_) + " is less than --peers " + std::to_string(peers_));
 
+  if (watch_ >= peers_)
+    throw UserError("--watch: '" + std::to_string(watch_) + "' is not allowed; give 0 to " +
+                    std::to_string(peers_ - 1));
   SimulationConfig config;
   std::vector<std::string> warnings;
   config.scene = scenario.scene;
   config.peers = peers_;
   config.slots = slots_;
+  config.fidelity = fidelity_ == "on";
   config.technique = technique_.technique();
   config.netem = netem_.spec(&warnings);
   config.netem_seed = netem_.seed(scenario.seed);
@@ -140,10 +152,12 @@ int RunCommand::run(const std::vector<std::string>& command) {
     inputs.push_back(support::load_input(spec, scenario.scene, p, scenario.seed));
     config.inputs.push_back(inputs.back().get());
   }
+  support::tell_of_paths("padr-lab", inputs_, scenario.scene);
   if (!trace_dir_.empty()) prepare_recordings(scenario, command, config);
 
-  RunFacts facts{command,       scenario.label,    netem_.text(),    inputs_,
-                 scenario.seed, config.netem_seed, config.technique, 0};
+  RunFacts facts{command, scenario.label, netem_.text(), inputs_, scenario.seed, config.netem_seed, config.technique,
+                 0,       std::nullopt};
+  if (watch_ >= 0) facts.watched = static_cast<PeerId>(watch_);
   const Tick all = config.ticks + config.settle_ticks;
   const auto start = WallClock::now();
   Simulation simulation(std::move(config));

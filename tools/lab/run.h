@@ -29,7 +29,9 @@ class RunCommand {
   int slots_ = 0;
   double seconds_ = 60;
   double settle_seconds_ = 0;
+  int watch_ = -1;
   std::vector<std::string> inputs_;
+  std::string fidelity_ = "on";
   std::string json_;
   std::string trace_dir_;
   std::string series_;

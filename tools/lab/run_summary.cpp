@@ -7,6 +7,7 @@
 #include "tools/lab/rates.h"
 #include "tools/support/command_line.h"
 #include "tools/support/json.h"
+#include "tools/support/measures_json.h"
 #include "tools/support/revision.h"
 
 namespace padr::lab {
@@ -58,6 +59,31 @@ std::string authority_line(const trace::FlipMeter& m) {
                 static_cast<unsigned long long>(most->second.flips));
 }
 
+/// Whether views show what the players did, and what each avatar's model error cost.
+std::string fidelity_table(const trace::FidelityMeter& m, int peers) {
+  std::string out =
+      "\n       fidelity error (m)                                         physics-consistency-cost (m)\n";
+  out += "peer    mean    own   others  nobody    p95   peak  deeds          mean   peak  bodies  most\n";
+  const auto left = [&out](const char* name, const trace::Fidelity& f) {
+    out += format("%-6s %5.3f  %5.3f    %5.3f   %5.3f  %5.2f  %5.2f", name, f.mean_m, f.own_mean_m, f.others_mean_m,
+                  f.nobody_mean_m, f.p95_m, f.peak_m);
+  };
+  for (PeerId p = 0; p < peers; ++p) {
+    left(std::to_string(p).c_str(), m.result(p));
+    const trace::Pcc c = m.pcc().result(p);
+    out += format("  %5llu         %5.3f  %5.2f   %5.2f  %4d\n", static_cast<unsigned long long>(m.deeds(p)), c.mean_m,
+                  c.peak_m, c.bodies_mean, c.bodies_peak);
+  }
+  left("all", m.overall());
+  return out + format("\nbodies that several players had to do with are left out of fidelity: %.1f %% of the time\n",
+                      100 * m.left_out());
+}
+
+/// Of all views, or of the one that counts.
+trace::Inconsistency overall(const Simulation& s, const RunFacts& f) {
+  return f.watched ? trace::summarize(s.seen_with_input(*f.watched)) : s.meter().overall();
+}
+
 /// What viewers see of corrections.
 std::string shown_line(const trace::Inconsistency& i, const Rates& r) {
   return format("shown: inconsistency %.3f m, snaps (jumps by over 3 cm) %.2f/s a peer of %.3f m, the largest %.2f m\n",
@@ -73,7 +99,12 @@ std::string json_summary(const Simulation& s, const RunFacts& f) {
   j.field("command", support::shell_line(f.command)).field("seed", f.seed).field("netem_seed", f.netem_seed);
   j.field("scenario", f.scenario).field("peers", s.peers()).field("technique", describe(f.technique));
   j.field("netem", f.netem).field("seconds", virtual_seconds);
-  put(j, s.meter().overall());
+  put(j, overall(s, f));
+  if (f.watched) j.field("watched_peer", int{*f.watched});
+  if (s.fidelity() != nullptr) {
+    put(j, f.watched ? s.fidelity()->result(*f.watched) : s.fidelity()->overall());
+    j.field("fidelity_left_out", s.fidelity()->left_out());
+  }
   put(j, rates_of(s, 0, s.peers()));
   j.field("confirmed_ticks", s.confirmed_ticks()).field("confirmed_mismatches", s.confirmed_mismatches());
   j.field("confirmed_hash", format("%016llx", static_cast<unsigned long long>(s.last_confirmed_hash())));
@@ -84,6 +115,11 @@ std::string json_summary(const Simulation& s, const RunFacts& f) {
   for (PeerId p = 0; p < s.peers(); ++p) {
     j.begin_object().field("peer", int{p}).field("input", f.inputs[p % f.inputs.size()]);
     put(j, s.meter().result(p));
+    if (s.fidelity() != nullptr) {
+      put(j, s.fidelity()->result(p));
+      put(j, s.fidelity()->pcc().result(p));
+      j.field("deeds", s.fidelity()->deeds(p));
+    }
     put(j, rates_of(s, p, 1));
     j.field("contests_lost", s.node(p).reporter().contests_lost());
     j.field("snaps", s.node(p).shown().snaps()).field("snap_m", s.node(p).shown().snap_metres());
@@ -104,13 +140,19 @@ std::string table_summary(const Simulation& s, const RunFacts& f) {
                   name, i.mean_m, i.avatar_mean_m, i.body_mean_m, i.p95_m, i.p99_m, i.peak_m, r.updates, r.datagrams,
                   r.kbps, r.replay_steps_per_tick, 100 * r.lookahead_share());
   };
-  for (PeerId p = 0; p < s.peers(); ++p) row(std::to_string(p).c_str(), s.meter().result(p), rates_of(s, p, 1));
-  row("all", s.meter().overall(), rates_of(s, 0, s.peers()));
+  if (f.watched) {
+    row(std::to_string(*f.watched).c_str(), overall(s, f), rates_of(s, 0, s.peers()));
+  } else {
+    for (PeerId p = 0; p < s.peers(); ++p) row(std::to_string(p).c_str(), s.meter().result(p), rates_of(s, p, 1));
+    row("all", overall(s, f), rates_of(s, 0, s.peers()));
+  }
+  if (s.fidelity() != nullptr) out += fidelity_table(*s.fidelity(), s.peers());
   out += format("\nconfirmed worlds: %llu ticks compared, %llu differ%s\n",
                 static_cast<unsigned long long>(s.confirmed_ticks()),
                 static_cast<unsigned long long>(s.confirmed_mismatches()),
                 s.confirmed_mismatches() == 0 ? "" : " - THEY MUST NOT");
-  out += shown_line(s.meter().overall(), rates_of(s, 0, s.peers()));
+  if (f.watched) out += "inconsistency: what this peer sees while there is input; updates and bytes: of all peers\n";
+  out += shown_line(overall(s, f), rates_of(s, 0, s.peers()));
   out += authority_line(s.flips());
   out += format("below %.0f mm inconsistency is noise; %.0f times real time\n", trace::kNoiseMetres * 1000,
                 static_cast<double>(s.now()) / kTicksPerSecond / f.wall_seconds);
@@ -118,11 +160,21 @@ std::string table_summary(const Simulation& s, const RunFacts& f) {
 }
 
 std::string csv_series(const Simulation& s) {
-  std::string out = "tick,peer,avatars_m,bodies_m,combined_m,shown_m\n";
+  const trace::FidelityMeter* deeds = s.fidelity();
+  std::string out = "tick,peer,avatars_m,bodies_m,combined_m,shown_m";
+  out += deeds != nullptr ? ",fidelity_m,pcc_m,pcc_bodies\n" : "\n";
   for (PeerId p = 0; p < s.peers(); ++p)
-    for (const trace::InconsistencyPoint& i : s.meter().series(p))
-      out += format("%d,%d,%.6g,%.6g,%.6g,%.6g\n", i.tick, int{p}, static_cast<double>(i.avatars_m),
+    for (const trace::InconsistencyPoint& i : s.meter().series(p)) {
+      out += format("%d,%d,%.6g,%.6g,%.6g,%.6g", i.tick, int{p}, static_cast<double>(i.avatars_m),
                     static_cast<double>(i.bodies_m), static_cast<double>(i.combined()), static_cast<double>(i.shown_m));
+      if (deeds != nullptr) {
+        const auto tick = static_cast<std::size_t>(i.tick);
+        const trace::PccPoint& cost = deeds->pcc().series(p)[tick];
+        out += format(",%.6g,%.6g,%d", static_cast<double>(deeds->series(p)[tick].error_m()),
+                      static_cast<double>(cost.cost_m), int{cost.bodies});
+      }
+      out += "\n";
+    }
   return out;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,11 +18,12 @@ struct RunFacts {
   std::uint64_t netem_seed = 0;
   Technique technique;
   double wall_seconds = 0;
+  std::optional<PeerId> watched;  ///< only what this peer sees counts, and only while there is input
 };
 
 std::string json_summary(const Simulation& s, const RunFacts& facts);
 std::string table_summary(const Simulation& s, const RunFacts& facts);
-/// tick,peer,avatars_m,bodies_m,combined_m,shown_m
+/// tick,peer,avatars_m,bodies_m,combined_m,shown_m, and with fidelity fidelity_m,pcc_m,pcc_bodies
 std::string csv_series(const Simulation& s);
 
 }  // namespace padr::lab

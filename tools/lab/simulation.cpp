@@ -1,6 +1,7 @@
 #include "tools/lab/simulation.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "common/link/link_seed.h"
 #include "common/trace/truth.h"
@@ -14,7 +15,16 @@ Simulation::Simulation(SimulationConfig config)
   hashes_.resize(n);
   live_hashes_.resize(n);
   stands_.resize(n);
+  targets_.resize(n);
+  states_.resize(n);
+  player_views_.resize(n);
   shims_.resize(n);
+  if (config_.fidelity) {
+    std::vector<PeerId> viewers(n);
+    std::iota(viewers.begin(), viewers.end(), PeerId{0});
+    fidelity_ = std::make_unique<trace::FidelityMeter>(config_.scene, config_.slots > 0 ? config_.slots : config_.peers,
+                                                       std::move(viewers));
+  }
   for (PeerId p = 0; p < n; ++p) {
     node::NodeConfig c;
     c.self = p;
@@ -60,7 +70,8 @@ void Simulation::step() {
   ++now_;
   deliver();
   for (PeerId p = 0; p < nodes_.size(); ++p) {
-    nodes_[p]->step(target_of(p));
+    targets_[p] = target_of(p);
+    nodes_[p]->step(targets_[p]);
     for (const node::Outgoing& o : nodes_[p]->outgoing()) shims_[p][o.to]->accept(tick_start(now_), o.bytes);
   }
   sample_views();
@@ -81,10 +92,29 @@ void Simulation::sample_views() {
     const world::View& w = node(p).live().world();
     view_.live.clear();
     for (const world::Kinematics& k : w.kinematics()) view_.live.push_back(k.position);
+    view_.unowned_alone = plays_unowned_alone(node(p).config().technique);
     view_.shown = now_ == 0 ? view_.live : node(p).shown().positions();
     meter_.view(p, now_, view_);
     if (config_.settle_ticks > 0) live_hashes_[p].push_back(node(p).live_hash());
   }
+  if (fidelity_) sample_fidelity();
+}
+
+void Simulation::sample_fidelity() {
+  for (PeerId p = 0; p < nodes_.size(); ++p) {
+    const world::View& w = node(p).live().world();
+    states_[p].clear();
+    for (EntityId e = 0; e < w.entities(); ++e) states_[p].push_back(w.state(e));
+    player_views_[p] = {true, states_[p], targets_[p]};
+  }
+  fidelity_->tick(now_, player_views_);
+}
+
+trace::InconsistencySeries Simulation::seen_with_input(PeerId p) const {
+  trace::InconsistencySeries seen;
+  for (const trace::InconsistencyPoint& point : meter_.series(p))
+    if (point.tick >= 1 && point.tick <= config_.ticks) seen.push_back(point);
+  return seen;
 }
 
 void Simulation::compare_confirmed() {

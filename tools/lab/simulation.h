@@ -10,6 +10,7 @@
 #include "common/link/shim.h"
 #include "common/node/recorded_node.h"
 #include "common/scenarios/input.h"
+#include "common/trace/fidelity.h"
 #include "common/trace/flips.h"
 #include "common/trace/metrics.h"
 
@@ -28,6 +29,9 @@ struct SimulationConfig {
   /// Afterwards, hands off: every avatar brakes, and then stands where it has stopped. Time to come to rest and to
   /// agree.
   Tick settle_ticks = 0;
+  /// Whether fidelity and physics-consistency-cost are measured, which may take a step of another world per peer and
+  /// tick.
+  bool fidelity = false;
   /// Sees every confirmed state of every peer; may be empty.
   std::function<void(PeerId, const sync::FoldState&)> on_confirmed = {};
 };
@@ -44,12 +48,18 @@ class Simulation {
   void step();
   /// Ends the traces, if any; no step may follow.
   void finish();
+  /// As Node::retune, before the next step.
+  void retune(PeerId p, const Technique& technique) { nodes_[p]->retune(technique); }
 
   Tick now() const { return now_; }
   int peers() const { return config_.peers; }
   const node::Node& node(PeerId p) const { return nodes_[p]->node(); }
   const link::Shim& shim(PeerId from, PeerId to) const { return *shims_[from][to]; }
   const trace::InconsistencyMeter& meter() const { return meter_; }
+  /// What this peer alone has seen, at the ticks with input alone.
+  trace::InconsistencySeries seen_with_input(PeerId p) const;
+  /// Null if it was not asked for.
+  const trace::FidelityMeter* fidelity() const { return fidelity_.get(); }
   /// Of the first peer's confirmed world.
   const trace::FlipMeter& flips() const { return flips_; }
 
@@ -70,6 +80,7 @@ class Simulation {
   void deliver();
   void compare_confirmed();
   void sample_views();
+  void sample_fidelity();
   Vec2 target_of(PeerId p);
 
   SimulationConfig config_;
@@ -82,6 +93,10 @@ class Simulation {
   trace::Truth truth_;
   trace::InconsistencyMeter meter_;
   trace::FlipMeter flips_;
+  std::unique_ptr<trace::FidelityMeter> fidelity_;
+  std::vector<Vec2> targets_;                    ///< by peer, of the last step
+  std::vector<std::vector<BodyState>> states_;   ///< by peer, of its live world
+  std::vector<trace::PlayerView> player_views_;  ///< by peer
   std::uint64_t compared_ = 0;
   std::uint64_t mismatches_ = 0;
   Tick first_mismatch_ = -1;

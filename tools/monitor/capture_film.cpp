@@ -52,6 +52,8 @@ Film film_captures(const std::vector<std::string>& files, const std::vector<std:
   while (const capture::Datagram* d = captures.next()) books.take(*d);
   for (const std::string& trouble : captures.troubles()) note(trouble);
   const capture::Ledger& ledger = books.choose(flags.session());
+  if (const std::string why = capture::nothing_to_begin_with(ledger); !why.empty())
+    throw UserError("--capture: " + why);
   const capture::Setting setting = flags.setting(ledger);
   const std::size_t entities = setting.scene.bodies.size() + static_cast<std::size_t>(setting.slots);
   const Tick sample = sample_for(ledger.newest, 1, entities);

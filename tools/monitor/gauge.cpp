@@ -72,7 +72,8 @@ void Gauge::measure(Tick tick, const Pending& p, std::vector<Measured>& out) con
   std::map<PeerId, trace::View> views;
   for (const auto& [slot, frame] : p.frames)
     if (frame->live.size() == entities)
-      views[slot] = {positions(frame->live), positions(frame->shown.size() == entities ? frame->shown : frame->live)};
+      views[slot] = {positions(frame->live), positions(frame->shown.size() == entities ? frame->shown : frame->live),
+                     frame->unowned_alone};
   std::vector<const trace::View*> by_slot(kMaxPeers, nullptr);
   for (const auto& [slot, view] : views)
     if (slot < by_slot.size()) by_slot[slot] = &view;

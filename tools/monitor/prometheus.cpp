@@ -128,18 +128,35 @@ constexpr std::array<PeerMetric, 14> kPeerMetrics{{
 
 struct LinkMetric {
   const char* name;
+  const char* type;
   const char* help;
   std::optional<double> (*value)(const LinkStatus&);
 };
 
-constexpr std::array<LinkMetric, 4> kLinkMetrics{{
-    {"padr_link_delay_seconds", "One-way delay from `from` to `peer`, by the two session clocks",
-     [](const LinkStatus& l) { return l.measured ? std::optional(double{l.delay_in_ms} * 1e-3) : std::nullopt; }},
-    {"padr_link_round_trip_seconds", "Smoothed round trip",
+std::optional<double> if_measured(const LinkStatus& l, float ms) {
+  return l.measured ? std::optional(double{ms} * 1e-3) : std::nullopt;
+}
+
+constexpr std::array<LinkMetric, 9> kLinkMetrics{{
+    {"padr_link_delay_seconds", "gauge",
+     "One-way delay from `from` to `peer`, by the two session clocks: median of recent datagrams",
+     [](const LinkStatus& l) { return if_measured(l, l.delay_p50_ms); }},
+    {"padr_link_delay_p95_seconds", "gauge", "Its 95th percentile",
+     [](const LinkStatus& l) { return if_measured(l, l.delay_p95_ms); }},
+    {"padr_link_delay_least_seconds", "gauge", "The least of it",
+     [](const LinkStatus& l) { return if_measured(l, l.delay_least_ms); }},
+    {"padr_link_round_trip_seconds", "gauge", "Smoothed round trip",
      [](const LinkStatus& l) { return std::optional(double{l.round_trip_ms} * 1e-3); }},
-    {"padr_link_loss_ratio", "Share of recent datagrams from `from` to `peer` that did not come",
-     [](const LinkStatus& l) { return std::optional(double{l.loss_in}); }},
-    {"padr_link_cut", "1 if the link is cut by an order",
+    {"padr_link_loss_ratio", "gauge",
+     "Share of the latest datagrams from `from` to `peer`, 192 at most, that did not come",
+     [](const LinkStatus& l) { return l.loss_of > 0 ? std::optional(double{l.loss_in}) : std::nullopt; }},
+    {"padr_link_loss_ratio_of", "gauge", "Of how many datagrams that is the share",
+     [](const LinkStatus& l) { return std::optional(double{1.0} * l.loss_of); }},
+    {"padr_link_lost_total", "counter", "Datagrams from `from` to `peer` that did not come, since the link began",
+     [](const LinkStatus& l) { return std::optional(static_cast<double>(l.lost_in)); }},
+    {"padr_link_judged_total", "counter", "Of how many datagrams these are: all that were sent but for the newest 8",
+     [](const LinkStatus& l) { return std::optional(static_cast<double>(l.judged_in)); }},
+    {"padr_link_cut", "gauge", "1 if the link is cut by an order",
      [](const LinkStatus& l) { return std::optional(l.cut_in || l.cut_out ? 1.0 : 0.0); }},
 }};
 
@@ -198,7 +215,7 @@ void peers(Writer& w, const Session& s, Micros now) {
   }
   drops(w, s);
   for (const LinkMetric& m : kLinkMetrics) {
-    w.metric(m.name, "gauge", m.help);
+    w.metric(m.name, m.type, m.help);
     for (const PeerRecord* p : s.peers())
       for (const auto& [to, link] : p->links)
         if (const auto v = m.value(link); v && link.there)

@@ -16,11 +16,13 @@ namespace padr::monitor {
 struct PeerPoint {
   PeerId slot = kNoPeer;
   std::optional<trace::InconsistencyPoint> inconsistency;  ///< mean since the last moment; its tick is the newest
+  std::optional<float> fidelity_m;  ///< mean fidelity error since the last moment; of recordings only
+  std::optional<float> pcc_m;       ///< mean physics-consistency-cost of its avatar since the last moment; likewise
   std::optional<std::array<float, sync::kCauses>> updates_per_s;
   float kbit_per_s = 0;  ///< with updates_per_s
   std::optional<float> lag_ms;
   std::optional<float> threshold_m;
-  std::vector<std::pair<PeerId, float>> delay_ms;  ///< of what comes from there
+  std::vector<std::pair<PeerId, float>> delay_ms;  ///< median of what comes from there
 };
 
 struct SeriesPoint {

@@ -278,6 +278,13 @@ std::optional<trace::InconsistencyPoint> Session::inconsistency(PeerId slot) con
   return found->second.last;
 }
 
+void Session::measured(PeerId slot, float fidelity_m, float pcc_m) {
+  Deeds& d = deeds_[slot];
+  ++d.n;
+  d.fidelity_m += fidelity_m;
+  d.pcc_m += pcc_m;
+}
+
 const SeriesPoint& Session::sample(Micros now) {
   for (const auto& [slot, point] : gauge_.take()) {
     Sum& s = measured_[slot];
@@ -300,6 +307,12 @@ const SeriesPoint& Session::sample(Micros now) {
       s.n = 0;
       s.sum = {};
     }
+    if (const auto found = deeds_.find(point.slot); found != deeds_.end()) {
+      const auto n = static_cast<float>(found->second.n);
+      point.fidelity_m = found->second.fidelity_m / n;
+      point.pcc_m = found->second.pcc_m / n;
+      deeds_.erase(found);
+    }
     if (const auto& rates = p->rates.rates()) {
       point.updates_per_s.emplace();
       std::transform(rates->updates_per_s.begin(), rates->updates_per_s.end(), point.updates_per_s->begin(),
@@ -309,7 +322,7 @@ const SeriesPoint& Session::sample(Micros now) {
     if (const auto lag = p->lag_ms()) point.lag_ms = static_cast<float>(*lag);
     if (p->newest) point.threshold_m = p->newest->threshold;
     for (const auto& [to, link] : p->links)
-      if (link.there && link.measured) point.delay_ms.emplace_back(to, link.delay_in_ms);
+      if (link.there && link.measured) point.delay_ms.emplace_back(to, link.delay_p50_ms);
     out.peers.push_back(std::move(point));
   }
   series_.add(std::move(out));

@@ -67,6 +67,8 @@ class Session : public ViewSource {
   /// The newest measured of this slot.
   std::optional<trace::InconsistencyPoint> inconsistency(PeerId slot) const;
 
+  /// What was measured of a tick beside what peers tell.
+  void measured(PeerId slot, float fidelity_m, float pcc_m);
   /// Makes a point of what was measured since the last.
   const SeriesPoint& sample(Micros now);
   const Series& series() const { return series_; }
@@ -125,6 +127,12 @@ class Session : public ViewSource {
     trace::InconsistencyPoint last;
   };
   std::map<PeerId, Sum> measured_;  ///< since the last point
+  struct Deeds {
+    int n = 0;
+    float fidelity_m = 0;
+    float pcc_m = 0;
+  };
+  std::map<PeerId, Deeds> deeds_;  ///< likewise, sums
   Series series_;
   std::deque<SessionEvent> events_;
   std::uint64_t events_ever_ = 0;

@@ -8,6 +8,7 @@
 
 #include "common/model/user_error.h"
 #include "common/monitor/sampler.h"
+#include "common/trace/fidelity.h"
 #include "tools/lab/replay.h"
 #include "tools/support/text.h"
 
@@ -94,6 +95,16 @@ class Actor {
     }
   }
 
+  /// What its player has at a tick up to which it has been advanced.
+  trace::PlayerView view(Tick tick) {
+    live_.clear();
+    if (over_ || at_ != tick || outside_) return {};
+    const world::View& w = replay_->node()->live().world();
+    for (EntityId e = 0; e < w.entities(); ++e) live_.push_back(w.state(e));
+    return {true, live_, target_};
+  }
+  PeerId slot() const { return origin_.slot; }
+
   /// Why it ended before its trace did; empty if it did not.
   std::string difference() const { return replay_->result().difference; }
 
@@ -135,6 +146,8 @@ class Actor {
   void stepped(const trace::Step& step, Session& session) {
     const bool first = at_ < 0;
     at_ = step.tick;
+    target_ = step.target;
+    outside_ = step.outside || step.leaving;
     const node::Node& node = *replay_->node();
     if (first) {
       say_hello(header().technique, session);
@@ -170,12 +183,42 @@ class Actor {
   std::vector<Agreed> agreed_;  ///< confirmed since the last step
   std::unique_ptr<lab::Replay> replay_;
   Tick at_ = -1;
+  Vec2 target_;  ///< m, of the last step
+  bool outside_ = false;
+  std::vector<BodyState> live_;  ///< for view
   std::uint64_t late_ = 0;
   Micros worst_ = 0;
   bool over_ = false;
 };
 
 using Cast = std::vector<std::unique_ptr<Actor>>;
+
+/// Fidelity and physics-consistency-cost of all of them.
+class Deeds {
+ public:
+  explicit Deeds(const Cast& actors)
+      : actors_(actors), meter_(actors.front()->scene(), actors.front()->header().slots, slots_of(actors)) {}
+
+  void tick(Tick t, Session& session) {
+    views_.clear();
+    for (const auto& a : actors_) views_.push_back(a->view(t));
+    meter_.tick(t, views_);
+    for (std::size_t i = 0; i < actors_.size(); ++i)
+      if (views_[i].there)
+        session.measured(actors_[i]->slot(), meter_.series(i).back().error_m(), meter_.pcc().series(i).back().cost_m);
+  }
+
+ private:
+  static std::vector<PeerId> slots_of(const Cast& actors) {
+    std::vector<PeerId> slots;
+    for (const auto& a : actors) slots.push_back(a->slot());
+    return slots;
+  }
+
+  const Cast& actors_;
+  trace::FidelityMeter meter_;
+  std::vector<trace::PlayerView> views_;
+};
 
 /// Throws UserError if they are not of one session.
 Cast cast(const std::vector<std::string>& paths) {
@@ -208,8 +251,10 @@ Film film_traces(const std::vector<std::string>& paths, const Note& note) {
   FilmMaker maker(std::make_unique<Session>(SessionKey{h.session, h.scene_hash}, actors.front()->scene(),
                                             support::valid_utf8(h.scenario), h.scenario_seed, h.slots, 0),
                   sample, last - first);
+  Deeds deeds(actors);
   for (Tick t = first; t <= last; ++t) {
     for (const auto& a : actors) a->advance(t, maker.session());
+    deeds.tick(t, maker.session());
     if (t % sample == 0) maker.take(t);
     if ((t - first + 1) % (20 * kTicksPerSecond) == 0)
       note("replayed " + std::to_string((t - first + 1) / kTicksPerSecond) + " of " +

@@ -82,7 +82,8 @@ std::string_view word(Detail d) {
 
 /// "--threshold 0.8:0.3 ..." as an object.
 void knobs(Json& j, std::string_view settings) {
-  std::map<std::string, std::string> told{{"end-update", "on"}, {"proxy-update", "on"}, {"rest-state", "on"}};
+  std::map<std::string, std::string> told{
+      {"end-update", "on"}, {"proxy-update", "on"}, {"rest-state", "on"}, {"time-stamps", "off"}};
   while (true) {
     const auto flag = settings.find("--");
     if (flag == std::string_view::npos) break;
@@ -119,9 +120,17 @@ void links(Json& j, const PeerRecord& p) {
   for (const auto& [to, l] : p.links) {
     if (!l.there) continue;
     j.begin_object().field("to", int{to});
-    maybe(j, "delay_ms", l.measured ? std::optional(double{l.delay_in_ms}) : std::nullopt);
+    const auto delay = [&j, measured = l.measured](const char* name, float ms) {
+      maybe(j, name, measured ? std::optional(double{ms}) : std::nullopt);
+    };
+    delay("delay_ms", l.delay_p50_ms);
+    delay("delay_p95_ms", l.delay_p95_ms);
+    delay("delay_least_ms", l.delay_least_ms);
     j.field("round_trip_ms", rounded(double{l.round_trip_ms}))
-        .field("loss_percent", rounded(double{l.loss_in} * 100, 10));
+        .field("loss_percent", rounded(double{l.loss_in} * 100, 10))
+        .field("loss_of", l.loss_of)
+        .field("lost", l.lost_in)
+        .field("judged", l.judged_in);
     j.field("netem", valid_utf8(l.netem)).field("cut", l.cut_out || l.cut_in).end_object();
   }
   j.end_array();
@@ -192,6 +201,12 @@ void point(Json& j, const SeriesPoint& p) {
       j.field("shown_m", rounded(double{i->shown_m}));
     } else {
       for (const char* name : {"at_tick", "combined_m", "avatars_m", "bodies_m", "shown_m"}) j.key(name).null();
+    }
+    for (const auto& [name, m] : {std::pair{"fidelity_m", q.fidelity_m}, {"pcc_m", q.pcc_m}}) {
+      if (m)
+        j.field(name, rounded(double{*m}));
+      else
+        j.key(name).null();
     }
     if (q.updates_per_s) {
       numbers(j, "updates_per_s", *q.updates_per_s);

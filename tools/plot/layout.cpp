@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace padr::plot {
 namespace {
@@ -55,11 +56,35 @@ std::string heading(const std::string& title, const Key& key) {
          std::to_string(key.columns) + "\n";
 }
 
+namespace {
+
+/// Values of a square-root axis that leave room for one another.
+std::string root_ticks(double to) {
+  constexpr double kApart = 0.09;  // of the height
+  std::string s;
+  double last = -1;
+  for (const double v :
+       {0.0, 0.1, 0.3, 0.5, 0.8, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 20.0, 30.0, 50.0, 70.0, 100.0, 200.0}) {
+    const double at = std::sqrt(v / to);
+    if (at > 1 || (last >= 0 && at - last < kApart)) continue;
+    s += (s.empty() ? "" : ", ") + number(v);
+    last = at;
+  }
+  return s;
+}
+
+}  // namespace
+
 std::string axis(char name, const Axis& a) {
   const std::string n(1, name);
   const auto end = [](const std::optional<double>& v) { return v ? number(*v) : std::string("*"); };
   std::string s = "set " + n + "label " + in_quotes(a.label) + " noenhanced\n";
   s += (a.log ? "set logscale " : "unset logscale ") + n + "\n";
+  if (a.root && a.to)
+    s += "set nonlinear " + n + " via sqrt(" + n + ") inverse " + n + "*" + n + "\nset " + n + "tics (" +
+         root_ticks(*a.to) + ")\n";
+  else
+    s += "unset nonlinear " + n + "\nset " + n + "tics autofreq\n";
   return s + "set " + n + "range [" + end(a.from) + ":" + end(a.to) + "]\n";
 }
 

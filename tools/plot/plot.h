@@ -21,8 +21,9 @@ namespace padr::plot {
 struct Axis {
   std::string label = {};  ///< with its unit
   bool log = false;
+  bool root = false;                ///< square roots: small values beside high peaks, and zero; begins at 0
   std::optional<double> from = {};  ///< where it begins, the data's beginning if not given
-  std::optional<double> to = {};
+  std::optional<double> to = {};    ///< the data's end if not given; to be given for `root`
 };
 
 struct Point {

@@ -8,6 +8,8 @@
 
 #include "common/model/user_error.h"
 #include "common/node/node.h"
+#include "common/scenarios/scenarios.h"
+#include "common/trace/fidelity.h"
 #include "common/trace/trace_reader.h"
 #include "common/wire/codec.h"
 #include "tools/report/confirmed_ticks.h"
@@ -28,6 +30,16 @@ std::optional<std::pair<PeerId, sync::StatePacket>> packet_of(std::span<const st
   return std::pair{opened->header.sender, std::move(*packet)};
 }
 
+/// What the session was played in; nothing if the trace does not say it as it was.
+std::optional<Scene> scene_of(const trace::Header& h) {
+  try {
+    Scene scene = scenarios::load(h.scenario_text, h.scenario, h.scenario_seed);
+    if (scene_hash(scene) == h.scene_hash) return scene;
+  } catch (const UserError&) {
+  }
+  return std::nullopt;
+}
+
 /// One trace on its way to its end.
 struct Cursor {
   Cursor(const TraceBytes& t, std::size_t number, const Survey& s) : reader(t.bytes, t.label), life(number), about(s) {
@@ -38,9 +50,11 @@ struct Cursor {
   trace::TraceReader reader;
   std::size_t life;
   const Survey& about;
+  Technique technique = reader.header().technique;  ///< as it plays now
   Peer peer;
   TrafficMeter traffic;
   double threshold_sum = 0;
+  Vec2 target;  ///< m, of the last step
   bool ended = false;
 };
 
@@ -58,12 +72,17 @@ class Analysis {
       cursors_.push_back(std::make_unique<Cursor>(*traces[i], i, lives_[i]));
       meter_.came(i, lives_[i].came);
     }
+    if (const auto scene = scene_of(session_))
+      fidelity_ = std::make_unique<trace::FidelityMeter>(*scene, session_.slots, slots_of(lives_));
+    views_.resize(lives_.size());
   }
 
   Report run() {
-    // All in step, so that no more than what is not confirmed yet is kept in memory.
-    for (Tick t = 0; std::any_of(cursors_.begin(), cursors_.end(), [](const auto& c) { return !c->ended; }); ++t)
-      for (const auto& c : cursors_) advance(*c, t);
+    // All in step, so that no more than what is not confirmed yet is kept in memory. Each goes as far as a step's tick.
+    for (Tick t = 0; std::any_of(cursors_.begin(), cursors_.end(), [](const auto& c) { return !c->ended; }); ++t) {
+      for (const auto& c : cursors_) advance(*c, t - 1);
+      if (fidelity_) measure_fidelity(t);
+    }
     return finish();
   }
 
@@ -87,9 +106,20 @@ class Analysis {
     }
   }
 
+  void measure_fidelity(Tick t) {
+    for (const auto& c : cursors_) {
+      trace::PlayerView& v = views_[c->life];
+      v = {!c->ended && c->peer.last_tick == t && t >= c->about.came && c->peer.left_at < 0, c->reader.live().states,
+           c->target};
+      v.there = v.there && trace::can_be_stepped(v);
+    }
+    fidelity_->tick(t, views_);
+  }
+
   void take(Cursor& c, const trace::Step& s) {
     Peer& p = c.peer;
     p.last_tick = s.tick;
+    c.target = s.target;
     if (s.lateness > kLate) ++p.late_ticks;
     p.worst_lateness = std::max(p.worst_lateness, s.lateness);
     p.replayed_steps = s.replayed_steps;
@@ -104,6 +134,7 @@ class Analysis {
     trace::View v;
     for (const BodyState& state : c.reader.live().states) v.live.push_back(state.position);
     v.shown = c.reader.live().shown;
+    v.unowned_alone = plays_unowned_alone(c.technique);
     meter_.view(c.life, s.tick, v);
   }
 
@@ -114,9 +145,12 @@ class Analysis {
       return;
     }
     heard_.insert(packet->first);
-    // By when it was sent: who sits there now may be another one.
-    const auto from = who_sits(lives_, packet->first, packet->second.mark_tick);
-    if (from) links_[{*from, c.life}].received(packet->second.seq, packet->second.mark_tick, r.at);
+    // What is for the life before, or comes from it, has numbers of its own; it may still arrive when the next one has
+    // begun.
+    const sync::StatePacket& p = packet->second;
+    if (p.to_incarnation != c.reader.header().incarnation) return;
+    const auto from = life_at(lives_, packet->first, p.incarnation, p.mark_tick);
+    if (from) links_[{*from, c.life}].received(p.seq, p.mark_tick, r.at);
   }
 
   void take(Cursor& c, const trace::Sent& s) {
@@ -124,7 +158,8 @@ class Analysis {
     if (!packet || s.to >= session_.slots)
       throw UserError(c.reader.label() + ": the datagram sent at tick " + std::to_string(s.tick) + " to peer " +
                       std::to_string(s.to) + " makes no sense");
-    if (const auto to = who_sits(lives_, s.to, s.tick)) links_[{c.life, *to}].sent(packet->second.seq, s.tick);
+    const auto to = life_at(lives_, s.to, packet->second.to_incarnation, s.tick);
+    if (to) links_[{c.life, *to}].sent(packet->second.seq, s.tick);
     if (c.peer.left_at < 0 || s.tick <= c.peer.left_at)
       c.traffic.sent(s.to, s.tick, packet->second, s.datagram.size() + node::kIpUdpBytes);
   }
@@ -146,8 +181,14 @@ class Analysis {
     meter_.truth(t.tick, truth);
   }
 
-  static void take(Cursor& c, const trace::Retune&) { ++c.peer.retunes; }
-  static void take(Cursor& c, const trace::Push&) { ++c.peer.pushes; }
+  static void take(Cursor& c, const trace::Retune& r) {
+    c.technique = r.technique;
+    ++c.peer.retunes;
+  }
+  void take(Cursor& c, const trace::Push& p) {
+    ++c.peer.pushes;
+    if (fidelity_ && p.body < session_.bodies) fidelity_->pushed(p.body, c.peer.last_tick + 1);
+  }
   static void take(Cursor& c, const trace::Remark& m) {
     // Its own decision, and no interference.
     if (m.kind == "cut_off" && m.peer != kNoPeer)
@@ -180,6 +221,7 @@ class Analysis {
       p.clean = c->reader.clean();
       p.inconsistency = meter_.result(c->life);
       p.series = meter_.series(c->life);
+      if (fidelity_) take_fidelity(*c);
       p.traffic = c->traffic.total();
       p.per_second = c->traffic.per_second();
       p.threshold_mean_m = c->threshold_sum / (p.played() + 1);
@@ -192,8 +234,18 @@ class Analysis {
     r.heard.assign(heard_.begin(), heard_.end());
     r.hand_overs = flips_.all();
     r.hand_overs_by_body = flips_.by_body();
+    if (fidelity_) r.left_out = fidelity_->left_out();
+    r.fidelity_known = fidelity_ != nullptr;
     summarize(r);
     return r;
+  }
+
+  void take_fidelity(Cursor& c) const {
+    c.peer.fidelity_series = fidelity_->series(c.life);
+    c.peer.fidelity = fidelity_->result(c.life);
+    c.peer.deeds = fidelity_->deeds(c.life);
+    c.peer.pcc_series = fidelity_->pcc().series(c.life);
+    c.peer.pcc = fidelity_->pcc().result(c.life);
   }
 
   Link link(std::size_t from, std::size_t to, const LinkMeter& meter) const {
@@ -207,6 +259,8 @@ class Analysis {
   trace::Header session_;
   trace::InconsistencyMeter meter_;
   trace::FlipMeter flips_;
+  std::unique_ptr<trace::FidelityMeter> fidelity_;  ///< null: the scene is not known
+  std::vector<trace::PlayerView> views_;            ///< by life
   std::vector<std::unique_ptr<Cursor>> cursors_;
   std::map<std::pair<std::size_t, std::size_t>, LinkMeter> links_;  ///< by lives
   std::set<PeerId> heard_;

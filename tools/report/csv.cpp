@@ -24,6 +24,19 @@ std::string inconsistency(const Report& r) {
   return s;
 }
 
+std::string fidelity(const Report& r) {
+  std::string s = "peer,tick,seconds,fidelity_m,own_m,others_m,nobody_m,pcc_m,pcc_bodies\n";
+  for (const Peer& p : r.peers)
+    for (std::size_t i = 0; i < p.fidelity_series.size(); ++i) {
+      const trace::FidelityPoint& f = p.fidelity_series[i];
+      s += p.name + ',' + std::to_string(f.tick) + ',' + seconds(f.tick);
+      for (const float m : {f.error_m(), f.own_m, f.others_m, f.nobody_m, p.pcc_series[i].cost_m})
+        s += ',' + fixed(static_cast<double>(m), 6);
+      s += ',' + std::to_string(p.pcc_series[i].bodies) + '\n';
+    }
+  return s;
+}
+
 std::string traffic(const Report& r) {
   std::string s = "peer,second,datagrams,wire_bytes";
   for (const auto& cause : sync::kCauseNames) s += ",updates_" + std::string(cause);
@@ -70,6 +83,7 @@ std::string authority(const Report& r) {
 
 std::vector<NamedText> csv_files(const Report& r) {
   return {{"inconsistency.csv", inconsistency(r)},
+          {"fidelity.csv", fidelity(r)},
           {"traffic.csv", traffic(r)},
           {"links.csv", links(r)},
           {"authority.csv", authority(r)}};

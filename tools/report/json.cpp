@@ -1,4 +1,5 @@
 #include "tools/support/json.h"
+#include "tools/support/measures_json.h"
 
 #include <algorithm>
 
@@ -71,7 +72,7 @@ void put_drops(Json& j, const Peer& p) {
   j.end_array();
 }
 
-void put_peer(Json& j, const Peer& p) {
+void put_peer(Json& j, const Report& r, const Peer& p) {
   j.begin_object();
   j.field("peer", p.header.peer).field("name", p.name).field("incarnation", p.header.incarnation);
   j.field("trace", support::valid_utf8(p.label)).field("clean_end", p.clean).field("superseded", p.superseded);
@@ -83,6 +84,11 @@ void put_peer(Json& j, const Peer& p) {
       .field("seconds", p.seconds())
       .field("confirmed_tick", p.last_confirmed);
   put(j, p.inconsistency);
+  if (r.fidelity_known) {
+    put(j, p.fidelity);
+    put(j, p.pcc);
+    j.field("deeds", p.deeds);
+  }
   put(j, p.traffic, p.seconds());
   j.field("replay_steps_per_tick", per_tick(p.replayed_steps, p.last_tick - p.first_tick));
   j.field("threshold_mean_m", p.threshold_mean_m);
@@ -121,6 +127,7 @@ void put_groups(Json& j, const Report& r) {
     for (const std::size_t i : g.peers) j.value(r.peers[i].name);
     j.end_array();
     put(j, g.inconsistency);
+    if (r.fidelity_known) put(j, g.fidelity);
     put(j, g.traffic, g.seconds);
     j.end_object();
   }
@@ -149,10 +156,14 @@ std::string json(const Report& r, const std::vector<std::string>& command) {
   j.field("given_up_ticks", r.confirmed.given_up).field("given_up_unlike", r.confirmed.given_up_unlike);
   put_hand_overs(j, r);
   put(j, r.overall.inconsistency);
+  if (r.fidelity_known) {
+    put(j, r.overall.fidelity);
+    j.field("fidelity_left_out", r.left_out);
+  }
   put(j, r.overall.traffic, r.overall.seconds);
   put_groups(j, r);
   j.key("by_peer").begin_array();
-  for (const Peer& p : r.peers) put_peer(j, p);
+  for (const Peer& p : r.peers) put_peer(j, r, p);
   j.end_array();
   j.key("links").begin_array();
   for (const Link& l : r.links) put_link(j, l);

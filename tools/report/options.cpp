@@ -19,6 +19,12 @@ constexpr const char* kFooter =
     "entity's owner at the same session tick; for a body that nobody owns, against the agreed world. Below about 5 mm\n"
     "(Box2D's slop) it is noise. A peer is measured until it says goodbye.\n"
     "\n"
+    "Fidelity error: how far bodies are from where the players' deeds alone put them: each player's live world is "
+    "copied\n"
+    "and stepped for a second with what the player really did. Physics-consistency-cost: by how much others' views "
+    "differ\n"
+    "in the bodies that an avatar disturbed. docs/metrics.md defines both.\n"
+    "\n"
     "Examples:\n"
     "  padr-report out/demo/peer*.trace\n"
     "  padr-report out/demo/peer*.trace --plots out/plots --csv out/csv --json out/report.json\n"
@@ -37,7 +43,8 @@ std::optional<Options> parse_options(int argc, char** argv) {
   app.add_option("TRACE", o.traces, "Traces of the peers of one session")->required()->type_name("FILE");
   app.add_option("--json", o.json, "Write everything as JSON; - for standard output, in place of the table")
       ->type_name("FILE|-");
-  app.add_option("--csv", o.csv, "Write inconsistency.csv, traffic.csv, links.csv and authority.csv there")
+  app.add_option("--csv", o.csv,
+                 "Write inconsistency.csv, fidelity.csv, traffic.csv, links.csv and authority.csv there")
       ->type_name("DIR");
   app.add_option("--plots", o.plots, "Draw inconsistency, traffic and authority as SVG and PNG there (gnuplot)")
       ->type_name("DIR");

@@ -16,7 +16,7 @@ std::string json(const Report& r, const std::vector<std::string>& command);
 
 using plot::NamedText;
 
-/// inconsistency.csv, traffic.csv, links.csv, authority.csv.
+/// inconsistency.csv, fidelity.csv, traffic.csv, links.csv, authority.csv.
 std::vector<NamedText> csv_files(const Report& r);
 
 /// Data and one script for gnuplot per plot: NAME.dat, NAME.gp; the script, run in the files' folder, writes NAME.svg

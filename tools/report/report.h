@@ -8,6 +8,7 @@
 
 #include "common/sync/updates.h"
 #include "common/trace/events.h"
+#include "common/trace/fidelity.h"
 #include "common/trace/flips.h"
 #include "common/trace/metrics.h"
 
@@ -71,6 +72,11 @@ struct Peer {
   Tick last_confirmed = -1;
   trace::Inconsistency inconsistency;
   std::vector<trace::InconsistencyPoint> series;
+  trace::Fidelity fidelity;
+  trace::FidelitySeries fidelity_series;
+  std::uint64_t deeds = 0;  ///< as trace::FidelityMeter counts them
+  trace::Pcc pcc;           ///< of its avatar
+  trace::PccSeries pcc_series;
   Traffic traffic;
   std::vector<Traffic> per_second;
   std::uint64_t damaged = 0;     ///< datagrams received that were no datagrams of this protocol (corrupted on the way)
@@ -104,6 +110,7 @@ struct Group {
   std::string technique;  ///< with all knobs
   std::vector<std::size_t> peers;
   trace::Inconsistency inconsistency;
+  trace::Fidelity fidelity;
   Traffic traffic;     ///< of all of them
   double seconds = 0;  ///< likewise
 };
@@ -126,7 +133,9 @@ struct Report {
   ConfirmedCheck confirmed;
   std::vector<AuthorityChange> authority;  ///< by tick, then body
   Tick authority_until = 0;
-  std::vector<PeerId> heard;  ///< slots from which datagrams were received
+  bool fidelity_known = false;  ///< whether fidelity and physics-consistency-cost could be measured
+  double left_out = 0;          ///< of fidelity, as trace::FidelityMeter says it
+  std::vector<PeerId> heard;    ///< slots from which datagrams were received
   /// Of the session at tick 0; 0 if there is no trace of any of them.
   int peers_at_start() const;
   trace::HandOvers hand_overs;                              ///< of all bodies

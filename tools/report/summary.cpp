@@ -11,13 +11,16 @@ Group group_of(const Report& r, const std::string& technique, const std::vector<
   g.technique = technique;
   g.peers = members;
   std::vector<trace::InconsistencySeries> series;
+  std::vector<trace::FidelitySeries> fidelity;
   for (const std::size_t i : members) {
     const Peer& p = r.peers[i];
     series.push_back(p.series);
+    fidelity.push_back(p.fidelity_series);
     g.traffic += p.traffic;
     g.seconds += p.seconds();
   }
   g.inconsistency = trace::summarize_all(series);
+  g.fidelity = trace::summarize_all(fidelity);
   return g;
 }
 
@@ -73,6 +76,8 @@ void summarize(Report& r) {
   note_ends(r);
   note_interference(r);
   note_confirmed(r);
+  if (!r.fidelity_known)
+    r.notes.push_back("the traces do not hold the scenario as it was played: fidelity and PCC are not measured");
 }
 
 }  // namespace padr::report

@@ -49,9 +49,11 @@ Survey survey(const TraceBytes& trace) {
   return s;
 }
 
-std::optional<std::size_t> who_sits(const std::vector<Survey>& all, PeerId slot, Tick t) {
-  for (std::size_t i = all.size(); i-- > 0;)
-    if (all[i].header.peer == slot && all[i].covers(t)) return i;
+std::optional<std::size_t> life_at(const std::vector<Survey>& all, PeerId slot, std::uint32_t incarnation, Tick t) {
+  for (std::size_t i = all.size(); i-- > 0;) {
+    const trace::Header& h = all[i].header;
+    if (h.peer == slot && h.incarnation == incarnation && all[i].covers(t)) return i;
+  }
   return std::nullopt;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,8 +31,9 @@ struct Survey {
 /// Reads a trace from end to end. Throws UserError if it is damaged.
 Survey survey(const TraceBytes& trace);
 
-/// Of those who sit in `slot`, the last one who is there at this tick; nothing if there is no trace of one.
-std::optional<std::size_t> who_sits(const std::vector<Survey>& all, PeerId slot, Tick t);
+/// The life of that slot and incarnation that is there at this tick; nothing if there is no trace of one. The two sides
+/// of a partition may number newcomers alike: the last one counts.
+std::optional<std::size_t> life_at(const std::vector<Survey>& all, PeerId slot, std::uint32_t incarnation, Tick t);
 
 /// Throws UserError if they are not of one session, each of another life.
 void check_together(const std::vector<Survey>& all, const std::vector<TraceBytes>& traces);

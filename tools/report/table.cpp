@@ -28,6 +28,13 @@ std::vector<std::string> inconsistency_row(const std::string& name, const trace:
   return row;
 }
 
+std::vector<std::string> fidelity_row(const std::string& name, const trace::Fidelity& f) {
+  std::vector<std::string> row{name};
+  for (const double v : {f.mean_m, f.own_mean_m, f.others_mean_m, f.nobody_mean_m, f.p95_m, f.peak_m})
+    row.push_back(fixed(v, 3));
+  return row;
+}
+
 std::vector<std::string> traffic_row(const std::string& name, const Traffic& t, double seconds) {
   const Rates rates = rates_of(t, seconds);
   std::vector<std::string> row{name, fixed(rates.updates_per_s, 2), fixed(rates.datagrams_per_s, 1),
@@ -43,6 +50,7 @@ void rows(Table& table, const Report& r, Row row) {
   for (const Peer& p : r.peers) {
     Group alone;
     alone.inconsistency = p.inconsistency;
+    alone.fidelity = p.fidelity;
     alone.traffic = p.traffic;
     alone.seconds = p.seconds();
     table.row(row("peer " + p.name, alone));
@@ -92,6 +100,26 @@ std::string heading(const Report& r) {
   return s;
 }
 
+std::string fidelity_table(const Report& r) {
+  if (!r.fidelity_known) return "";
+  Table f({"fidelity error", "mean m", "own m", "others m", "nobody's m", "p95 m", "peak m"});
+  rows(f, r, [](const std::string& name, const Group& g) { return fidelity_row(name, g.fidelity); });
+  Table c({"physics-consistency-cost", "mean m", "peak m", "mean bodies", "most bodies", "deeds"});
+  for (const Peer& p : r.peers)
+    c.row({"avatar " + p.name, fixed(p.pcc.mean_m, 3), fixed(p.pcc.peak_m, 3), fixed(p.pcc.bodies_mean, 2),
+           std::to_string(p.pcc.bodies_peak), count(p.deeds)});
+  return "\nFidelity error: how far bodies are from where the players' deeds alone put them, all bodies summed, by "
+         "whose "
+         "deeds;\n" +
+         fixed(100 * r.left_out, 1) +
+         " % of the time that bodies were somebody's, several players shared them, which is left out "
+         "(docs/metrics.md).\n" +
+         f.text() +
+         "\nPhysics-consistency-cost: bodies that the avatar disturbed, in others' views against its own player's; "
+         "bodies: off by over 5 cm.\n" +
+         c.text();
+}
+
 std::string links_table(const Report& r) {
   if (r.links.empty()) return "";
   std::vector<Link> links = r.links;
@@ -103,14 +131,17 @@ std::string links_table(const Report& r) {
     which = "Links: of " + count(r.links.size()) + " the " + count(kMostLinks) +
             " with the highest loss (--csv and --json have all)";
   }
-  Table g({"link", "sent", "received", "loss %", "duplicates", "reordered %", "delay mean ms", "p50 ms", "p95 ms",
-           "jitter ms"});
+  Table g({"link", "sent", "received", "lost", "of", "loss %", "duplicates", "reordered %", "delay mean ms", "p50 ms",
+           "p95 ms", "jitter ms"});
   for (const Link& l : links)
-    g.row({l.from_name + " -> " + l.to_name, count(l.sent), count(l.received), fixed(l.loss_percent(), 2),
-           count(l.duplicates), fixed(l.reordered_percent(), 2), fixed(l.delay_mean_ms, 1), fixed(l.delay_p50_ms, 1),
-           fixed(l.delay_p95_ms, 1), fixed(l.jitter_ms, 1)});
+    g.row({l.from_name + " -> " + l.to_name, count(l.sent), count(l.received), count(l.lost), count(l.judged),
+           fixed(l.loss_percent(), 2), count(l.duplicates), fixed(l.reordered_percent(), 2), fixed(l.delay_mean_ms, 1),
+           fixed(l.delay_p50_ms, 1), fixed(l.delay_p95_ms, 1), fixed(l.jitter_ms, 1)});
   return "\n" + which +
-         ". Delay: one way, from the start of the tick of sending to reception, by both session clocks.\n" + g.text();
+         ". Lost: of the datagrams sent a second or more before the receiver's trace ends (of), those that it does "
+         "not\n"
+         "have. Delay: one way, from the start of the tick of sending to reception, by both session clocks.\n" +
+         g.text();
 }
 
 std::string peers_table(const Report& r) {
@@ -191,6 +222,7 @@ std::string table(const Report& r) {
   rows(inconsistency, r,
        [](const std::string& name, const Group& g) { return inconsistency_row(name, g.inconsistency); });
   s += "\nCombined inconsistency, all entities summed; below about 5 mm it is noise.\n" + inconsistency.text();
+  s += fidelity_table(r);
   std::vector<std::string> causes{"traffic", "updates/s", "datagrams/s", "kbit/s"};
   causes.insert(causes.end(), sync::kCauseNames.begin(), sync::kCauseNames.end());
   causes.emplace_back("repeats");

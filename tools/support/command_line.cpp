@@ -14,7 +14,24 @@ void add_version_flag(CLI::App& app, const std::string& program) {
                        program + " " + std::string(version()) + " (revision " + std::string(revision()) + ")");
 }
 
+namespace {
+
+/// A first word that is no command of a program that has commands.
+void check_command(const CLI::App& app, int argc, const char* const* argv) {
+  const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
+  if (commands.empty() || argc < 2 || *argv[1] == '-') return;
+  std::string names;
+  for (const CLI::App* c : commands) {
+    if (c->get_name() == argv[1]) return;
+    names += (names.empty() ? "" : ", ") + c->get_name();
+  }
+  throw UserError("'" + std::string(argv[1]) + "' is no command; allowed: " + names + " (see --help)");
+}
+
+}  // namespace
+
 bool parse(CLI::App& app, int argc, const char* const* argv) {
+  check_command(app, argc, argv);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help, --version

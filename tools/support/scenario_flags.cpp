@@ -1,6 +1,7 @@
 #include "tools/support/scenario_flags.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 
 #include "common/model/user_error.h"
@@ -64,6 +65,27 @@ std::unique_ptr<scenarios::InputSource> load_input(std::string_view spec, const 
     std::string line = e.what();
     if (!line.starts_with("--input")) line = "--" + std::string(line.starts_with("input:") ? "" : "input: ") + line;
     throw UserError(line);
+  }
+}
+
+std::optional<scenarios::PathNotes> notes_on_input(std::string_view spec, const Scene& scene) {
+  constexpr std::string_view kPath = "path:";
+  constexpr std::string_view kLoop = ",loop";
+  if (!spec.starts_with(kPath)) return std::nullopt;
+  spec.remove_prefix(kPath.size());
+  if (spec.ends_with(kLoop)) spec.remove_suffix(kLoop.size());
+  const std::string file(spec);
+  return scenarios::notes_on_path(scenarios::parse_path_csv(read_file("--input", file), "--input: " + file), file,
+                                  scene);
+}
+
+void tell_of_paths(const char* program, const std::vector<std::string>& specs, const Scene& scene) {
+  for (auto spec = specs.begin(); spec != specs.end(); ++spec) {
+    if (std::find(specs.begin(), spec, *spec) != spec) continue;
+    const auto notes = notes_on_input(*spec, scene);
+    if (!notes) continue;
+    std::fprintf(stderr, "%s: %s\n", program, notes->summary.c_str());
+    for (const std::string& w : notes->warnings) std::fprintf(stderr, "%s: warning: %s\n", program, w.c_str());
   }
 }
 

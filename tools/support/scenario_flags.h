@@ -3,11 +3,14 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/model/scene.h"
 #include "common/scenarios/input.h"
+#include "common/scenarios/path_survey.h"
 
 namespace padr::support {
 
@@ -39,6 +42,11 @@ class ScenarioFlags {
 /// names none. Throws UserError that starts with --input.
 std::unique_ptr<scenarios::InputSource> load_input(std::string_view spec, const Scene& scene, int slot,
                                                    std::uint64_t seed);
+
+/// What to tell the user of the path that `spec` names; nothing if it names none. Throws UserError as load_input does.
+std::optional<scenarios::PathNotes> notes_on_input(std::string_view spec, const Scene& scene);
+/// The same of each of several, on standard error, each once. `program` begins every line.
+void tell_of_paths(const char* program, const std::vector<std::string>& specs, const Scene& scene);
 
 /// What --input can be, for help texts.
 inline constexpr const char* kInputHelp =

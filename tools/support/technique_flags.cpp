@@ -1,5 +1,10 @@
 #include "tools/support/technique_flags.h"
 
+#include <algorithm>
+#include <sstream>
+
+#include "common/model/user_error.h"
+
 namespace padr::support {
 namespace {
 
@@ -23,6 +28,10 @@ constexpr std::array<Knob, TechniqueFlags::kKnobs> kKnobTable{{
     {"--rest-state", "on|off", "Tell exactly where a body has come to rest; off: only that it is given up",
      set_rest_state},
     {"--precision", "exact|rounded", "Tell states to the bit, or rounded to far less than can be seen", set_precision},
+    {"--unowned", "live|agreed",
+     "Bodies that nobody owns: as a player's own world has them (the paper's), or as all agree", set_unowned},
+    {"--time-stamps", "on|off", "Without replay: move an update on by its age when it arrives; off: as if true then",
+     set_time_stamps},
     {"--radius", "M", "Surroundings that predictors look at, metres", set_radius},
     {"--steps", "N", "Ticks that predictors look ahead", set_steps},
     {"--count", "N", "Bodies in the vicinity that make it dense, for the density predictors", set_count},
@@ -33,6 +42,31 @@ constexpr std::array<Knob, TechniqueFlags::kKnobs> kKnobTable{{
 
 std::span<const Knob> knobs() {
   return kKnobTable;
+}
+
+Technique technique_of(std::string_view text) {
+  std::istringstream words{std::string(text)};
+  std::string name;
+  words >> name;
+  Technique t = technique_by_name(name);
+  for (std::string word; words >> word;) {
+    const std::size_t equals = word.find('=');
+    const std::string flag = word.substr(0, equals);
+    const auto knob =
+        std::find_if(kKnobTable.begin(), kKnobTable.end(), [&flag](const Knob& k) { return flag == k.flag; });
+    if (knob == kKnobTable.end()) {
+      std::string allowed;
+      for (const Knob& k : kKnobTable) allowed += (allowed.empty() ? "" : ", ") + std::string(k.flag);
+      throw UserError("'" + std::string(text) + "': '" + flag + "' is no knob of a technique; give some of " + allowed);
+    }
+    std::string value;
+    if (equals != std::string::npos)
+      value = word.substr(equals + 1);
+    else if (!(words >> value))
+      throw UserError("'" + std::string(text) + "': " + flag + " has no value; give " + knob->type);
+    knob->set(t, value);
+  }
+  return t;
 }
 
 void TechniqueFlags::declare(CLI::App& app) {

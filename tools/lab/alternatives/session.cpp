@@ -1,6 +1,7 @@
 #include "tools/lab/alternatives/session.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "common/link/link_seed.h"
 
@@ -9,10 +10,20 @@ namespace {
 
 constexpr std::size_t kPast = 10 * kTicksPerSecond;
 
+std::vector<PeerId> all_of(int peers) {
+  std::vector<PeerId> all(static_cast<std::size_t>(peers));
+  std::iota(all.begin(), all.end(), PeerId{0});
+  return all;
+}
+
 }  // namespace
 
 Session::Session(SessionConfig config)
-    : config_(std::move(config)), meter_(config_.peers, static_cast<int>(config_.scene.bodies.size())) {
+    : config_(std::move(config)),
+      meter_(config_.peers, static_cast<int>(config_.scene.bodies.size())),
+      fidelity_(config_.scene, config_.peers, all_of(config_.peers)),
+      targets_(static_cast<std::size_t>(config_.peers)),
+      states_(static_cast<std::size_t>(config_.peers)) {
   const auto n = static_cast<std::size_t>(config_.peers);
   shims_.resize(n);
   for (PeerId p = 0; p < n; ++p) {
@@ -30,7 +41,8 @@ void Session::step() {
     for (PeerId to = 0; to < peers_.size(); ++to)
       while (auto datagram = shims_[from][to]->release(tick_start(now_))) peers_[to]->receive(*datagram);
   for (PeerId p = 0; p < peers_.size(); ++p) {
-    peers_[p]->step(config_.inputs[p]->target(now_));
+    targets_[p] = config_.inputs[p]->target(now_);
+    peers_[p]->step(targets_[p]);
     for (const node::Outgoing& o : peers_[p]->outgoing()) shims_[p][o.to]->accept(tick_start(now_), o.bytes);
   }
   sample();
@@ -61,7 +73,19 @@ void Session::sample() {
   meter_.truth(now_, truth);
   past_.push_back(std::move(past));
   if (past_.size() > kPast) past_.pop_front();
+  measure_fidelity();
   measure_delayed();
+}
+
+void Session::measure_fidelity() {
+  std::vector<trace::PlayerView> views;
+  for (PeerId p = 0; p < peers_.size(); ++p) {
+    const world::World& w = peers_[p]->world();
+    states_[p].clear();
+    for (EntityId e = 0; e < w.entities(); ++e) states_[p].push_back(w.state(e));
+    views.push_back({true, states_[p], targets_[p]});
+  }
+  fidelity_.tick(now_, views);
 }
 
 void Session::measure_delayed() {

@@ -6,6 +6,7 @@
 
 #include "common/link/shim.h"
 #include "common/scenarios/input.h"
+#include "common/trace/fidelity.h"
 #include "common/trace/metrics.h"
 #include "tools/lab/alternatives/alternative.h"
 
@@ -33,6 +34,7 @@ class Session {
   const Alternative& peer(PeerId p) const { return *peers_[p]; }
   /// Against now.
   const trace::InconsistencyMeter& meter() const { return meter_; }
+  const trace::FidelityMeter& fidelity() const { return fidelity_; }
   /// Mean combined inconsistency (m) of what is shown against the truth of the time that it is meant to show; and that
   /// time's age (s).
   double delayed_mean_m() const;
@@ -46,6 +48,7 @@ class Session {
     std::vector<std::vector<Vec2>> places;  ///< by peer, by entity
   };
   void sample();
+  void measure_fidelity();
   void measure_delayed();
 
   SessionConfig config_;
@@ -53,7 +56,10 @@ class Session {
   std::vector<std::unique_ptr<Alternative>> peers_;
   std::vector<std::vector<std::unique_ptr<link::Shim>>> shims_;
   trace::InconsistencyMeter meter_;
-  std::deque<Past> past_;  ///< the newest last
+  trace::FidelityMeter fidelity_;
+  std::vector<Vec2> targets_;                   ///< by peer, of the last step
+  std::vector<std::vector<BodyState>> states_;  ///< by peer
+  std::deque<Past> past_;                       ///< the newest last
   double delayed_sum_ = 0;
   double delay_sum_ = 0;
   std::uint64_t delayed_views_ = 0;

@@ -52,12 +52,13 @@ void ChaosCommand::declare(CLI::App& app) {
       ->type_name("FILE|-");
   app.footer(
       "Peers found a session, and then, by a random script, others join, leave, vanish, stand still, are cut off from\n"
-      "one another, meet other links, and all rush to one place. Held at every tick: who takes one another for "
-      "members\n"
-      "have confirmed the same worlds, bit by bit; a body has one owner, who is there; all numbers are finite; what "
-      "is\n"
-      "kept is bounded. After the script and 20 s of quiet all who run are in one session and know one another. If\n"
-      "something does not hold, the shortest script is printed that still shows it.\n"
+      "one another, meet other links, and all rush to one place. Their clocks run up to 200 ppm off and are steered.\n"
+      "Held at every tick: who takes one another for members have confirmed the same worlds, bit by bit; a body has "
+      "one\n"
+      "owner, who is there; all numbers are finite; what is kept is bounded. After the script and 20 s of quiet all "
+      "who\n"
+      "run are in one session and know one another. If something does not hold, the shortest script is printed that\n"
+      "still shows it.\n"
       "Example:\n"
       "  padr-lab chaos --seed 1 --runs 20 --minutes 2\n"
       "Exit: 0 all held, 1 something did not, 2 usage.");

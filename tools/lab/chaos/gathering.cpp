@@ -12,8 +12,13 @@ constexpr Micros kLinger = 3 * kMicrosPerSecond;
 constexpr std::size_t kSocketBuffer = 300;  // datagrams
 constexpr int kStepsPerTurn = 8;
 
-Endpoint place(int n) {
-  return ipv4({10, 0, static_cast<std::uint8_t>(n >> 8), static_cast<std::uint8_t>(n)}, 7000);
+Endpoint place(int host, std::uint16_t port) {
+  return ipv4({10, 0, static_cast<std::uint8_t>(host >> 8), static_cast<std::uint8_t>(host)}, port);
+}
+
+/// The same on the machine itself.
+Endpoint on_loopback(const Endpoint& place) {
+  return ipv4({127, 0, 0, 1}, place.port);
 }
 
 }  // namespace
@@ -25,11 +30,12 @@ Micros Gathering::local(const Person& p) const {
   return p.offset + std::llround(static_cast<double>(now_) * p.rate);
 }
 
-int Gathering::start(std::optional<int> by) {
+int Gathering::start(std::optional<int> by, bool over_loopback) {
   const int n = persons();
   Rng rng(derive_seed(config_.seed, 0xFACE, static_cast<std::uint64_t>(n)));
   Person& p = persons_.emplace_back();
-  p.place = place(n + 1);
+  p.host = config_.host ? config_.host(n) : n;
+  p.place = place(p.host + 1, static_cast<std::uint16_t>(config_.host ? 7000 + n : 7000));
   p.offset = static_cast<Micros>(rng.below(1'000'000)) * 10'000;
   p.rate = 1 + rng.uniform(-config_.most_ppm, config_.most_ppm) * 1e-6;
   p.born = now_;
@@ -37,7 +43,7 @@ int Gathering::start(std::optional<int> by) {
   p.input =
       scenarios::make_input("wander", {config_.scene, n % spawns, derive_seed(config_.seed, 7, rng.next_u64()), {}});
   node::ParticipantConfig c;
-  if (by) c.session.join = persons_[at(*by)].place;
+  if (by) c.session.join = over_loopback ? on_loopback(persons_[at(*by)].place) : persons_[at(*by)].place;
   p.by = by;
   c.session.wanted = config_.wanted;
   c.session.slots = config_.slots;
@@ -46,6 +52,7 @@ int Gathering::start(std::optional<int> by) {
   c.session.authority = config_.technique.authority;
   c.session.scenario = config_.scene.name;
   c.session.seed = rng.next_u64();
+  c.session.secret = derive_seed(config_.seed, 0xC00C1E, static_cast<std::uint64_t>(n));
   c.node.technique = config_.technique;
   if (config_.fault) c.node.fault = config_.fault(n);
   if (config_.recording) c.recording = [this, n](int life) { return config_.recording(n, life); };
@@ -106,11 +113,21 @@ bool Gathering::connected(int a, int b) const {
     const auto it = sides_.find(p);
     return it == sides_.end() ? 0 : it->second;
   };
-  return side(a) == side(b);
+  return side(a) == side(b) && !cuts_.contains({a, b});
 }
 
-link::Shim& Gathering::shim(int from, int to) {
-  auto& s = shims_[{from, to}];
+std::optional<int> Gathering::at_place(const Person& seen_by, const Endpoint& place) const {
+  if (place.is_loopback()) {
+    for (int p = 0; p < persons(); ++p)
+      if (persons_[at(p)].host == seen_by.host && persons_[at(p)].place.port == place.port) return p;
+    return std::nullopt;
+  }
+  const auto it = by_place_.find(place.place());
+  return it == by_place_.end() ? std::nullopt : std::optional(it->second);
+}
+
+link::Shim& Gathering::shim(int from, int to, bool local) {
+  auto& s = shims_[{from, to, local}];
   if (!s)
     s = std::make_unique<link::Shim>(
         config_.netem,
@@ -120,15 +137,17 @@ link::Shim& Gathering::shim(int from, int to) {
 
 void Gathering::deliver() {
   for (auto& [ends, s] : shims_) {
+    const auto [sender, receiver, local] = ends;
+    Person& from = persons_[at(sender)];
+    Person& to = persons_[at(receiver)];
     while (auto datagram = s->release(now_)) {
-      Person& to = persons_[at(ends.second)];
-      if (!connected(ends.first, ends.second)) continue;
+      if (!connected(sender, receiver)) continue;
       if (!to.runs) {
-        if (config_.refusals) persons_[at(ends.first)].refused.push_back(to.place);
+        if (config_.refusals) from.refused.push_back(local ? on_loopback(to.place) : to.place);
         continue;
       }
       if (to.buffer.size() < kSocketBuffer)
-        to.buffer.emplace_back(persons_[at(ends.first)].place, std::move(*datagram));
+        to.buffer.emplace_back(local ? on_loopback(from.place) : from.place, std::move(*datagram));
     }
   }
 }
@@ -149,9 +168,10 @@ void Gathering::turn(int person) {
     p.peer->step(target, now);
   }
   for (const node::Parcel& d : p.peer->take_outgoing()) {
-    const auto to = by_place_.find(d.to);
-    if (to != by_place_.end() && on_datagram) on_datagram(p.place, to->second, d.bytes);
-    if (to != by_place_.end()) shim(person, to->second).accept(now_, d.bytes);
+    const auto to = at_place(p, d.to);
+    if (!to) continue;
+    if (on_datagram) on_datagram(p.place, *to, d.bytes);
+    shim(person, *to, d.to.is_loopback()).accept(now_, d.bytes);
   }
   for (const node::SessionNote& n : p.peer->take_notes())
     p.notes.push_back(std::to_string(static_cast<double>(now_) / 1e6) + " " + n.text);

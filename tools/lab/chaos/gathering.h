@@ -6,8 +6,10 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "common/link/shim.h"
@@ -28,6 +30,9 @@ struct GatheringConfig {
   bool refusals = false;                         ///< senders are told where nobody listens any more
   double most_ppm = 100;                         ///< how far a peer's clock may be off its rate
   std::function<sync::Fault(int person)> fault;  ///< for tests only
+  /// The machine a person runs on. Who is on the same one can be reached at its loopback address, too. Empty: everybody
+  /// has a machine of their own.
+  std::function<int(int person)> host;
   /// Where a person's life 0, 1, ... is recorded to.
   std::function<std::optional<node::RecordedNode::Recording>(int person, int life)> recording;
 };
@@ -39,13 +44,16 @@ class Gathering {
   explicit Gathering(GatheringConfig config);
   ~Gathering();
 
-  /// A process starts; it founds a session, or joins the one of `by`. Its number.
-  int start(std::optional<int> by);
+  /// A process starts; it founds a session, or joins the one of `by`, over the loopback address if it is told so. Its
+  /// number.
+  int start(std::optional<int> by, bool over_loopback = false);
   void leave(int person);
   void kill(int person);
   void pause(int person, bool paused);
   /// Datagrams between persons of different sides vanish; by person, who are not named are on side 0.
   void divide(std::map<int, int> sides) { sides_ = std::move(sides); }
+  /// What one person sends another vanishes, or no longer; the other way goes on as it is.
+  void cut(int from, int to, bool off) { off ? (void)cuts_.insert({from, to}) : (void)cuts_.erase({from, to}); }
   void shape(const link::NetemSpec& netem);
   /// Somebody says so in the name of the machine that is there.
   void tell_unreachable(int person, const Endpoint& where) { persons_[at(person)].refused.push_back(where); }
@@ -69,6 +77,9 @@ class Gathering {
   const node::Participant& peer(int person) const { return *persons_[at(person)].peer; }
   /// When it was first a part of the session, after its start; -1: not yet.
   Micros took(int person) const { return persons_[at(person)].took; }
+  /// A person's session clock, us, and the rate of the clock that it runs on.
+  Micros session_now(int person) const { return peer(person).session().session_now(local(persons_[at(person)])); }
+  double rate(int person) const { return persons_[at(person)].rate; }
   std::vector<std::string> notes(int person) const { return persons_[at(person)].notes; }
 
   /// A tick has become final in a life of a person's.
@@ -95,6 +106,7 @@ class Gathering {
     std::unique_ptr<node::Participant> peer;
     std::unique_ptr<scenarios::InputSource> input;
     Endpoint place;
+    int host = 0;
     std::optional<int> by;  ///< whom it joined
     Micros offset = 0;
     double rate = 1;
@@ -115,14 +127,18 @@ class Gathering {
   void turn(int person);
   void end_if_done(Person& p);
   bool connected(int a, int b) const;
-  link::Shim& shim(int from, int to);
+  /// Who is at this place as somebody sees it.
+  std::optional<int> at_place(const Person& seen_by, const Endpoint& place) const;
+  /// `local`: over the loopback address of a machine that both are on.
+  link::Shim& shim(int from, int to, bool local);
 
   GatheringConfig config_;
   Micros now_ = 0;
   std::vector<Person> persons_;
   std::map<Endpoint, int> by_place_;
-  std::map<std::pair<int, int>, std::unique_ptr<link::Shim>> shims_;
+  std::map<std::tuple<int, int, bool>, std::unique_ptr<link::Shim>> shims_;
   std::map<int, int> sides_;
+  std::set<std::pair<int, int>> cuts_;
   std::optional<Vec2> attraction_;
 };
 

@@ -111,6 +111,7 @@ ChaosOutcome play(const ChaosPlay& how, const ChaosScript& script) {
   config.slots = how.slots;
   config.seal = how.seal;
   config.wanted = script.founders;
+  config.most_ppm = 200;                   // as much as cheap quartz is off
   config.refusals = script.seed % 2 == 1;  // some networks tell, some do not
   Gathering g(std::move(config));
   Judge judge(g);

@@ -40,7 +40,7 @@ class Sink {
 
 std::string help_on_contestants() {
   std::string text = "Techniques:\n";
-  for (const Contestant& c : all_contestants({}))
+  for (const Contestant& c : all_contestants())
     text += "  " + c.id + std::string(c.id.size() < 23 ? 23 - c.id.size() : 1, ' ') + c.what + "\n";
   return text;
 }
@@ -67,8 +67,9 @@ void CompareCommand::declare(CLI::App& app) {
   app.add_option("--techniques", techniques_, "Some of those below, or paper, ours, ablations, alternatives, all")
       ->type_name("LIST")
       ->capture_default_str();
-  app.add_option("--threshold", threshold_, "Of full, metres")->type_name("HIGH[:LOW]")->capture_default_str();
-  app.add_option("--body-threshold", body_threshold_, "Of full, metres")->type_name("M|off")->capture_default_str();
+  app.add_option("--add", added_, "One more, by its knobs, such as 'full --lead 0.2'; may be repeated")
+      ->type_name("TECHNIQUE")
+      ->allow_extra_args(false);
   app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
   app.add_option("--json", json_, "All figures, to a file or in place of the table")->type_name("FILE|-");
   app.add_option("--csv", csv_, "One line for each run, to a file or in place of the table")->type_name("FILE|-");
@@ -81,16 +82,15 @@ void CompareCommand::declare(CLI::App& app) {
       "Truth of a body is its place in the world of whoever has made the best claim by then, known to all or not.\n"
       "Example:\n"
       "  padr-lab compare --out out/compare\n"
+      "  padr-lab compare --techniques paper,full --add 'full --lead 0.2' --add 'fixed --unowned agreed'\n"
       "  padr-lab compare --techniques full,dis --netem \"delay 100ms 50ms loss 10%\" --seeds 10 --csv -\n"
       "Exit: 0 done, 1 confirmed worlds differed, 2 usage.");
 }
 
 compare::Plan CompareCommand::plan() const {
   Plan p;
-  Technique full = technique_by_name("full");
-  set_threshold(full, threshold_);
-  set_body_threshold(full, body_threshold_);
-  p.contestants = chosen_contestants(techniques_, full);
+  p.contestants = chosen_contestants(techniques_);
+  for (const std::string& text : added_) p.contestants.push_back(added_contestant(text));
   const std::vector<std::string> usual{"delay 0ms", "delay 50ms", "delay 100ms", "delay 250ms"};
   for (const std::string& text : netem_.empty() ? usual : netem_) {
     std::vector<std::string> warnings;
@@ -100,7 +100,10 @@ compare::Plan CompareCommand::plan() const {
   p.setting.scenario = scenario_;
   p.setting.peers = peers_;
   p.setting.ticks = static_cast<Tick>(std::lround(seconds_ * kTicksPerSecond));
-  if (!inputs_.empty()) p.setting.inputs = inputs_;
+  if (!inputs_.empty()) {
+    p.setting.inputs = inputs_;
+    support::tell_of_paths("padr-lab", inputs_, support::load_scenario(scenario_, 1).scene);
+  }
   for (int s = 1; s <= seeds_; ++s) p.seeds.push_back(static_cast<std::uint64_t>(s));
   p.parallel.threads = jobs_;
   return p;

@@ -21,12 +21,11 @@ class CompareCommand {
   std::string scenario_ = "arena";
   int peers_ = 4;
   double seconds_ = 30;
-  int seeds_ = 3;
+  int seeds_ = 40;
   std::vector<std::string> netem_;
   std::vector<std::string> inputs_;
   std::string techniques_ = "all";
-  std::string threshold_ = "0.3:0.1";
-  std::string body_threshold_ = "0.05";
+  std::vector<std::string> added_;
   int jobs_ = 0;
   std::string json_;
   std::string csv_;

@@ -1,6 +1,7 @@
 #include "tools/lab/compare/comparison.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace padr::lab::compare {
 
@@ -14,6 +15,10 @@ Figure Row::over(double (*field)(const Score&)) const {
     f.low = std::min(f.low, v);
     f.high = std::max(f.high, v);
   }
+  const auto n = static_cast<double>(scores.size());
+  double squares = 0;
+  for (const Score& s : scores) squares += (field(s) - f.mean) * (field(s) - f.mean);
+  if (n > 1) f.error = std::sqrt(squares / (n - 1) / n);
   return f;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct Figure {
   double mean = 0;
   double low = 0;
   double high = 0;
+  double error = 0;  ///< standard error of the mean; 0 for a single seed
 };
 
 /// One contestant on one network.

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 
 #include "tools/lab/compare/comparison.h"
@@ -13,7 +14,7 @@ struct Field {
   double (*of)(const Score&);
 };
 
-constexpr std::array<Field, 15> kFields{{
+constexpr std::array<Field, 21> kFields{{
     {"mean_m", [](const Score& s) { return s.off.mean_m; }},
     {"avatar_mean_m", [](const Score& s) { return s.off.avatar_mean_m; }},
     {"body_mean_m", [](const Score& s) { return s.off.body_mean_m; }},
@@ -28,6 +29,12 @@ constexpr std::array<Field, 15> kFields{{
     {"datagrams_per_s", [](const Score& s) { return s.datagrams; }},
     {"updates_per_s", [](const Score& s) { return s.updates; }},
     {"largest_datagram_bytes", [](const Score& s) { return static_cast<double>(s.largest); }},
+    {"fidelity_mean_m", [](const Score& s) { return s.fidelity.mean_m; }},
+    {"fidelity_own_mean_m", [](const Score& s) { return s.fidelity.own_mean_m; }},
+    {"fidelity_others_mean_m", [](const Score& s) { return s.fidelity.others_mean_m; }},
+    {"fidelity_nobody_mean_m", [](const Score& s) { return s.fidelity.nobody_mean_m; }},
+    {"fidelity_p95_m", [](const Score& s) { return s.fidelity.p95_m; }},
+    {"fidelity_peak_m", [](const Score& s) { return s.fidelity.peak_m; }},
     {"confirmed_mismatches", [](const Score& s) { return static_cast<double>(s.mismatches); }},
 }};
 
@@ -48,20 +55,37 @@ const Row* full_of(const std::vector<Row>& rows, const std::string& network) {
   return full == rows.end() ? nullptr : &*full;
 }
 
-std::string line_of(const Row& row, const std::vector<Row>& rows) {
+/// Whether a difference in the mean is more than chance: the same seeds, run by run, more than two standard errors.
+bool is_told_apart(const Row& row, const Row& full) {
+  const std::size_t n = std::min(row.scores.size(), full.scores.size());
+  if (n < 2) return false;
+  double mean = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    mean += (row.scores[i].off.mean_m - full.scores[i].off.mean_m) / static_cast<double>(n);
+  double squares = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double off = row.scores[i].off.mean_m - full.scores[i].off.mean_m - mean;
+    squares += off * off;
+  }
+  return std::abs(mean) > 2 * std::sqrt(squares / static_cast<double>(n - 1) / static_cast<double>(n));
+}
+
+std::string line_of(const Row& row, const std::vector<Row>& rows, int width) {
   const auto mean = [&row](double (*of)(const Score&)) { return row.over(of).mean; };
   const Figure off = row.over([](const Score& s) { return s.off.mean_m; });
+  const Figure peak = row.over([](const Score& s) { return s.off.peak_m; });
   const double delay = mean([](const Score& s) { return s.delay_s; });
   std::string then = "      -      -";
   if (delay > 0) then = format("%7.3f %6.0f", mean([](const Score& s) { return s.delayed_mean_m; }), delay * 1000);
-  std::string against = "     -     -";
+  std::string against = "      -     -";
   if (const Row* full = full_of(rows, row.network); full != nullptr && full != &row)
-    against = format("%6.2f %5.2f", row.mean_m() / full->mean_m(), row.kbps() / full->kbps());
-  return format("  %-22s %7.3f %7.3f %7.3f %8.3f %7.3f %6.2f %6.2f %s %7.1f %6.1f  %s\n", row.who.id.c_str(), off.mean,
-                off.low, off.high, mean([](const Score& s) { return s.off.avatar_mean_m; }),
+    against = format("%6.2f%s %5.2f", row.mean_m() / full->mean_m(), is_told_apart(row, *full) ? " " : "~",
+                     row.kbps() / full->kbps());
+  return format("  %-*s %7.3f %6.3f %8.3f %7.3f %6.2f %6.2f %7.2f %8.3f %s %7.1f %6.1f  %s\n", width,
+                row.who.id.c_str(), off.mean, off.error, mean([](const Score& s) { return s.off.avatar_mean_m; }),
                 mean([](const Score& s) { return s.off.body_mean_m; }),
-                mean([](const Score& s) { return s.off.p95_m; }),
-                row.over([](const Score& s) { return s.off.peak_m; }).high, then.c_str(), row.kbps(),
+                mean([](const Score& s) { return s.off.p95_m; }), peak.mean, peak.high,
+                mean([](const Score& s) { return s.fidelity.mean_m; }), then.c_str(), row.kbps(),
                 mean([](const Score& s) { return s.datagrams; }), against.c_str());
 }
 
@@ -81,22 +105,31 @@ std::string table(const std::vector<Row>& rows, const Plan& plan) {
   for (const std::string& i : s.inputs) inputs += (inputs.empty() ? "" : ", ") + i;
   std::string t = format("%s, %d peers, %g s, %zu seeds, input %s\n", s.scenario.c_str(), s.peers,
                          static_cast<double>(s.ticks) / kTicksPerSecond, plan.seeds.size(), inputs.c_str());
+  std::size_t longest = 9;
+  for (const Contestant& c : plan.contestants) longest = std::max(longest, c.id.size());
+  const auto width = static_cast<int>(longest);
   for (const Network& n : plan.networks) {
     t += "\n" + network_name(n.text) + "\n";
-    t += "                         combined inconsistency against now (m), all entities          of the past    by a "
-         "peer  "
-         "  times full\n";
-    t += "  technique                 mean     low    high  avatars  bodies    p95   peak  mean m     ms  kbit/s  "
-         "dgr/s  "
-         "     m kbit\n";
+    t += format(
+        "  %-*s combined inconsistency against now (m), all entities          fidelity   of the past    by a peer     "
+        "times full\n",
+        width, "");
+    t += format(
+        "  %-*s    mean     +-  avatars  bodies    p95   peak highest  error m  mean m     ms  kbit/s  dgr/s       m  "
+        "kbit\n",
+        width, "technique");
     for (const Row& r : rows)
-      if (r.network == n.text) t += line_of(r, rows);
+      if (r.network == n.text) t += line_of(r, rows, width);
     if (full_of(rows, n.text) != nullptr) t += better_than_full(rows, n.text);
   }
-  t += "\nlow, high: means of single seeds; peak: of any. kbit/s: sent to all others together, 28 bytes of IP and UDP "
-       "headers"
-       "\nper datagram included. Of the past: of a technique that shows the past, against that past. Below 5 mm it is "
-       "noise.\n";
+  t += "\n+-: standard error of the mean over the seeds; ~: not told apart from full, run by run with the same seeds, "
+       "by "
+       "two\nstandard errors. Peak: mean of the seeds' peaks; highest: of any. kbit/s: sent to all others together, 28 "
+       "bytes of IP and\nUDP headers per datagram included. Of the past: of a technique that shows the past, against "
+       "that "
+       "past. Below 5 mm it is noise.\n"
+       "Fidelity error: how far bodies are from where the players' deeds alone put them (docs/metrics.md).\n\n";
+  for (const Contestant& c : plan.contestants) t += format("  %-*s ", width, c.id.c_str()) + c.setting() + "\n";
   return t;
 }
 
@@ -112,9 +145,11 @@ std::string json(const std::vector<Row>& rows, const Plan& plan, const std::stri
   j.end_array().key("rows").begin_array();
   for (const Row& r : rows) {
     j.begin_object().field("technique", r.who.id).field("netem", r.network).field("what", r.who.what);
+    j.field("setting", r.who.setting());
     for (const Field& f : kFields) {
       const Figure v = r.over(f.of);
-      j.key(f.name).begin_object().field("mean", v.mean).field("low", v.low).field("high", v.high).end_object();
+      j.key(f.name).begin_object().field("mean", v.mean).field("low", v.low).field("high", v.high);
+      j.field("error", v.error).end_object();
     }
     j.end_object();
   }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/model/user_error.h"
+#include "tools/support/technique_flags.h"
 
 namespace padr::lab::compare {
 namespace {
@@ -26,19 +27,28 @@ Technique changed(Technique t, Change change) {
 }
 
 void add_paper(std::vector<Contestant>& all) {
-  const auto add = [&all](const char* id, const char* what) {
-    all.push_back({id, id, "", Group::kPaper, what, technique_by_name(id)});
+  const auto add = [&all](const char* id, const char* series, const char* mark, const char* text, const char* what) {
+    all.push_back({id, series, mark, Group::kPaper, what, support::technique_of(text)});
   };
-  add("avatar-only", "the paper's failure case: dead-reckoned avatars, bodies are nobody's");
-  add("fixed", "the paper's: dynamic authority, one threshold of 0.5 m, updates applied on arrival");
-  add("adaptive", "the paper's: the same, 0.8 m, or 0.3 m when interaction is predicted");
+  add("avatar-only", "avatar-only", "", "avatar-only --threshold 0.5",
+      "the paper's failure case: dead-reckoned avatars, 0.5 m, bodies are nobody's");
+  add("fixed-0.8", "fixed (m)", "0.8", "fixed --threshold 0.8",
+      "the paper's: dynamic authority, one threshold of 0.8 m, updates applied on arrival");
+  add("fixed-0.5", "fixed (m)", "0.5", "fixed --threshold 0.5", "the same with 0.5 m");
+  add("fixed-0.3", "fixed (m)", "0.3", "fixed --threshold 0.3", "the same with 0.3 m");
+  add("fixed-0.5-stamped", "fixed, time stamps", "0.5", "fixed --threshold 0.5 --time-stamps on",
+      "the same with 0.5 m and time stamps: an update is moved on by its age, as DIS practice has it");
+  add("adaptive", "adaptive", "", "adaptive", "the paper's: the same, 0.8 m, or 0.3 m when interaction is predicted");
 }
 
-void add_ours(std::vector<Contestant>& all, const Technique& full) {
+void add_ours(std::vector<Contestant>& all) {
   const Technique everything = technique_by_name("everything");
   const Technique late = changed(everything, [](Technique& t) { t.replay = false; });
   const Technique first = changed(everything, [](Technique& t) { t.model = Model::kFirst; });
-  all.push_back({"full", "full", "", Group::kOurs, "PADR's own, see padr-lab run", full});
+  all.push_back({"full", "full", "", Group::kOurs,
+                 "PADR's own: 0.8 m, or 0.3 m when interaction is predicted; bodies 0.1 m", technique_by_name("full")});
+  all.push_back({"full-tight", "full", "tight", Group::kOurs, "full with 0.3 m, or 0.1 m; bodies 0.05 m",
+                 support::technique_of("full --threshold 0.3:0.1 --body-threshold 0.05")});
   all.push_back({"everything", "everything", "", Group::kOurs,
                  "own avatar and every awake own body at every tick, replayed: the limit of full", everything});
   all.push_back(
@@ -47,7 +57,8 @@ void add_ours(std::vector<Contestant>& all, const Technique& full) {
                  "the same as everything, applied on arrival", late});
 }
 
-void add_ablations(std::vector<Contestant>& all, const Technique& full) {
+void add_ablations(std::vector<Contestant>& all) {
+  const Technique full = technique_by_name("full");
   const auto add = [&all, &full](const char* id, const char* part, const char* what, auto change) {
     all.push_back({id, std::string("full no ") + part, "", Group::kAblation, what, changed(full, change)});
   };
@@ -98,17 +109,27 @@ void add_alternatives(std::vector<Contestant>& all) {
 
 }  // namespace
 
-std::vector<Contestant> all_contestants(const Technique& full) {
+std::string Contestant::setting() const {
+  const auto* technique = std::get_if<Technique>(&how);
+  return technique != nullptr ? describe(*technique) : what;
+}
+
+std::vector<Contestant> all_contestants() {
   std::vector<Contestant> all;
   add_paper(all);
-  add_ours(all, full);
-  add_ablations(all, full);
+  add_ours(all);
+  add_ablations(all);
   add_alternatives(all);
   return all;
 }
 
-std::vector<Contestant> chosen_contestants(const std::string& list, const Technique& full) {
-  const std::vector<Contestant> all = all_contestants(full);
+Contestant added_contestant(const std::string& text) {
+  const Technique t = support::technique_of(text);
+  return {text, text, "", Group::kOurs, "added by --add", t};
+}
+
+std::vector<Contestant> chosen_contestants(const std::string& list) {
+  const std::vector<Contestant> all = all_contestants();
   std::set<std::string> ids;
   std::istringstream in(list);
   for (std::string word; std::getline(in, word, ',');) {

@@ -24,12 +24,16 @@ struct Contestant {
   Group group = Group::kOurs;
   std::string what;  ///< one line for people
   std::variant<Technique, alternatives::Spec> how;
+  /// The setting, knob by knob, in the form the flags take; of an alternative `what`.
+  std::string setting() const;
 };
 
-/// All there are. `full` is full with its knobs as they are wanted; its ablations differ from it in one knob each.
-std::vector<Contestant> all_contestants(const Technique& full);
+/// All there are. Each name is one setting; an ablation differs from `full` in one knob.
+std::vector<Contestant> all_contestants();
 /// Those of a list with commas between: ids, or the groups `paper`, `ours`, `ablations`, `alternatives`, `all`. In the
 /// order of all_contestants, each once. Throws UserError that names the flag, the word and what is allowed.
-std::vector<Contestant> chosen_contestants(const std::string& list, const Technique& full);
+std::vector<Contestant> chosen_contestants(const std::string& list);
+/// A technique with knobs, as support::technique_of takes it; its id is the text. Throws UserError.
+Contestant added_contestant(const std::string& text);
 
 }  // namespace padr::lab::compare

@@ -32,11 +32,13 @@ Score run_technique(const Technique& technique, const Network& network, const Se
   config.netem = network.spec;
   config.netem_seed = seed;
   config.ticks = setting.ticks;
+  config.fidelity = true;
   for (const auto& i : inputs) config.inputs.push_back(i.get());
   Simulation s(std::move(config));
   s.run();
   Score score;
   score.off = s.meter().overall();
+  score.fidelity = s.fidelity()->overall();
   score.delayed_mean_m = score.off.mean_m;
   const Rates rates = rates_of(s, 0, setting.peers);
   score.kbps = rates.kbps;
@@ -60,6 +62,7 @@ Score run_alternative(const alternatives::Spec& spec, const Network& network, co
   while (s.now() < setting.ticks) s.step();
   Score score;
   score.off = s.meter().overall();
+  score.fidelity = s.fidelity().overall();
   score.delay_s = s.delay_s();
   score.delayed_mean_m = s.delayed_mean_m();
   const double seconds = static_cast<double>(s.now()) / kTicksPerSecond * setting.peers;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/link/netem_spec.h"
+#include "common/trace/fidelity.h"
 #include "common/trace/metrics.h"
 #include "tools/lab/compare/contestant.h"
 
@@ -27,6 +28,7 @@ struct Network {
 /// What one run came to.
 struct Score {
   trace::Inconsistency off;  ///< all views together, against now
+  trace::Fidelity fidelity;  ///< all views together
   double kbps = 0;           ///< sent per peer, IP and UDP headers included
   double datagrams = 0;      ///< per peer and second
   double updates = 0;        ///< entity states told, per peer and second

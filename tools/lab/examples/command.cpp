@@ -46,7 +46,9 @@ std::string draw_pictures(const std::string& dir, const Plan& plan, const Result
 
 void ExamplesCommand::declare(CLI::App& app) {
   app.add_option("--out", out_, "Folder for tables, films and plots")->type_name("DIR")->required();
-  app.add_option("--stories", stories_, "Some of ball, dominoes, van, carton, proxy, with commas between them")
+  app.add_option("--stories", stories_,
+                 "Some of the default, with commas between them; -missed: the avatar touches, its\n"
+                 "model misses")
       ->type_name("LIST")
       ->capture_default_str();
   app.add_option("--takes", takes_, "Variations of each story's path that are averaged; the first one is on film")
@@ -61,10 +63,14 @@ void ExamplesCommand::declare(CLI::App& app) {
       ->type_name("FILE|-");
   app.add_flag("--no-pictures", no_pictures_, "Tables only");
   app.footer(
-      "In each story the avatar of peer 0 comes along a body, turns and touches it, which its model at peer 1 misses\n"
-      "or misplaces; what that does to bodies is the physics-consistency cost. Written to DIR: examples.csv (means),\n"
-      "takes.csv (every run), summary.json, film-STORY.svg and .png (what both peers see), dominoes.* (cost by number\n"
-      "of dominoes). The same flags write the same files.\n"
+      "ball, dominoes, van and carton are told as the paper tells them: peer 0's avatar stops just short of a body, "
+      "and\n"
+      "its model at peer 1 runs on into it. The others are stories of true touches: proxy, and those with -missed, in\n"
+      "which the model misses the touch. What that does to bodies is the physics-consistency cost. Written to DIR:\n"
+      "examples.csv (means), takes.csv (every run), predictors.csv (what each predictor avoided), summary.json,\n"
+      "path-STORY.csv (the avatar's way on film, for --input path:FILE), film-STORY.svg and .png (what both peers "
+      "see),\n"
+      "dominoes.* (cost by number of dominoes). The same flags write the same files.\n"
       "Example:\n"
       "  padr-lab examples --out out/examples\n"
       "  padr-lab examples --out out/late --stories proxy --netem \"delay 100ms\" --takes 32\n"
@@ -87,7 +93,13 @@ int ExamplesCommand::run(const std::vector<std::string>& command) {
   const Results results = run_plan(plan);
   const std::string summary = examples::json(results, plan, support::shell_line(command));
   plot::write_into("--out", out_,
-                   {{"examples.csv", csv(results)}, {"takes.csv", takes_csv(results)}, {"summary.json", summary}});
+                   {{"examples.csv", csv(results)},
+                    {"takes.csv", takes_csv(results)},
+                    {"predictors.csv", verdicts_csv(results)},
+                    {"summary.json", summary}});
+  for (const std::string& name : plan.stories)
+    plot::write_into("--out", out_,
+                     {{"path-" + name + ".csv", scenarios::write_path_csv(path_of(story_by_name(name), 0))}});
   if (json_ != "-") std::cout << table(results, plan);
   if (json_ == "-") std::cout << summary;
   if (!json_.empty() && json_ != "-") {

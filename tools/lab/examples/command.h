@@ -17,7 +17,7 @@ class ExamplesCommand {
 
  private:
   std::string out_;
-  std::string stories_ = "ball,dominoes,van,carton,proxy";
+  std::string stories_ = "ball,dominoes,van,carton,proxy,ball-missed,dominoes-missed,van-missed,carton-missed";
   int takes_ = 8;
   int jobs_ = 0;
   std::string netem_;

@@ -16,17 +16,17 @@ std::string metres(double v) {
   return text.data();
 }
 
-std::string column(float seconds) {
-  if (seconds == 0) return "first touch";
+std::string column(float seconds, bool touches) {
+  if (seconds == 0) return touches ? "first touch" : "the model hits";
   return plot::number(std::abs(static_cast<double>(seconds))) + " s " + (seconds < 0 ? "before" : "after");
 }
 
 /// Collects the frames of two rows, truth and belief, while a story is played.
 class Camerawork {
  public:
-  Camerawork(const Story& story, Tick touched) : story_(story) {
+  Camerawork(const Story& story, Tick moment) : story_(story) {
     for (const float s : story.camera.frames)
-      when_.push_back(std::max<Tick>(1, touched + static_cast<Tick>(std::lround(s * kTicksPerSecond))));
+      when_.push_back(std::max<Tick>(1, moment + static_cast<Tick>(std::lround(s * kTicksPerSecond))));
     avatar_.radius = story.scene.avatar.radius;
   }
 
@@ -96,13 +96,18 @@ plot::FilmStrip film_of(const Story& story, const std::vector<std::pair<std::str
   film.scene = story.scene;
   film.lower = story.camera.lower;
   film.upper = story.camera.upper;
-  for (const float s : story.camera.frames) film.columns.push_back(column(s));
   const TrueStory truth = true_story(story, 0);
+  const bool touches = truth.touched >= 0;
+  const Tick moment = moment_of(story, 0, truth, netem);
+  for (const float s : story.camera.frames) film.columns.push_back(column(s, touches));
   for (const auto& [name, technique] : techniques) {
-    Camerawork camera(story, truth.touched);
+    Camerawork camera(story, moment);
     const Cost cost = measure(story, 0, truth, technique, netem, [&camera](const Moment& m) { camera.look(m); });
     if (film.rows.empty())
-      film.rows.push_back({"Peer 0, whose avatar it is", "what it sees is what happens", std::move(camera.truth)});
+      film.rows.push_back({"Peer 0, whose avatar it is",
+                           touches ? "what it sees is what happens"
+                                   : "it stops " + metres(truth.nearest_m) + " short and touches nothing",
+                           std::move(camera.truth)});
     film.rows.push_back({"Peer 1, " + name,
                          "bodies off by " + metres(cost.peak_m) + " at worst, " + metres(cost.final_m) +
                              " in the end; bodies disturbed: " + plot::number(cost.ever) + " of " +

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/lab/examples/variant.h"
 #include "tools/lab/simulation.h"
 
 namespace padr::lab::examples {
@@ -27,14 +28,37 @@ class Stay : public scenarios::InputSource {
   Vec2 where_;
 };
 
-/// A touch can be over within the step that it begins in: what it has set in motion shows it then.
-bool touched(const world::View& w) {
-  constexpr float kMoves = 0.02F;  // m/s; everything rests before
-  const EntityId avatar = w.avatar(0);
+/// Everything rests before it is touched.
+bool something_moves(const world::View& w) {
+  constexpr float kMoves = 0.02F;  // m/s
   for (EntityId b = 0; b < w.bodies(); ++b)
     if (length(w.velocity(b)) > kMoves) return true;
-  return std::any_of(w.contacts().begin(), w.contacts().end(),
-                     [&](const Contact& c) { return !w.is_avatar(c.first) && c.second == avatar; });
+  return false;
+}
+
+/// Between the first avatar and a body, m; 0 or less where they touch.
+float gap(const world::View& w, EntityId b) {
+  const BodyDef& d = w.scene().bodies[b];
+  const BodyState body = w.state(b);
+  const Vec2 off = w.position(w.avatar(0)) - body.position;
+  const float avatar = w.scene().avatar.radius;
+  if (d.shape == ShapeKind::kCircle) return length(off) - d.radius - avatar;
+  const float c = std::cos(body.angle);
+  const float s = std::sin(body.angle);
+  const Vec2 own{std::abs(off.x * c + off.y * s), std::abs(off.y * c - off.x * s)};
+  return length({std::max(0.0F, own.x - d.half.x), std::max(0.0F, own.y - d.half.y)}) - avatar;
+}
+
+float least_gap(const world::View& w) {
+  float least = gap(w, 0);
+  for (EntityId b = 1; b < w.bodies(); ++b) least = std::min(least, gap(w, b));
+  return least;
+}
+
+/// A touch can be over within the step that it begins in: what it has set in motion shows it then.
+bool touched(const world::View& w) {
+  constexpr float kSkin = 0.01F;  // m, at which Box2D lets a circle rest on a box
+  return something_moves(w) || least_gap(w) <= kSkin;
 }
 
 /// Folds ticks into a Cost.
@@ -42,6 +66,8 @@ class Costing {
  public:
   explicit Costing(const TrueStory& story, std::size_t bodies) : story_(story), disturbed_(bodies, false) {
     cost_.final_by_body_m.resize(bodies);
+    cost_.course.touched = story.touched;
+    cost_.course.nearest_m = story.nearest_m;
   }
 
   void tick(const world::View& truth, const world::View& believed, Tick now) {
@@ -51,7 +77,13 @@ class Costing {
     const auto astray = static_cast<double>(distance(truth.position(avatar), believed.position(avatar)));
     cost_.avatar_mean_m += astray;
     cost_.avatar_peak_m = std::max(cost_.avatar_peak_m, astray);
+    Course& c = cost_.course;
+    if (c.hit < 0 && (c.touched < 0 || now < c.touched) && something_moves(believed)) c.hit = now;
     ++ticks_;
+  }
+
+  void warned(Tick now) {
+    if (cost_.course.warned < 0) cost_.course.warned = now;
   }
 
   Cost result() {
@@ -143,7 +175,12 @@ TrueStory true_story(const Story& story, int take) {
     for (EntityId b = 0; b < play.truth().bodies(); ++b) bodies.push_back(play.truth().position(b));
     t.bodies.push_back(std::move(bodies));
     if (t.touched < 0 && touched(play.truth())) t.touched = now;
+    const double gap = std::max(0.0F, least_gap(play.truth()));
+    if (t.nearest >= 0 && gap >= t.nearest_m) return;
+    t.nearest = now;
+    t.nearest_m = gap;
   });
+  if (t.touched >= 0) t.nearest_m = 0;
   return t;
 }
 
@@ -153,6 +190,7 @@ Cost measure(const Story& story, int take, const TrueStory& truth, const Techniq
   Costing costing(truth, story.scene.bodies.size());
   play.simulation().run([&](Tick now) {
     costing.tick(play.truth(), play.believed(), now);
+    if (play.simulation().node(0).prediction().interaction) costing.warned(now);
     if (on_tick) on_tick({now, states_of(play.truth()), states_of(play.believed())});
   });
   Cost cost = costing.result();
@@ -160,6 +198,12 @@ Cost measure(const Story& story, int take, const TrueStory& truth, const Techniq
   for (const std::uint64_t n : stats.updates_by_cause) cost.updates += static_cast<double>(n);
   cost.kbit = static_cast<double>(stats.wire_bytes_sent) * 8 / 1000;
   return cost;
+}
+
+Tick moment_of(const Story& story, int take, const TrueStory& truth, const link::NetemSpec& netem) {
+  if (truth.touched >= 0) return truth.touched;
+  const Tick hit = measure(story, take, truth, without_authority().technique, netem).course.hit;
+  return hit >= 0 ? hit : truth.nearest;
 }
 
 Cost mean_of(const std::vector<Cost>& takes) {

@@ -15,6 +15,14 @@ namespace padr::lab::examples {
 /// what is noise.
 inline constexpr float kDisturbedMetres = 0.05F;
 
+/// What happened in one run, and when.
+struct Course {
+  Tick touched = -1;     ///< the avatar's first true contact with a body; -1: none
+  double nearest_m = 0;  ///< the least gap that there truly was between the avatar and a body; 0: they touched
+  Tick hit = -1;         ///< the model moved a body in the other view that the avatar had not moved; -1: never
+  Tick warned = -1;      ///< the predictor's first warning; -1: none
+};
+
 /// The physics-consistency cost of one run: how far bodies are from one another in the two peers' views, at the same
 /// session ticks, from the start to the end of the story.
 struct Cost {
@@ -34,6 +42,7 @@ struct Cost {
   double avatar_peak_m = 0;
   double updates = 0;  ///< told by the moving avatar's peer
   double kbit = 0;     ///< sent by it, IP and UDP headers included
+  Course course;       ///< of one run; means have none
 };
 
 /// Everything there is in both views at one tick.
@@ -47,6 +56,8 @@ struct Moment {
 struct TrueStory {
   std::vector<std::vector<Vec2>> bodies;  ///< m, by tick from 1 on and body
   Tick touched = -1;                      ///< the avatar's first contact with a body; -1: none
+  Tick nearest = -1;                      ///< when the avatar was nearest to a body
+  double nearest_m = 0;                   ///< the gap between them then; 0: they touched
 };
 TrueStory true_story(const Story& story, int take);
 
@@ -54,6 +65,10 @@ TrueStory true_story(const Story& story, int take);
 /// given, sees every tick. The same arguments give the same numbers, to the bit.
 Cost measure(const Story& story, int take, const TrueStory& truth, const Technique& technique,
              const link::NetemSpec& netem, const std::function<void(const Moment&)>& on_tick = {});
+
+/// The moment that a story is about: the avatar's first true contact, or, where it stops short, its model's hit in the
+/// other view under the fixed threshold without authority. If neither happens, when the avatar was nearest to a body.
+Tick moment_of(const Story& story, int take, const TrueStory& truth, const link::NetemSpec& netem);
 
 /// Means over takes.
 Cost mean_of(const std::vector<Cost>& takes);

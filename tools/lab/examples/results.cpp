@@ -25,6 +25,18 @@ std::vector<Cost> all_takes(const Production& p, const Technique& technique, con
   return costs;
 }
 
+/// Every predictor without authority against none, story by story. Each story begins with no predictor.
+std::vector<Verdict> verdicts_of(const std::vector<Result>& results, std::size_t variants) {
+  std::vector<Verdict> verdicts;
+  for (std::size_t first = 0; first < results.size(); first += variants)
+    for (std::size_t i = first; i < first + variants; ++i) {
+      const Result& one = results[i];
+      if (one.variant.predictor.empty() || one.variant.technique.authority) continue;
+      verdicts.push_back(judge(one.story, one.variant, results[first].takes, one.takes));
+    }
+  return verdicts;
+}
+
 }  // namespace
 
 Results run_plan(const Plan& plan) {
@@ -43,6 +55,7 @@ Results run_plan(const Plan& plan) {
         return one;
       },
       plan.parallel);
+  r.verdicts = verdicts_of(r.results, all.size());
   bool dominoes = false;
   for (const std::string& s : plan.stories) dominoes = dominoes || s == "dominoes";
   if (!dominoes) return r;

@@ -5,6 +5,7 @@
 
 #include "tools/lab/examples/measure.h"
 #include "tools/lab/examples/variant.h"
+#include "tools/lab/examples/verdict.h"
 #include "tools/lab/parallel.h"
 #include "tools/plot/plot.h"
 
@@ -27,7 +28,7 @@ struct Result {
   Cost mean;  ///< over the takes
 };
 
-/// The story of `count` dominoes.
+/// The story `dominoes` with `count` of them.
 struct RowOfDominoes {
   int count = 0;
   Cost without_authority;  ///< means over the takes
@@ -36,12 +37,13 @@ struct RowOfDominoes {
 
 struct Results {
   std::vector<Result> results;      ///< by story, then in the order of variants()
+  std::vector<Verdict> verdicts;    ///< by story, then by predictor
   std::vector<RowOfDominoes> rows;  ///< 1 to 20, if dominoes are among the stories
 };
 
 Results run_plan(const Plan& plan);
 
-/// What a contact with the first domino costs per domino: the slope of the least-squares line of the cost in the end
+/// What a hit of the first domino costs per domino: the slope of the least-squares line of the cost in the end
 /// over the number of dominoes, m, and how well it fits (R squared, 0 .. 1).
 struct Line {
   double slope_m = 0;
@@ -55,6 +57,8 @@ std::string json(const Results& r, const Plan& plan, const std::string& command)
 std::string csv(const Results& r);
 /// One line per story, variant and take.
 std::string takes_csv(const Results& r);
+/// One line per story and predictor: what it was worth.
+std::string verdicts_csv(const Results& r);
 /// Cost over the number of dominoes.
 plot::LinePlot dominoes_plot(const Results& r);
 

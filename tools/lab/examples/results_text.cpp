@@ -1,6 +1,7 @@
+#include <algorithm>
 #include <array>
-#include <cstdio>
 
+#include "tools/lab/examples/format.h"
 #include "tools/lab/examples/results.h"
 #include "tools/support/json.h"
 #include "tools/support/revision.h"
@@ -9,13 +10,6 @@ namespace padr::lab::examples {
 namespace {
 
 using support::Json;
-
-template <typename... Args>
-std::string format(const char* pattern, Args... args) {
-  std::array<char, 400> text{};
-  const int n = std::snprintf(text.data(), text.size(), pattern, args...);
-  return {text.data(), static_cast<std::size_t>(n)};
-}
 
 /// The numbers of a cost, in the one order of every file.
 struct Column {
@@ -53,7 +47,8 @@ void put(Json& j, const Cost& cost) {
 }
 
 std::string table_of_rows(const std::vector<RowOfDominoes>& rows) {
-  std::string s = "\nCost of the touch by the number of dominoes: metres in the end, without authority and with it.\n";
+  std::string s =
+      "\nCost of the model's hit by the number of dominoes: metres in the end, without authority and with it.\n";
   s += "  dominoes  without  of the first domino  disturbed     with\n";
   for (const RowOfDominoes& r : rows) {
     if (r.count > 5 && r.count % 5 != 0) continue;
@@ -65,6 +60,51 @@ std::string table_of_rows(const std::vector<RowOfDominoes>& rows) {
   return s + format("  every further domino costs %.2f m (R^2 = %.4f)\n", line.slope_m, line.r_squared);
 }
 
+/// What the avatar truly does, over all takes.
+std::string what_happens(const Result& story) {
+  int touched = 0;
+  int hit = 0;
+  double nearest = 1e9;
+  double farthest = 0;
+  for (const Cost& c : story.takes) {
+    touched += c.course.touched >= 0 ? 1 : 0;
+    hit += c.course.hit >= 0 ? 1 : 0;
+    nearest = std::min(nearest, c.course.nearest_m);
+    farthest = std::max(farthest, c.course.nearest_m);
+  }
+  const auto takes = static_cast<int>(story.takes.size());
+  if (touched > 0) return format("  The avatar touches in %d of %d takes.\n", touched, takes);
+  return format(
+      "  The avatar touches nothing: it stops %.2f to %.2f m short. Without authority and predictor, its model hits "
+      "in\n"
+      "  %d of %d takes.\n",
+      nearest, farthest, hit, takes);
+}
+
+/// What predictors were worth in one story.
+std::string table_of_verdicts(const std::vector<Verdict>& verdicts, const std::string& story) {
+  std::string s =
+      "  Each predictor, avatar-only, against no predictor:\n"
+      "  predictor     warned before  s before  model hits  contacts foreseen  cost (m)  avoided (m)\n";
+  for (const Verdict& v : verdicts) {
+    if (v.story != story) continue;
+    const std::string lead = v.warned > 0 ? format("%.2f", v.lead_s) : "-";
+    const std::string foreseen = v.contacts > 0 ? format("%d of %d", v.foreseen, v.contacts) : "-";
+    s += format("  %-12s %9d of %-2d %8s %6d of %-2d %17s %9.2f %12.2f\n", v.predictor.c_str(), v.warned, v.takes,
+                lead.c_str(), v.hits, v.takes, foreseen.c_str(), v.cost_m, v.avoided_m);
+  }
+  for (const Verdict& v : verdicts)
+    if (v.story == story) s += "  " + v.predictor + ": " + v.sentence + "\n";
+  return s;
+}
+
+void put(Json& j, const Verdict& v) {
+  j.begin_object().field("story", v.story).field("predictor", v.predictor).field("takes", v.takes);
+  j.field("warned", v.warned).field("lead_s", v.lead_s).field("hits", v.hits).field("contacts", v.contacts);
+  j.field("foreseen", v.foreseen).field("cost_m", v.cost_m).field("avoided_m", v.avoided_m);
+  j.field("sentence", v.sentence).end_object();
+}
+
 }  // namespace
 
 std::string table(const Results& r, const Plan& plan) {
@@ -72,21 +112,23 @@ std::string table(const Results& r, const Plan& plan) {
       "Physics-consistency cost: what the model errors of one avatar do to bodies in the other\n"
       "peer's view. %d takes of each story, means; netem \"%s\".\n",
       plan.takes, plan.netem_text.c_str());
-  std::string story;
-  for (const Result& one : r.results) {
-    if (one.story != story) {
-      story = one.story;
-      s += format("\n%s: %s\n", story.c_str(), story_by_name(story).title.c_str());
+  const std::size_t variants = r.results.empty() ? 1 : r.results.size() / plan.stories.size();
+  for (std::size_t i = 0; i < r.results.size(); ++i) {
+    const Result& one = r.results[i];
+    if (i % variants == 0) {
+      s += format("\n%s: %s\n", one.story.c_str(), story_by_name(one.story).title.c_str()) + what_happens(one);
       s += "                                    bodies off (m)         > 5 cm off   untrue in\n";
       s += "  technique                     mean   peak  in the end   ever  at end    the end  updates   kbit\n";
     }
     const Cost& c = one.mean;
     s += format("  %-27s %6.3f %6.2f %11.2f %6.1f %7.1f %10.2f %8.1f %6.1f\n", one.variant.label.c_str(), c.mean_m,
                 c.peak_m, c.final_m, c.ever, c.at_end, c.untrue_final_m, c.updates, c.kbit);
+    if (i % variants == variants - 1) s += table_of_verdicts(r.verdicts, one.story);
   }
   if (!r.rows.empty()) s += table_of_rows(r.rows);
   return s +
-         "\nuntrue: against what the same input does with nobody else there; two views can agree on what never\n"
+         "\navoided: of what bodies would have been off in the end without that predictor.\nuntrue: against what the "
+         "same input does with nobody else there; two views can agree on what never\n"
          "would have happened. Below 5 mm everything is noise.\n";
 }
 
@@ -95,6 +137,15 @@ std::string csv(const Results& r) {
   for (const Result& one : r.results)
     s += one.story + format(",%zu,", one.bodies) + one.variant.flags + format(",%zu", one.takes.size()) +
          fields(one.mean);
+  return s;
+}
+
+std::string verdicts_csv(const Results& r) {
+  std::string s = "story,predictor,takes,warned,lead_s,hits,contacts,foreseen,cost_m,avoided_m\n";
+  for (const Verdict& v : r.verdicts)
+    s += v.story + "," + v.predictor +
+         format(",%d,%d,%.6g,%d,%d,%d,%.6g,%.6g\n", v.takes, v.warned, v.lead_s, v.hits, v.contacts, v.foreseen,
+                v.cost_m, v.avoided_m);
   return s;
 }
 
@@ -117,6 +168,8 @@ std::string json(const Results& r, const Plan& plan, const std::string& command)
     put(j, one.mean);
     j.end_object();
   }
+  j.end_array().key("predictors").begin_array();
+  for (const Verdict& v : r.verdicts) put(j, v);
   j.end_array();
   if (!r.rows.empty()) {
     const Line line = cost_per_domino(r.rows);
@@ -140,7 +193,7 @@ std::string json(const Results& r, const Plan& plan, const std::string& command)
 plot::LinePlot dominoes_plot(const Results& r) {
   plot::LinePlot p;
   p.name = "dominoes";
-  p.title = "What touching the first domino costs";
+  p.title = "What hitting the first domino costs";
   p.x.label = "dominoes in the row";
   p.x.from = 0;
   plot::Line without{.title = "without authority", .look = plot::look_of("avatar-only")};

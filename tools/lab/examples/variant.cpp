@@ -18,7 +18,8 @@ Variant fixed(const std::string& base) {
 
 Variant adapted(const std::string& base, const char* predictor) {
   const std::string threshold = base == "adaptive" ? "" : std::string(" --threshold ") + kAdapted;
-  Variant v{base + ", " + predictor, base + threshold + " --predictor " + predictor, technique_by_name(base)};
+  Variant v{base + ", " + predictor, base + threshold + " --predictor " + predictor, technique_by_name(base),
+            predictor};
   set_threshold(v.technique, kAdapted);
   set_predictor(v.technique, predictor);
   return v;

@@ -12,6 +12,7 @@ struct Variant {
   std::string label;  ///< for tables: "adaptive, pcc"
   std::string flags;  ///< that make it: "adaptive --predictor pcc"
   Technique technique;
+  std::string predictor = {};  ///< that adapts the threshold, by name; empty: the threshold is fixed, or as full has it
 };
 
 /// The paper's means one by one: without authority and with it, in each case with a fixed threshold of 0.8 m and with

@@ -17,8 +17,14 @@ double second_third(const Measures& m) {
 double last_third(const Measures& m) {
   return m.thirds_m[2];
 }
+double combined_mean(const Measures& m) {
+  return m.combined.mean_m;
+}
 double trend(const Measures& m) {
   return m.trend_m_per_min;
+}
+double free_within(const Measures& m) {
+  return m.free_within_share;
 }
 double longest_above(const Measures& m) {
   return m.above_longest_s;
@@ -70,7 +76,13 @@ struct Asker {
            const std::vector<double>& third) const {
     const bool average = question(mean_of(first), mean_of(second), mean_of(third));
     c.on_average = (c.of == 0 || c.on_average) && average;
-    for (std::size_t i = 0; i < first.size(); ++i) c.holds_in += question(first[i], second[i], third[i]) ? 1 : 0;
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      const bool holds = question(first[i], second[i], third[i]);
+      Claim::Share& share = c.by_kind[plan.cases[i].kind];
+      c.holds_in += holds ? 1 : 0;
+      share.holds_in += holds ? 1 : 0;
+      ++share.of;
+    }
     c.of += static_cast<int>(first.size());
   }
   /// "a, b and c": a mean at each of the paper's thresholds.
@@ -103,18 +115,24 @@ Claim growth(const Asker& a) {
 Claim bounded(const Asker& a) {
   Claim c{.id = "bounded-with-authority", .figure = "8"};
   c.says = "With dynamic authority inconsistency is bounded: it rises at collisions and comes back.";
-  c.test = "the mean of the last third of the run is below the threshold, at each threshold";
+  c.test =
+      "while the avatar touches nothing, combined inconsistency is within the threshold, and the way of a tick, at 95 "
+      "% "
+      "of the ticks, at each threshold";
+  const auto enough = [](double share, double, double) { return share >= 0.95; };
+  std::string shares;
   for (const char* t : kThresholds) {
-    const std::string id = std::string("fixed-") + t;
-    const std::vector<double> last = a.of(id, last_third);
-    const std::vector<double> threshold(last.size(), std::stod(t));
-    a.ask(
-        c, [](double value, double bound, double) { return value < bound; }, last, threshold, last);
+    const std::vector<double> share = a.of(std::string("fixed-") + t, free_within);
+    a.ask(c, enough, share, share, share);
+    shares += (shares.empty() ? "" : (t == kThresholds.back() ? " and " : ", ")) + percent(mean_of(share));
   }
-  c.measured = "At 0.8, 0.5 and 0.3 m the last third of the run has a mean of " +
-               a.at_thresholds("fixed", last_third, 2) + " m; the longest time above the threshold is " +
-               a.at_thresholds("fixed", longest_above, 1) + " s, against " +
-               a.at_thresholds("avatar-only", longest_above, 0) + " s without authority.";
+  c.measured = "At 0.8, 0.5 and 0.3 m it is within the threshold at " + shares +
+               " of the ticks without contact; over the whole run the mean is " +
+               a.at_thresholds("fixed", combined_mean, 2) + " m, over its last third " +
+               a.at_thresholds("fixed", last_third, 2) + " m, against " +
+               a.at_thresholds("avatar-only", last_third, 0) + " m without authority. The longest time above the " +
+               "threshold is " + a.at_thresholds("fixed", longest_above, 1) + " s, against " +
+               a.at_thresholds("avatar-only", longest_above, 0) + " s.";
   return c;
 }
 
@@ -177,6 +195,16 @@ Claim adaptive_updates(const Asker& a) {
 }
 
 }  // namespace
+
+std::string share_text(const Claim& c) {
+  std::string s = std::to_string(c.holds_in) + " of " + std::to_string(c.of);
+  if (c.by_kind.size() < 2) return s;
+  std::string kinds;
+  for (const auto& [kind, share] : c.by_kind)
+    kinds +=
+        (kinds.empty() ? "" : ", ") + kind + " " + std::to_string(share.holds_in) + " of " + std::to_string(share.of);
+  return s + " (" + kinds + ")";
+}
 
 std::vector<Claim> judge_claims(const Plan& plan, const Results& results) {
   const Asker a{plan, results};

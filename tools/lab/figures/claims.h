@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,15 @@ struct Claim {
   int holds_in = 0;           ///< cases, or cases times thresholds
   int of = 0;
   bool on_average = false;  ///< the same asked of the means over all cases
+  struct Share {
+    int holds_in = 0;
+    int of = 0;
+  };
+  std::map<std::string, Share> by_kind = {};  ///< holds_in and of, by kind of input
 };
+
+/// "12 of 32", and by kind of input if there are several.
+std::string share_text(const Claim& c);
 
 /// In the order of the figures.
 std::vector<Claim> judge_claims(const Plan& plan, const Results& results);

@@ -13,6 +13,7 @@
 #include "tools/lab/figures/words.h"
 #include "tools/support/command_line.h"
 #include "tools/support/run_main.h"
+#include "tools/support/technique_flags.h"
 
 namespace padr::lab {
 namespace {
@@ -33,6 +34,15 @@ std::string short_name(const std::string& input) {
   for (char& c : name)
     if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '-';
   return name;
+}
+
+std::string kind_of(const std::string& input) {
+  return input.starts_with("path:") ? "recorded" : short_name(input);
+}
+
+/// These tell the settings from one another.
+bool is_the_settings_own(std::string_view flag) {
+  return flag == "--threshold" || flag == "--predictor";
 }
 
 /// A name that no other case has.
@@ -62,6 +72,15 @@ void FiguresCommand::declare(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--netem", netem_, "What datagrams suffer, in tc-netem's words; default nothing, as in the paper")
       ->type_name("SPEC");
+  knobs_.resize(support::knobs().size());
+  for (std::size_t k = 0; k < knobs_.size(); ++k) {
+    const support::Knob& knob = support::knobs()[k];
+    if (is_the_settings_own(knob.flag)) continue;
+    app.add_option(knob.flag, knobs_[k], knob.help)->type_name(knob.type)->group("Technique (of every setting)");
+  }
+  app.add_option("--add", added_, "One more setting, by its knobs, such as 'full --lead 0.2'; may be repeated")
+      ->type_name("TECHNIQUE")
+      ->allow_extra_args(false);
   app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
   app.add_flag("--no-pictures", no_pictures_, "Data only: nothing is drawn, and report.html has numbers only");
   app.footer(
@@ -76,6 +95,7 @@ void FiguresCommand::declare(CLI::App& app) {
       "The same flags write the same data, to the byte.\n"
       "Example:\n"
       "  padr-lab figures --out out/figures\n"
+      "  padr-lab figures --out out/agreed --unowned agreed --add 'full --lead 0.2'\n"
       "  padr-lab figures --out out/mine --input path:mouse.csv,loop --input wander --seeds 2 --seconds 120\n"
       "Exit: 0 done (whether or not the claims hold), 1 nothing could be drawn, 2 usage.");
 }
@@ -88,7 +108,27 @@ std::string FiguresCommand::canonical() const {
                                  "--seconds",  plot::number(seconds_)};
   for (const std::string& input : inputs_) words.insert(words.end(), {"--input", input});
   if (!netem_.empty()) words.insert(words.end(), {"--netem", netem_});
+  for (std::size_t k = 0; k < knobs_.size(); ++k)
+    if (!knobs_[k].empty()) words.insert(words.end(), {support::knobs()[k].flag, knobs_[k]});
+  for (const std::string& text : added_) words.insert(words.end(), {"--add", text});
   return support::shell_line(words);
+}
+
+std::vector<Setting> FiguresCommand::settings() const {
+  std::vector<Setting> all = figure_settings();
+  for (Setting& s : all)
+    for (std::size_t k = 0; k < knobs_.size(); ++k)
+      if (!knobs_[k].empty()) support::knobs()[k].set(s.technique, knobs_[k]);
+  for (const std::string& text : added_) {
+    std::string id = text;
+    for (char& c : id)
+      if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '.') c = '-';
+    const bool taken = std::any_of(all.begin(), all.end(), [&id](const Setting& s) { return s.id == id; });
+    const Technique t = support::technique_of(text);
+    if (taken) throw UserError("--add: '" + text + "' is there already");
+    all.push_back({id, text, t});
+  }
+  return all;
 }
 
 figures::Plan FiguresCommand::plan() const {
@@ -97,7 +137,7 @@ figures::Plan FiguresCommand::plan() const {
   p.netem = support::parse_netem_flag("--netem", netem_, &warnings);
   for (const std::string& w : warnings) std::cerr << "padr-lab: warning: " << w << '\n';
   p.netem_text = netem_;
-  p.settings = figure_settings();
+  p.settings = settings();
   p.ticks = static_cast<Tick>(std::lround(seconds_ * kTicksPerSecond));
   p.scenario = scenario_.load().label;
   p.command = canonical();
@@ -105,6 +145,7 @@ figures::Plan FiguresCommand::plan() const {
   if (inputs.size() * static_cast<std::size_t>(seeds_) > kMostCases)
     throw UserError("--seeds: " + std::to_string(seeds_) + " times " + std::to_string(inputs.size()) +
                     " inputs is more than " + std::to_string(kMostCases) + " cases");
+  if (!inputs.empty()) support::tell_of_paths("padr-lab", inputs, scenario_.load().scene);
   for (const std::string& input : inputs) {
     for (int i = 0; i < seeds_; ++i) {
       const std::uint64_t seed = scenario_.seed() + static_cast<std::uint64_t>(i);
@@ -112,8 +153,8 @@ figures::Plan FiguresCommand::plan() const {
       if (scene.avatar.spawns.size() < 2)
         throw UserError("--scenario: " + p.scenario + " has room for one peer; two are needed");
       const std::string name = short_name(input);
-      add_case(p.cases, {name + "-" + std::to_string(seed), name + ", seed " + std::to_string(seed), input, seed,
-                         std::move(scene)});
+      add_case(p.cases, {name + "-" + std::to_string(seed), name + ", seed " + std::to_string(seed), kind_of(input),
+                         input, seed, std::move(scene)});
       // Mistakes in files show before hours are spent.
       support::load_input(input, p.cases.back().scene, 0, seed);
     }

@@ -20,9 +20,12 @@ class FiguresCommand {
  private:
   figures::Plan plan() const;
   std::string canonical() const;
+  std::vector<figures::Setting> settings() const;
 
   support::ScenarioFlags scenario_;
   std::vector<std::string> inputs_;
+  std::vector<std::string> knobs_;  ///< by support::knobs(); empty: as the setting has it
+  std::vector<std::string> added_;
   std::string out_;
   int seeds_ = 6;
   double seconds_ = 60;

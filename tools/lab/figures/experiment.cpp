@@ -1,5 +1,6 @@
 #include "tools/lab/figures/experiment.h"
 
+#include <algorithm>
 #include <numeric>
 
 namespace padr::lab::figures {
@@ -17,17 +18,27 @@ Results run_plan(const Plan& plan, const ParallelOptions& parallel) {
   r.measures.resize(plan.cases.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Setting& s = plan.settings[i % settings];
-    r.measures[i / settings].push_back(measure(all[i], static_cast<double>(s.technique.threshold_high)));
+    const float way = plan.cases[i / settings].scene.avatar.max_speed * kTickSeconds;
+    r.measures[i / settings].push_back(
+        measure(all[i], static_cast<double>(s.technique.threshold_high), static_cast<double>(way)));
     r.runs[i / settings].push_back(std::move(all[i]));
   }
   return r;
 }
 
+std::vector<std::string> kinds_of(const Plan& plan) {
+  std::vector<std::string> kinds;
+  for (const Case& c : plan.cases)
+    if (std::find(kinds.begin(), kinds.end(), c.kind) == kinds.end()) kinds.push_back(c.kind);
+  return kinds;
+}
+
 std::vector<double> over_cases(const Plan& plan, const Results& results, const std::string& setting,
-                               double (*number)(const Measures&)) {
+                               double (*number)(const Measures&), const std::string& kind) {
   const std::size_t s = setting_index(plan.settings, setting);
   std::vector<double> values;
-  for (const std::vector<Measures>& of_case : results.measures) values.push_back(number(of_case[s]));
+  for (std::size_t c = 0; c < results.measures.size(); ++c)
+    if (kind.empty() || plan.cases[c].kind == kind) values.push_back(number(results.measures[c][s]));
   return values;
 }
 

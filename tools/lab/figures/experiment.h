@@ -30,9 +30,12 @@ struct Results {
 
 Results run_plan(const Plan& plan, const ParallelOptions& parallel);
 
-/// One number of every case's run with a setting.
+/// The kinds of input that there are, in the order of the cases.
+std::vector<std::string> kinds_of(const Plan& plan);
+
+/// One number of every case's run with a setting; of the cases with one kind of input if it is given.
 std::vector<double> over_cases(const Plan& plan, const Results& results, const std::string& setting,
-                               double (*number)(const Measures&));
+                               double (*number)(const Measures&), const std::string& kind = "");
 double mean_of(const std::vector<double>& values);
 /// The sum over all cases.
 PredictionScore score_of(const Plan& plan, const Results& results, const std::string& setting);

@@ -74,7 +74,7 @@ void Page::head() {
   add("<h1>The paper's experiments, measured</h1>");
   add("<p>Two peers; the avatar of one is driven, the other rests and watches. Combined inconsistency is the sum over "
       "all entities of the distance between where the watching peer has them and where their authority has them at the "
-      "same tick; without authority the driving peer's word is the truth. Below 5 mm it is noise. Scenario <b>" +
+      "same tick; for a body that nobody owns see docs/report.md. Below 5 mm it is noise. Scenario <b>" +
       escaped(plan_.scenario) + "</b>, " + std::to_string(plan_.cases.size()) + " cases of " +
       fixed(plan_.seconds(), 0) +
       " s each, network: " + (plan_.netem_text.empty() ? "unimpaired" : escaped(plan_.netem_text)) +
@@ -89,10 +89,9 @@ void Page::claims_of(const std::string& figure) {
   for (const Claim& c : claims_) {
     if (c.figure != figure) continue;
     const std::string verdict = c.on_average ? "holds on average" : "does not hold on average";
-    add("<div class=\"claim\"><h3>" + verdict + ", and in " + std::to_string(c.holds_in) + " of " +
-        std::to_string(c.of) + "</h3><div><p><b>The paper.</b> " + escaped(c.says) +
-        "</p></div><div><p><b>Measured.</b> " + escaped(c.measured) +
-        "</p><p class=\"small\">Asked: " + escaped(c.test) + ".</p></div></div>");
+    add("<div class=\"claim\"><h3>" + verdict + ", and in " + escaped(share_text(c)) +
+        "</h3><div><p><b>The paper.</b> " + escaped(c.says) + "</p></div><div><p><b>Measured.</b> " +
+        escaped(c.measured) + "</p><p class=\"small\">Asked: " + escaped(c.test) + ".</p></div></div>");
   }
 }
 
@@ -116,23 +115,36 @@ void Page::pictures_of(const std::string& figure) {
 }
 
 void Page::settings_table() {
-  add("<table><tr><th>means of all cases</th><th>combined (m)</th><th>avatars</th><th>bodies</th><th>last third</th>"
-      "<th>99 % below</th><th>peak</th><th>bodies' peak</th><th>updates a minute</th><th>kbit/s</th></tr>");
+  add("<table><tr><th>means of all cases</th><th>input</th><th>combined "
+      "(m)</th><th>avatars</th><th>bodies</th><th>last third</th>"
+      "<th>99 % below</th><th>peak</th><th>bodies' peak</th><th>free ticks within threshold</th><th>updates a "
+      "minute</th><th>kbit/s</th></tr>");
   for (const Setting& s : plan_.settings) {
-    const auto cell = [&](double (*number)(const Measures&), int digits) {
-      return "<td>" + fixed(mean_of(over_cases(plan_, results_, s.id, number)), digits) + "</td>";
-    };
-    add("<tr><td>" + escaped(s.title) + "</td>" + cell([](const Measures& m) { return m.combined.mean_m; }, 2) +
-        cell([](const Measures& m) { return m.combined.avatar_mean_m; }, 2) +
-        cell([](const Measures& m) { return m.combined.body_mean_m; }, 2) +
-        cell([](const Measures& m) { return m.thirds_m[2]; }, 2) +
-        cell([](const Measures& m) { return m.combined.p99_m; }, 2) +
-        cell([](const Measures& m) { return m.combined.peak_m; }, 2) +
-        cell([](const Measures& m) { return m.body_peak_m; }, 2) +
-        cell([](const Measures& m) { return m.updates_per_min; }, 0) +
-        cell([](const Measures& m) { return m.kbps; }, 2) + "</tr>");
+    std::string title = escaped(s.title);
+    for (const std::string& kind : kinds_of(plan_)) {
+      const auto cell = [&](double (*number)(const Measures&), int digits) {
+        return "<td>" + fixed(mean_of(over_cases(plan_, results_, s.id, number, kind)), digits) + "</td>";
+      };
+      const auto within = [](const Measures& m) { return m.free_within_share; };
+      add("<tr><td>" + title + "</td><td>" + escaped(kind) + "</td>" +
+          cell([](const Measures& m) { return m.combined.mean_m; }, 2) +
+          cell([](const Measures& m) { return m.combined.avatar_mean_m; }, 2) +
+          cell([](const Measures& m) { return m.combined.body_mean_m; }, 2) +
+          cell([](const Measures& m) { return m.thirds_m[2]; }, 2) +
+          cell([](const Measures& m) { return m.combined.p99_m; }, 2) +
+          cell([](const Measures& m) { return m.combined.peak_m; }, 2) +
+          cell([](const Measures& m) { return m.body_peak_m; }, 2) + "<td>" +
+          percent(mean_of(over_cases(plan_, results_, s.id, within, kind))) + "</td>" +
+          cell([](const Measures& m) { return m.updates_per_min; }, 0) +
+          cell([](const Measures& m) { return m.kbps; }, 2) + "</tr>");
+      title.clear();
+    }
   }
-  add("</table>");
+  add("</table><details><summary>The runs of the first case</summary>");
+  for (const Setting& s : plan_.settings)
+    add("<p class=\"small\"><code>" +
+        escaped(run_command(plan_.cases[0], s, plan_.scenario, plan_.netem_text, plan_.ticks)) + "</code></p>");
+  add("</details>");
 }
 
 void Page::causes_table() {

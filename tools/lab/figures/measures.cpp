@@ -38,12 +38,25 @@ double longest_above_s(const trace::InconsistencySeries& s, double bound) {
   return static_cast<double>(longest) / kTicksPerSecond;
 }
 
+double free_within(const FigureRun& run, double bound) {
+  std::size_t free = 0;
+  std::size_t within = 0;
+  for (const trace::InconsistencyPoint& p : run.watched) {
+    if (run.touching[static_cast<std::size_t>(p.tick - 1)]) continue;
+    ++free;
+    if (combined(p) <= bound) ++within;
+  }
+  return free > 0 ? static_cast<double>(within) / static_cast<double>(free) : 0;
+}
+
 }  // namespace
 
-Measures measure(const FigureRun& run, double threshold_high) {
+Measures measure(const FigureRun& run, double threshold_high, double tick_way) {
   const trace::InconsistencySeries& s = run.watched;
   Measures m;
   m.combined = trace::summarize(s);
+  m.fidelity = trace::summarize(run.fidelity);
+  m.pcc = trace::summarize(run.pcc);
   for (const trace::InconsistencyPoint& p : s) {
     m.avatar_peak_m = std::max(m.avatar_peak_m, static_cast<double>(p.avatars_m));
     m.body_peak_m = std::max(m.body_peak_m, static_cast<double>(p.bodies_m));
@@ -53,6 +66,7 @@ Measures measure(const FigureRun& run, double threshold_high) {
   const auto highest =
       std::max_element(s.begin(), s.end(), [](const auto& a, const auto& b) { return a.combined() < b.combined(); });
   m.peak_touching = highest != s.end() && run.touching[static_cast<std::size_t>(highest->tick - 1)];
+  m.free_within_share = free_within(run, threshold_high + tick_way);
   m.bodies_off_m = s.empty() ? 0 : static_cast<double>(s.back().bodies_m);
   m.above_longest_s = longest_above_s(s, threshold_high);
   const double seconds = static_cast<double>(run.threshold_m.size()) / kTicksPerSecond;

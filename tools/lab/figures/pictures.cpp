@@ -12,15 +12,22 @@ double seconds(std::size_t tick) {
   return static_cast<double>(tick) / kTicksPerSecond;
 }
 
-/// Combined inconsistency: of so many ticks as fit one point the highest, so that no peak is lost.
-std::vector<plot::Point> curve(const FigureRun& run) {
+double combined_of(const trace::InconsistencyPoint& p) {
+  return static_cast<double>(p.combined());
+}
+double avatars_of(const trace::InconsistencyPoint& p) {
+  return static_cast<double>(p.avatars_m);
+}
+
+/// Of so many ticks as fit one point the highest, so that no peak is lost.
+std::vector<plot::Point> curve(const FigureRun& run, double (*value)(const trace::InconsistencyPoint&) = combined_of) {
   const std::size_t width = run.watched.size() / kMostPoints + 1;
   std::vector<plot::Point> points;
   for (std::size_t from = 0; from < run.watched.size(); from += width) {
-    float highest = 0;
+    double highest = 0;
     for (std::size_t i = from; i < std::min(from + width, run.watched.size()); ++i)
-      highest = std::max(highest, run.watched[i].combined());
-    points.push_back({seconds(from + 1), static_cast<double>(highest)});
+      highest = std::max(highest, value(run.watched[i]));
+    points.push_back({seconds(from + 1), highest});
   }
   return points;
 }
@@ -51,7 +58,16 @@ plot::Axis metres(const Plan& plan, const Results& r, std::size_t of_case) {
         std::max(highest, r.measures[of_case][setting_index(plan.settings, std::string("fixed-") + t)].combined.peak_m);
   highest =
       std::max(highest, r.measures[of_case][setting_index(plan.settings, adaptive_id(kPredictors[0]))].combined.peak_m);
-  return {.label = "combined (m)", .from = 0, .to = highest * 1.05};
+  // A sawtooth of 0.3 m is to be seen beside a peak of 5 m.
+  return {.label = "combined (m)", .root = true, .from = 0, .to = highest * 1.05};
+}
+
+/// The sawtooth of the paper's figures, which bodies that are off hide.
+plot::Line avatars_line(const Plan& plan, const Results& r, std::size_t of_case, const std::string& id) {
+  return {.title = "avatar alone",
+          .look = {.colour = plot::shade(2)},
+          .points = curve(r.runs[of_case][setting_index(plan.settings, id)], avatars_of),
+          .width = 1.2};
 }
 
 plot::Shading contacts_of(const FigureRun& run) {
@@ -98,6 +114,7 @@ plot::LinePlot figure8(const Plan& plan, const Results& r, std::size_t of_case) 
                    .x = time_axis(plan)};
   for (const char* t : kThresholds) {
     plot::Panel panel{.y = metres(plan, r, of_case)};
+    panel.lines.push_back(avatars_line(plan, r, of_case, std::string("fixed-") + t));
     panel.lines.push_back(line_of(plan, r, of_case, std::string("fixed-") + t));
     panel.lines.push_back(threshold_line("threshold", {{0, std::stod(t)}, {plan.seconds(), std::stod(t)}}));
     p.panels.push_back(std::move(panel));
@@ -112,6 +129,7 @@ plot::LinePlot figure9(const Plan& plan, const Results& r, std::size_t of_case) 
   const std::string id = adaptive_id(kPredictors[0]);
   const FigureRun& run = r.runs[of_case][setting_index(plan.settings, id)];
   plot::Panel adaptive{.y = metres(plan, r, of_case)};
+  adaptive.lines.push_back(avatars_line(plan, r, of_case, id));
   adaptive.lines.push_back(line_of(plan, r, of_case, id));
   plot::Panel in_force{.y = {.label = "threshold (m)", .from = 0, .to = 1}};
   in_force.lines.push_back(threshold_line("threshold in force", thresholds_of(run)));
@@ -119,6 +137,7 @@ plot::LinePlot figure9(const Plan& plan, const Results& r, std::size_t of_case) 
   adaptive.shadings.push_back(contacts_of(run));
   adaptive.shadings.back().title.clear();
   plot::Panel tight{.y = metres(plan, r, of_case)};
+  tight.lines.push_back(avatars_line(plan, r, of_case, "fixed-0.3"));
   tight.lines.push_back(line_of(plan, r, of_case, "fixed-0.3"));
   tight.lines.back().title += ", to compare";
   p.panels = {std::move(in_force), std::move(adaptive), std::move(tight)};

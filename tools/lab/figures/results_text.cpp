@@ -18,7 +18,7 @@ struct Column {
   const char* name;
   double (*value)(const Measures&);
 };
-constexpr std::array<Column, 17> kColumns{{
+constexpr std::array<Column, 25> kColumns{{
     {"mean_m", [](const Measures& m) { return m.combined.mean_m; }},
     {"avatar_mean_m", [](const Measures& m) { return m.combined.avatar_mean_m; }},
     {"body_mean_m", [](const Measures& m) { return m.combined.body_mean_m; }},
@@ -35,7 +35,15 @@ constexpr std::array<Column, 17> kColumns{{
     {"longest_above_threshold_s", [](const Measures& m) { return m.above_longest_s; }},
     {"updates_per_min", [](const Measures& m) { return m.updates_per_min; }},
     {"wire_kbps", [](const Measures& m) { return m.kbps; }},
+    {"free_ticks_within_threshold_share", [](const Measures& m) { return m.free_within_share; }},
     {"low_threshold_share", [](const Measures& m) { return m.low_share; }},
+    {"fidelity_mean_m", [](const Measures& m) { return m.fidelity.mean_m; }},
+    {"fidelity_others_mean_m", [](const Measures& m) { return m.fidelity.others_mean_m; }},
+    {"fidelity_nobody_mean_m", [](const Measures& m) { return m.fidelity.nobody_mean_m; }},
+    {"fidelity_peak_m", [](const Measures& m) { return m.fidelity.peak_m; }},
+    {"pcc_mean_m", [](const Measures& m) { return m.pcc.mean_m; }},
+    {"pcc_peak_m", [](const Measures& m) { return m.pcc.peak_m; }},
+    {"pcc_bodies_mean", [](const Measures& m) { return m.pcc.bodies_mean; }},
 }};
 
 void put(Json& j, const PredictionScore& s) {
@@ -116,17 +124,31 @@ std::string right(const std::string& text, std::size_t width) {
 std::string table(const Plan& plan, const Results& r, const std::vector<Claim>& claims) {
   std::string s = plan.scenario + ", " + std::to_string(plan.cases.size()) + " cases of " + fixed(plan.seconds(), 0) +
                   " s, 2 peers of which one drives, netem \"" + plan.netem_text + "\"\n\n";
-  s += "                                   combined inconsistency (m)     peak of (m)     updates   wire\n";
-  s += "                                   mean  last third    peak    avatar  bodies    /min  kbit/s\n";
-  for (std::size_t k = 0; k < plan.settings.size(); ++k) {
-    const auto mean = [&](double (*number_of)(const Measures&)) {
-      return mean_of(over_cases(plan, r, plan.settings[k].id, number_of));
-    };
-    s += padded(plan.settings[k].title, 32) + right(fixed(mean(kColumns[0].value), 2), 7) +
-         right(fixed(mean(kColumns[10].value), 2), 12) + right(fixed(mean(kColumns[5].value), 2), 8) +
-         right(fixed(mean(kColumns[6].value), 2), 10) + right(fixed(mean(kColumns[7].value), 2), 8) +
-         right(fixed(mean(kColumns[14].value), 0), 8) + right(fixed(mean(kColumns[15].value), 2), 8) + "\n";
+  s += "                                              combined inconsistency (m)  free ticks     peak of (m)    "
+       "fidelity     "
+       "updates   wire\n";
+  s += "                                 input        mean  last third    peak  within  avatars  bodies  mean  peak    "
+       "/min  kbit/s\n";
+  const std::vector<std::string> kinds = kinds_of(plan);
+  for (const Setting& setting : plan.settings) {
+    std::string title = setting.title;
+    for (const std::string& kind : kinds) {
+      const auto mean = [&](double (*number_of)(const Measures&)) {
+        return mean_of(over_cases(plan, r, setting.id, number_of, kind));
+      };
+      s += padded(title, 32) + " " + padded(kind, 10) + right(fixed(mean(kColumns[0].value), 2), 7) +
+           right(fixed(mean(kColumns[10].value), 2), 12) + right(fixed(mean(kColumns[5].value), 2), 8) +
+           right(percent(mean([](const Measures& m) { return m.free_within_share; })), 8) +
+           right(fixed(mean(kColumns[6].value), 2), 9) + right(fixed(mean(kColumns[7].value), 2), 8) +
+           right(fixed(mean(kColumns[18].value), 2), 6) + right(fixed(mean(kColumns[21].value), 2), 6) +
+           right(fixed(mean(kColumns[14].value), 0), 8) + right(fixed(mean(kColumns[15].value), 2), 8) + "\n";
+      title.clear();
+    }
   }
+  s += "\nFree ticks within: of those at which the avatar touches nothing, those at which inconsistency is within the "
+       "threshold.\nRuns, here of the first case:\n";
+  for (const Setting& setting : plan.settings)
+    s += "  " + run_command(plan.cases[0], setting, plan.scenario, plan.netem_text, plan.ticks) + "\n";
   s += "\npredictor      warnings right         contacts foreseen     of the time without contact\n";
   for (const char* predictor : kPredictors) {
     const PredictionScore p = score_of(plan, r, adaptive_id(predictor));
@@ -137,7 +159,7 @@ std::string table(const Plan& plan, const Results& r, const std::vector<Claim>& 
   s += "\n";
   for (const Claim& c : claims)
     s += "Figure " + c.figure + ": " + padded(c.id, 24) + " on average " + (c.on_average ? "yes" : "NO ") + ", in " +
-         std::to_string(c.holds_in) + " of " + std::to_string(c.of) + "\n";
+         share_text(c) + "\n";
   return s;
 }
 
@@ -150,7 +172,10 @@ std::string json(const Plan& plan, const Results& r, const std::vector<Claim>& c
   for (const Claim& c : claims) {
     j.begin_object().field("id", c.id).field("figure", c.figure).field("paper", c.says).field("test", c.test);
     j.field("measured", c.measured).field("holds_in", c.holds_in).field("of", c.of);
-    j.field("holds_on_average", c.on_average).end_object();
+    j.field("holds_on_average", c.on_average).key("by_kind_of_input").begin_object();
+    for (const auto& [kind, share] : c.by_kind)
+      j.key(kind).begin_object().field("holds_in", share.holds_in).field("of", share.of).end_object();
+    j.end_object().end_object();
   }
   j.end_array().key("predictors").begin_object();
   for (const char* predictor : kPredictors) {
@@ -162,14 +187,24 @@ std::string json(const Plan& plan, const Results& r, const std::vector<Claim>& c
   for (const Setting& s : plan.settings) {
     j.key(s.id).begin_object().field("technique", describe(s.technique));
     for (const Column& c : kColumns) j.field(c.name, mean_of(over_cases(plan, r, s.id, c.value)));
-    j.end_object();
+    j.key("by_kind_of_input").begin_object();
+    for (const std::string& kind : kinds_of(plan)) {
+      j.key(kind).begin_object();
+      for (const Column& c : kColumns) j.field(c.name, mean_of(over_cases(plan, r, s.id, c.value, kind)));
+      j.end_object();
+    }
+    j.end_object().end_object();
   }
   j.end_object().key("cases").begin_array();
   for (std::size_t c = 0; c < plan.cases.size(); ++c) {
-    j.begin_object().field("case", plan.cases[c].id).field("input", plan.cases[c].input);
+    j.begin_object()
+        .field("case", plan.cases[c].id)
+        .field("input", plan.cases[c].input)
+        .field("kind", plan.cases[c].kind);
     j.field("seed", plan.cases[c].seed).key("runs").begin_object();
     for (std::size_t k = 0; k < plan.settings.size(); ++k) {
       j.key(plan.settings[k].id).begin_object();
+      j.field("command", run_command(plan.cases[c], plan.settings[k], plan.scenario, plan.netem_text, plan.ticks));
       put_run(j, r.runs[c][k], r.measures[c][k]);
       j.end_object();
     }

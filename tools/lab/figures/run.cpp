@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cassert>
+#include <iterator>
 #include <memory>
 
 #include "tools/lab/simulation.h"
+#include "tools/plot/gnuplot.h"
+#include "tools/support/command_line.h"
 #include "tools/support/scenario_flags.h"
 
 namespace padr::lab::figures {
@@ -16,9 +19,10 @@ constexpr PeerId kWatcher = 1;
 // What happens in the last moments is confirmed, and so measured, a little later.
 constexpr Tick kConfirmTicks = 5 * kTicksPerSecond;
 
-bool touches_body(const world::View& w, EntityId avatar) {
-  const auto& contacts = w.contacts();
-  return std::any_of(contacts.begin(), contacts.end(), [&](const Contact& c) {
+bool touches_body(const sync::LiveWorld& live) {
+  const EntityId avatar = live.avatar();
+  const world::View& w = live.world();
+  return std::any_of(live.touching().begin(), live.touching().end(), [&](const Contact& c) {
     return (c.first == avatar && !w.is_avatar(c.second)) || (c.second == avatar && !w.is_avatar(c.first));
   });
 }
@@ -57,6 +61,7 @@ FigureRun run_figure(const Case& c, const Setting& s, const link::NetemSpec& net
   config.inputs = {driver.get(), watcher.get()};
   config.ticks = ticks;
   config.settle_ticks = kConfirmTicks;
+  config.fidelity = true;
   Simulation simulation(std::move(config));
 
   FigureRun r;
@@ -66,18 +71,37 @@ FigureRun run_figure(const Case& c, const Setting& s, const link::NetemSpec& net
     const node::Node& node = simulation.node(kDriver);
     const world::View& live = node.live().world();
     r.threshold_m.push_back(node.threshold());
-    r.touching.push_back(touches_body(live, node.live().avatar()));
+    r.touching.push_back(touches_body(node.live()));
     r.path.push_back(live.position(node.live().avatar()));
     predicted.push_back(node.prediction().interaction);
     if (now < ticks) return;
     note_traffic(node.stats(), r);
     for (EntityId b = 0; b < live.bodies(); ++b) r.bodies_end.push_back(live.state(b));
   });
-  for (const trace::InconsistencyPoint& p : simulation.meter().series(kWatcher))
-    if (p.tick >= 1 && p.tick <= ticks) r.watched.push_back(p);
+  r.watched = simulation.seen_with_input(kWatcher);
+  const auto counts = [ticks](const auto& p) { return p.tick >= 1 && p.tick <= ticks; };
+  const auto& deeds = simulation.fidelity()->series(kWatcher);
+  std::copy_if(deeds.begin(), deeds.end(), std::back_inserter(r.fidelity), counts);
+  const auto& cost = simulation.fidelity()->pcc().series(kDriver);
+  std::copy_if(cost.begin(), cost.end(), std::back_inserter(r.pcc), counts);
   r.score = score_predictions(predicted, r.touching, s.technique.steps);
   r.confirmed_mismatches = simulation.confirmed_mismatches();
   return r;
+}
+
+std::string run_command(const Case& c, const Setting& s, const std::string& scenario, const std::string& netem,
+                        Tick ticks) {
+  const auto seconds = [](Tick t) { return plot::number(static_cast<double>(t) / kTicksPerSecond); };
+  std::vector<std::string> words{"padr-lab",   "run",
+                                 "--scenario", scenario,
+                                 "--seed",     std::to_string(c.seed),
+                                 "--input",    c.input,
+                                 "--input",    "rest",
+                                 "--seconds",  seconds(ticks),
+                                 "--settle",   seconds(kConfirmTicks),
+                                 "--watch",    std::to_string(kWatcher)};
+  if (!netem.empty()) words.insert(words.end(), {"--netem", netem});
+  return support::shell_line(words) + " --technique " + describe(s.technique);
 }
 
 std::vector<Setting> figure_settings() {

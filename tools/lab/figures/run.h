@@ -8,6 +8,7 @@
 #include "common/model/scene.h"
 #include "common/model/technique.h"
 #include "common/sync/updates.h"
+#include "common/trace/fidelity.h"
 #include "common/trace/metrics.h"
 #include "tools/lab/figures/score.h"
 
@@ -25,6 +26,7 @@ struct Setting {
 struct Case {
   std::string id;     ///< for files: letters, digits and '-'
   std::string title;  ///< for people
+  std::string kind;   ///< of input: "recorded" or the generator's name
   std::string input;  ///< as the flag takes it
   std::uint64_t seed = 0;
   Scene scene;
@@ -32,6 +34,8 @@ struct Case {
 
 struct FigureRun {
   trace::InconsistencySeries watched;  ///< of the second peer's view, ticks 1 .. N
+  trace::FidelitySeries fidelity;      ///< of the same view and ticks
+  trace::PccSeries pcc;                ///< of the driven avatar, same ticks
   std::vector<float> threshold_m;      ///< in force for the avatar, by tick
   std::vector<bool> touching;          ///< whether the avatar touches a body, by tick
   std::vector<Vec2> path;              ///< of the avatar in its own peer's view, by tick, m
@@ -47,6 +51,11 @@ struct FigureRun {
 
 /// Runs `ticks` of it. Deterministic. Throws UserError if the input cannot be read.
 FigureRun run_figure(const Case& c, const Setting& s, const link::NetemSpec& netem, Tick ticks);
+
+/// The `padr-lab run` that prints what this case has come to with this setting. `scenario` and `netem` as the flags
+/// take them.
+std::string run_command(const Case& c, const Setting& s, const std::string& scenario, const std::string& netem,
+                        Tick ticks);
 
 /// avatar-only and fixed at each of the paper's thresholds, adaptive with each predictor, full.
 std::vector<Setting> figure_settings();

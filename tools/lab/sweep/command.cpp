@@ -33,7 +33,9 @@ void declare_network(CLI::App& app, sweep::GridText& grid) {
 
 void declare_technique(CLI::App& app, sweep::GridText& grid) {
   const std::string group = "Technique";
-  app.add_option("--technique", grid.techniques, "Names, as padr-lab run takes them")
+  app.add_option("--technique", grid.techniques,
+                 "Names, as padr-lab run takes them, each with knobs of its own if need be,\nsuch as 'fixed "
+                 "--threshold 0.8,adaptive'")
       ->type_name("NAMES")
       ->capture_default_str()
       ->group(group);
@@ -77,6 +79,8 @@ void SweepCommand::declare(CLI::App& app) {
   app.add_option("--settle", grid_.settle_seconds, "Virtual seconds afterwards with hands off")
       ->check(support::between(0, kMaxSeconds, "seconds"))
       ->capture_default_str();
+  app.add_option("--watch", grid_.watch, "Count only what this peer sees, and only while there is input")
+      ->type_name("PEER");
   app.add_option("--csv", csv_, "Where rows go; those that are there already are not run again")->type_name("FILE");
   app.add_option("--shard", shard_, "Only part I of N of the runs, I from 1 to N; put together by padr-lab merge")
       ->type_name("I/N");

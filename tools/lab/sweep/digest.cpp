@@ -22,7 +22,7 @@ std::string format(const char* pattern, Args... args) {
 /// Sums over the seeds of one combination.
 struct Group {
   std::vector<std::string> key;
-  double n = 0, mean = 0, mean_squared = 0, bodies = 0, peak = 0, kbps = 0;
+  double n = 0, mean = 0, mean_squared = 0, avatars = 0, bodies = 0, peak = 0, kbps = 0, fidelity = 0;
 };
 
 /// Where the columns are that the table shows.
@@ -33,13 +33,17 @@ struct Places {
     };
     seed = place("seed");
     mean = place("mean_m");
+    avatars = place("avatar_mean_m");
     bodies = place("body_mean_m");
     peak = place("peak_m");
     kbps = place("wire_kbps");
-    complete = std::max({seed, mean, bodies, peak, kbps}) < names.size();
+    fidelity = place("fidelity_mean_m");
+    has_fidelity = fidelity < names.size();
+    complete = std::max({seed, mean, avatars, bodies, peak, kbps}) < names.size();
   }
-  std::size_t seed, mean, bodies, peak, kbps;
+  std::size_t seed, mean, avatars, bodies, peak, kbps, fidelity;
   bool complete;
+  bool has_fidelity;  ///< older files have none
 };
 
 std::vector<Group> grouped(const std::vector<std::vector<std::string>>& rows, const Places& at) {
@@ -54,17 +58,21 @@ std::vector<Group> grouped(const std::vector<std::vector<std::string>>& rows, co
     g.n += 1;
     g.mean += value(at.mean);
     g.mean_squared += value(at.mean) * value(at.mean);
+    g.avatars += value(at.avatars);
     g.bodies += value(at.bodies);
-    g.peak = std::max(g.peak, value(at.peak));
+    g.peak += value(at.peak);
     g.kbps += value(at.kbps);
+    if (at.has_fidelity) g.fidelity += value(at.fidelity);
   }
   return groups;
 }
 
-std::string line_of(const Group& g) {
+std::string line_of(const Group& g, bool has_fidelity) {
   const double mean = g.mean / g.n;
   const double spread = g.n > 1 ? std::sqrt(std::max(0.0, (g.mean_squared - g.n * mean * mean) / (g.n - 1))) : 0;
-  return format("%6.0f %8.3f %8.3f %8.3f %8.2f %8.1f\n", g.n, mean, spread, g.bodies / g.n, g.peak, g.kbps / g.n);
+  return format("%6.0f %8.3f %7.3f %8.3f %8.3f %8.2f ", g.n, mean, spread / std::sqrt(g.n), g.avatars / g.n,
+                g.bodies / g.n, g.peak / g.n) +
+         (has_fidelity ? format("%9.3f ", g.fidelity / g.n) : "") + format("%8.1f\n", g.kbps / g.n);
 }
 
 }  // namespace
@@ -92,12 +100,13 @@ std::string digest(const StoredRows& stored, std::size_t most) {
     for (const Group& g : groups) widths[k] = std::max(widths[k], g.key[k].size());
     heading += format("%-*s  ", static_cast<int>(widths[k]), name.c_str());
   }
-  std::string text = fixed + "; inconsistency in m, means over seeds\n" + heading +
-                     "  runs     mean    (sd)    bodies     peak   kbit/s\n";
+  std::string text = fixed + "; inconsistency in m, means over seeds, and the standard error of the mean\n" + heading +
+                     "  runs     mean      +-  avatars   bodies     peak   " + (at.has_fidelity ? "fidelity   " : "") +
+                     "kbit/s\n";
   for (const Group& g : groups) {
     for (std::size_t k = 0; k < widths.size(); ++k)
       if (widths[k] > 0) text += format("%-*s  ", static_cast<int>(widths[k]), g.key[k].c_str());
-    text += line_of(g);
+    text += line_of(g, at.has_fidelity);
   }
   return text;
 }

@@ -55,6 +55,11 @@ Grid::Grid(const GridText& t)
       seconds_(t.seconds),
       settle_seconds_(t.settle_seconds),
       inputs_(t.inputs.empty() ? std::vector<std::string>{"wander"} : t.inputs) {
+  const auto fewest = static_cast<int>(*std::min_element(peers_.begin(), peers_.end()));
+  if (t.watch && (*t.watch < 0 || *t.watch >= fewest))
+    throw UserError("--watch: '" + std::to_string(*t.watch) + "' is not allowed; give 0 to " +
+                    std::to_string(fewest - 1));
+  if (t.watch) watched_ = static_cast<PeerId>(*t.watch);
   bodies_ = {std::nullopt};
   if (!t.bodies.empty()) {
     bodies_.clear();
@@ -97,7 +102,7 @@ Point Grid::point(std::size_t index) const {
   p.peers = static_cast<int>(pick(peers_));
   p.bodies = pick(bodies_);
   p.scenario = pick(scenarios_);
-  p.technique = technique_by_name(p.technique_name);
+  p.technique = support::technique_of(p.technique_name);
   for (std::size_t k = 0; k < knobs_.size(); ++k) support::knobs()[knobs_[k]].set(p.technique, p.knobs[k]);
   p.netem = support::parse_netem_flag("--netem", netem_text(p.delay_ms, p.jitter_ms, p.loss_percent, netem_), nullptr);
   return p;
@@ -105,7 +110,7 @@ Point Grid::point(std::size_t index) const {
 
 void Grid::check_techniques() const {
   for (const std::string& name : techniques_) {
-    Technique t = technique_by_name(name);
+    Technique t = support::technique_of(name);
     for (std::size_t k = 0; k < knobs_.size(); ++k)
       for (const std::string& value : knob_values_[k]) support::knobs()[knobs_[k]].set(t, value);
   }
@@ -135,6 +140,7 @@ void Grid::check_sessions() const {
       check_room(scenarios::load(scenarios::with_bodies(s.text, flag, *bodies), flag, seeds_.front()),
                  " with " + count);
     }
+    support::tell_of_paths("padr-lab", inputs_, s.scene);
     for (int p = 0; p < most; ++p)
       support::load_input(inputs_[static_cast<std::size_t>(p) % inputs_.size()], s.scene, p, seeds_.front());
   }
@@ -163,13 +169,14 @@ std::string Grid::identify() const {
   numbers(jitter_ms_);
   numbers(loss_percent_);
   h.add(std::string_view(netem_));
-  for (const std::string& name : techniques_) h.add(std::string_view(describe(technique_by_name(name))));
+  for (const std::string& name : techniques_) h.add(std::string_view(describe(support::technique_of(name))));
   for (std::size_t k = 0; k < knobs_.size(); ++k) {
     h.add(std::string_view(knob_columns_[k]));
     for (const std::string& v : knob_values_[k]) h.add(std::string_view(v));
   }
   list(seeds_);
   numbers({seconds_, settle_seconds_});
+  if (watched_) h.add(std::uint64_t{*watched_} + 1);
   for (const std::string& input : inputs_) {
     h.add(std::string_view(input));
     if (!input.starts_with("path:")) continue;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/link/netem_spec.h"
+#include "common/model/ids.h"
 #include "common/model/technique.h"
 
 namespace padr::lab::sweep {
@@ -26,6 +27,7 @@ struct GridText {
   double seconds = 60;
   double settle_seconds = 0;
   std::vector<std::string> inputs;  ///< dealt round to the peers; no list
+  std::optional<int> watch;         ///< only what this peer sees counts, and only while there is input
 };
 
 /// One run of a grid.
@@ -36,7 +38,7 @@ struct Point {
   double delay_ms = 0;
   double jitter_ms = 0;
   double loss_percent = 0;
-  std::string technique_name;
+  std::string technique_name;      ///< as given, with the knobs that came with it
   std::vector<std::string> knobs;  ///< values of the knobs that are in the grid
   std::uint64_t seed = 0;
   Technique technique;  ///< with its knobs set
@@ -57,6 +59,7 @@ class Grid {
   double seconds() const { return seconds_; }
   double settle_seconds() const { return settle_seconds_; }
   const std::vector<std::string>& inputs() const { return inputs_; }
+  std::optional<PeerId> watched() const { return watched_; }
   /// Eight hexadecimal digits that two grids have in common only if all their runs are the same: of the lists, the
   /// texts of scenarios and paths, the program's revision and this machine's physics.
   const std::string& id() const { return id_; }
@@ -79,6 +82,7 @@ class Grid {
   double seconds_;
   double settle_seconds_;
   std::vector<std::string> inputs_;
+  std::optional<PeerId> watched_;
   std::size_t size_ = 0;
   std::string id_;
 };

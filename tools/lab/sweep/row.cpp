@@ -16,7 +16,9 @@ namespace {
 
 constexpr const char* kOutcome =
     "mean_m,avatar_mean_m,body_mean_m,p95_m,p99_m,peak_m,final_m,area_ms,shown_mean_m,shown_peak_m,updates_per_s,"
-    "datagrams_per_s,wire_kbps,repeats_per_s,replay_steps_per_tick,lookahead_steps_per_tick,confirmed_ticks,"
+    "datagrams_per_s,wire_kbps,repeats_per_s,replay_steps_per_tick,lookahead_steps_per_tick,"
+    "fidelity_mean_m,fidelity_own_mean_m,fidelity_others_mean_m,fidelity_nobody_mean_m,fidelity_p95_m,fidelity_peak_m,"
+    "fidelity_left_out,confirmed_ticks,"
     "confirmed_mismatches,confirmed_hash,setting";
 
 Scene scene_of(const Point& p) {
@@ -34,13 +36,34 @@ std::string field(const std::string& text) {
   return quoted + "\"";
 }
 
-std::string outcome(const Simulation& s, const Technique& technique) {
-  const trace::Inconsistency i = s.meter().overall();
+std::string outcome(const Simulation& s, const Technique& technique, std::optional<PeerId> watched) {
+  const trace::Inconsistency i = watched ? trace::summarize(s.seen_with_input(*watched)) : s.meter().overall();
   const Rates r = rates_of(s, 0, s.peers());
+  const trace::Fidelity f = watched ? s.fidelity()->result(*watched) : s.fidelity()->overall();
   std::string text;
-  for (const double v :
-       {i.mean_m, i.avatar_mean_m, i.body_mean_m, i.p95_m, i.p99_m, i.peak_m, i.final_m, i.area_ms, i.shown_mean_m,
-        i.shown_peak_m, r.updates, r.datagrams, r.kbps, r.repeats, r.replay_steps_per_tick, r.lookahead_steps_per_tick})
+  for (const double v : {i.mean_m,
+                         i.avatar_mean_m,
+                         i.body_mean_m,
+                         i.p95_m,
+                         i.p99_m,
+                         i.peak_m,
+                         i.final_m,
+                         i.area_ms,
+                         i.shown_mean_m,
+                         i.shown_peak_m,
+                         r.updates,
+                         r.datagrams,
+                         r.kbps,
+                         r.repeats,
+                         r.replay_steps_per_tick,
+                         r.lookahead_steps_per_tick,
+                         f.mean_m,
+                         f.own_mean_m,
+                         f.others_mean_m,
+                         f.nobody_mean_m,
+                         f.p95_m,
+                         f.peak_m,
+                         s.fidelity()->left_out()})
     text += plot::number(v) + ",";
   std::array<char, 20> hash{};
   std::snprintf(hash.data(), hash.size(), "%016llx", static_cast<unsigned long long>(s.last_confirmed_hash()));
@@ -68,6 +91,7 @@ Row run_point(const Grid& grid, std::size_t index) {
   config.netem_seed = p.seed;
   config.ticks = static_cast<Tick>(std::lround(grid.seconds() * kTicksPerSecond));
   config.settle_ticks = static_cast<Tick>(std::lround(grid.settle_seconds() * kTicksPerSecond));
+  config.fidelity = true;
   std::vector<std::unique_ptr<scenarios::InputSource>> inputs;
   for (int peer = 0; peer < p.peers; ++peer) {
     const std::string& spec = grid.inputs()[static_cast<std::size_t>(peer) % grid.inputs().size()];
@@ -80,9 +104,9 @@ Row run_point(const Grid& grid, std::size_t index) {
   std::string text = grid.id() + "," + std::to_string(index) + "," + std::to_string(grid.size()) + "," +
                      field(p.scenario) + "," + std::to_string(bodies) + "," + std::to_string(p.peers) + "," +
                      plain(p.delay_ms) + "," + plain(p.jitter_ms) + "," + plain(p.loss_percent) + "," +
-                     p.technique_name + ",";
+                     field(p.technique_name) + ",";
   for (const std::string& k : p.knobs) text += field(k) + ",";
-  text += std::to_string(p.seed) + "," + plain(grid.seconds()) + "," + outcome(simulation, p.technique);
+  text += std::to_string(p.seed) + "," + plain(grid.seconds()) + "," + outcome(simulation, p.technique, grid.watched());
   return {std::move(text), simulation.confirmed_mismatches() == 0};
 }
 

@@ -37,12 +37,21 @@ const PLOTS = [
   },
   {
     title: "One-way delay of each link",
-    help: "milliseconds, as the receiver measures it",
+    help: "milliseconds, median of the latest datagrams, as the receiver measures it",
     unit: " ms", digits: 0,
     lines: linkLines,
     values: (p, lines) => lines.map((l) => delay(p.peers.get(l.slot)?.delay_ms, l.to)),
   },
 ];
+
+// Of recordings only: live peers do not tell every tick with its input.
+const OF_RECORDINGS = {
+  title: "Fidelity error of each peer's view",
+  help: "how far bodies are from where the players' deeds alone put them, all bodies summed, metres",
+  unit: " m", digits: 2,
+  lines: (h) => h.slots.map(peerLine),
+  values: (p, lines) => lines.map((l) => p.peers.get(l.slot)?.fidelity_m ?? null),
+};
 
 function peerLine(slot) {
   return { name: `peer ${slot}`, slot, colour: hue(slot), dash: DASHES[patternName(slot)] };
@@ -67,6 +76,7 @@ export class Plots {
   constructor(folder, session, theme, events) {
     // Values are read off below the plots; the legend of dygraphs needs styles that the page's policy forbids.
     Dygraph.PLUGINS = Dygraph.PLUGINS.filter((plugin) => plugin !== Dygraph.Plugins.Legend);
+    this.folder = folder;
     this.session = session;
     this.theme = theme;
     this.events = events;
@@ -83,6 +93,8 @@ export class Plots {
   begin() {
     this.history.clear();
     this.selected = null;
+    if (this.session.replayed() && this.charts.every((chart) => chart.plot !== OF_RECORDINGS))
+      this.charts.push(new Chart(OF_RECORDINGS, this.folder, this));
   }
 
   add(series) {

@@ -16,6 +16,7 @@ const COLUMNS = [
   },
   { head: "it trails by", title: "How far the confirmed world is behind the live one", cell: (p) => number(p.confirmed.lag_ms, 0, " ms") },
   { head: "off by", title: "Inconsistency: distance to where the authority has it, all entities summed", cell: (p, point) => number(point?.combined_m, 2, " m") },
+  { head: "deeds off by", title: "Fidelity error: distance of bodies to where the players' deeds alone put them, all summed; of recordings only", cell: (p, point) => number(point?.fidelity_m, 2, " m") },
   { head: "updates", title: "Entity state updates sent", cell: (p) => number(sum(p.rates?.updates_per_s), 1, " /s") },
   { head: "traffic", title: "Sent, with IP and UDP headers", cell: (p) => number(p.rates?.kbit_per_s, 1, " kbit/s") },
   { head: "replayed", title: "Steps played again because something came late, for each tick", cell: (p) => number(p.rates?.replayed_per_tick, 1, " /tick") },
@@ -58,7 +59,7 @@ export class Tables {
   }
 
   updateLinks(peers) {
-    const head = [{ text: "from \\ to", title: "One-way delay, loss, and the impairment that the sender puts on the link" }, ...peers.map((p) => ({ text: `peer ${p.slot}` }))];
+    const head = [{ text: "from \\ to", title: "One-way delay (median and 95th percentile of the latest datagrams), loss of the latest ones, and the impairment that the sender puts on the link" }, ...peers.map((p) => ({ text: `peer ${p.slot}` }))];
     this.links.show(head, peers.map((from) => ({
       state: from.state,
       cells: [{ text: `peer ${from.slot}`, paint: (td) => dot(td, from.slot) }, ...peers.map((to) => linkCell(from, to))],
@@ -78,10 +79,16 @@ function linkCell(from, to) {
   const link = from.links.find((l) => l.to === to.slot);
   if (!link) return { text: "–" };
   if (link.cut) return { text: "✂ cut", paint: (td) => { td.dataset.cut = "yes"; } };
-  const parts = [number(link.delay_ms, 0, " ms")];
-  if (link.loss_percent > 0) parts.push(number(link.loss_percent, 0, " % lost"));
+  const parts = [`${number(link.delay_ms, 0, " ms")}, p95 ${number(link.delay_p95_ms, 0, " ms")}`];
+  if (link.loss_percent > 0) parts.push(`${number(link.loss_percent, 1, " %")} of ${link.loss_of} lost`);
   const netem = link.netem ? ` [${link.netem}]` : "";
-  return { text: parts.join(", "), title: `netem: ${link.netem || "none"}`, paint: (td) => { td.dataset.netem = netem; delete td.dataset.cut; } };
+  return { text: parts.join(", "), title: linkTitle(link), paint: (td) => { td.dataset.netem = netem; delete td.dataset.cut; } };
+}
+
+function linkTitle(link) {
+  const delay = `one-way delay: median ${number(link.delay_ms, 1, " ms")}, 95th percentile ${number(link.delay_p95_ms, 1, " ms")}, least ${number(link.delay_least_ms, 1, " ms")}`;
+  const lost = link.judged > 0 ? `lost since the link began: ${link.lost} of ${link.judged}, ${number(100 * link.lost / link.judged, 2, " %")}` : "lost: not known yet";
+  return `${delay}\n${lost}\nnetem: ${link.netem || "none"}`;
 }
 
 // What the network says twice or late is nobody's fault.

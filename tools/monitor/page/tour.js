@@ -1,9 +1,13 @@
-// The tour: six steps that set the knobs, say what to look for, and leave everything as it was found.
+// The tour: nine steps that set the knobs, say what to look for, and leave everything as it was found.
 
 import { together } from "./knobs.js";
 
 const FAST = "delay 20ms 3ms";
 const SLOW = "delay 200ms 40ms loss 5%";
+const WITHOUT = "avatar-only"; // the technique without authority: a session keeps to it, or to the others
+const THINGS = { ball: "the ball", dominoes: "the first domino", van: "the van" }; // what the paths of the scenes stop short of
+
+const CLAIMS_NOTHING = "This session is without authority, so nobody claims anything: things stay grey. A session with it: tools/demo.sh --scene proxy.";
 
 // `set` gets the Orders, the session and which half; it sets all that the step needs, as steps can be gone back too.
 const STEPS = [
@@ -13,26 +17,61 @@ const STEPS = [
       + "Discs with numbers are avatars, each moved by its own program; everything else obeys physics. "
       + "The pictures should be the same. Where one is wrong, a line leads from what it shows to where the thing really is.",
     look: "Pick one thing and find it in every picture. The figure under each picture says how wrong it is, all things together.",
-    set: (o) => begin(o, FAST, "full"),
+    set: (o, s) => begin(o, s, FAST, "full"),
   },
   {
     title: "No authority",
-    text: () => "Somebody has to know where a thing is. For two seconds and a half nothing passes between the peers: each plays on by itself, and nobody's word counts for the others. (A whole session without authority: tools/demo.sh --technique avatar-only.)",
+    text: () => "Somebody has to know where a thing is. For two seconds and a half nothing passes between the peers: each plays on by itself, and nobody's word counts for the others. (A whole session without authority: tools/demo.sh --scene stop-short.)",
     look: "Avatars walk on in straight lines or stand in the others' pictures, and what they push moves in one picture only. Lines grow, and the inconsistency plot climbs. Press “Again” to see it once more.",
-    set: (o, s) => [...begin(o, FAST, "fixed"), ...everybody(s).map((slot) => o.cut(slot, "all", 2.5))],
+    set: (o, s) => [...begin(o, s, FAST, "fixed"), ...everybody(s).map((slot) => o.cut(slot, "all", 2.5))],
     again: true,
   },
   {
     title: "Dynamic authority",
-    text: () => "Now who touches a thing decides about it, at once and without asking: it takes that avatar's colour, in every picture. Grey things are nobody's; they lie still or move by physics alone, the same everywhere.",
+    text: (s) => without(s) ? CLAIMS_NOTHING : "Now who touches a thing decides about it, at once and without asking: it takes that avatar's colour, in every picture. Grey things are nobody's; they lie still or move by physics alone, the same everywhere.",
     look: "Drive an avatar into some things (click a picture, then WASD or the arrow keys). They take its colour, and go grey again once they rest.",
-    set: (o) => begin(o, FAST, "full"),
+    set: (o, s) => begin(o, s, FAST, "full"),
   },
   {
     title: "The threshold",
     text: () => "An avatar is not told at every step: the others go on by what they know, and are told again when that is wrong by more than the threshold, the dashed circle. It is 1.5 m for half of the peers now, and 0.1 m for the others.",
     look: "Wide circles: avatars jump or slide in the other pictures, few updates. Narrow ones: smooth, more updates (table, “updates”). With the adaptive technique the circle shrinks by itself, with a red “!”, when a contact is coming.",
-    set: (o, s) => [...begin(o, FAST, "fixed"), ...everybody(s).map((slot, i) => o.knob(slot, "threshold", i % 2 ? "0.1" : "1.5"))],
+    set: (o, s) => [...begin(o, s, FAST, "fixed"), ...everybody(s).map((slot, i) => o.knob(slot, "threshold", i % 2 ? "0.1" : "1.5"))],
+  },
+  {
+    title: "Stopping short",
+    text: (s) => `${runner(s)} stops just short of it. Only its own picture knows that at once. In the others its model runs on until it is wrong by 0.8 m. `
+      + (without(s)
+        ? "Nobody has authority here, so the model pushes what it meets: in these pictures moves what nobody has touched, and nothing puts that right."
+        : "The model runs into the thing and moves nothing: it may touch a thing only once its owner has told of a contact. (Without authority it does: tools/demo.sh --scene stop-short.)"),
+    look: (half, s) => (without(s)
+      ? "Compare peer 0's picture with the others: lines lead from what they show to where things really are."
+      : "In the other pictures the avatar's line grows to 0.8 m and is gone. No thing gets a line."),
+    set: (o, s) => [...begin(o, s, FAST, "fixed"), o.knob("all", "threshold", "0.8")],
+  },
+  {
+    title: "What a predictor sees",
+    text: (s, half) => (half === 0
+      ? `The threshold is 0.8 m, and 0.3 m while a contact is predicted. Look-ahead predicts now: it plays on from where the avatar truly is. ${runner(s)} stops in time, so there is no contact: look-ahead is blind to a stop short.`
+      : "Now PCC predicts. It plays on twice, from where the avatar is and from where its model is, and compares what becomes of things. The model would hit what the avatar does not: the threshold is 0.3 m in time, and the model is put right before it gets there."),
+    look: (half) => (half === 0
+      ? "The dashed circle stays wide while the avatar runs at the thing and stops. Then press “PCC”."
+      : "A red “!”, and the circle shrinks before the avatar has stopped."),
+    set: (o, s, half) => [...begin(o, s, FAST, "adaptive"), o.knob("all", "threshold", "0.8:0.3"), o.knob("all", "predictor", half === 0 ? "lookahead" : "pcc")],
+    halves: ["Look-ahead", "PCC"],
+  },
+  {
+    title: "The chain by proxy",
+    text: (s, half) => (without(s)
+      ? CLAIMS_NOTHING
+      : half === 0
+        ? "An avatar touches A, A touches B, B touches C. Its owner decides about all three: it claims them, tells them, and tells them again, exactly, when the chain breaks."
+        : "Now only what the avatar itself touches is claimed and told. B and C are nobody's: in the other pictures they go where the avatar's model, not the avatar, has sent them."),
+    look: (half) => (half === 0
+      ? "Drive an avatar into a thing so that it pushes another (tools/demo.sh --scene proxy has three in a row): all take the avatar's colour."
+      : "Push some things again: only the first takes the avatar's colour, and lines lead from the others."),
+    set: (o, s, half) => [...begin(o, s, FAST, "adaptive"), o.knob("all", "proxy-update", half === 0 ? "on" : "off")],
+    halves: ["With proxy updates", "Without"],
   },
   {
     title: "Latency, without and with replay",
@@ -42,20 +81,32 @@ const STEPS = [
     look: (half) => (half === 0
       ? "Things end up in different places, and stay there: inconsistency does not go back to zero when all rests. Then press “With replay”."
       : "Within a second the lines at things are gone; what is left are avatars that changed their minds less than 200 ms ago. Confirmed worlds: identical."),
-    set: (o, s, half) => begin(o, SLOW, half === 0 ? "adaptive" : "full"),
+    set: (o, s, half) => begin(o, s, SLOW, half === 0 ? "adaptive" : "full"),
     halves: ["Without replay", "With replay"],
   },
   {
     title: "A partition",
     text: (s) => `Peer ${last(s)} is cut off from all others for 5 s. After three seconds the others give it up: its avatar goes, and its things are free. When the network is whole again it comes back by itself, as a new life.`,
     look: "Its picture goes its own way, then jumps to the others' world. See the events beside the plots, and in the table that confirmed worlds are identical again.",
-    set: (o, s) => [...begin(o, FAST, "full"), o.cut(last(s), "all", 5)],
+    set: (o, s) => [...begin(o, s, FAST, "full"), o.cut(last(s), "all", 5)],
     again: true,
   },
 ];
 
-function begin(orders, network, technique) {
-  return [orders.netem("all", "all", network), orders.knob("all", "technique", technique)];
+function begin(orders, session, network, technique) {
+  return [orders.netem("all", "all", network), orders.knob("all", "technique", without(session) ? WITHOUT : technique)];
+}
+
+function without(session) {
+  return session.present().some((p) => p.technique === WITHOUT);
+}
+
+/** Who stops short: in a scene an avatar on a path, elsewhere whoever is driven. */
+function runner(session) {
+  const thing = THINGS[session.scene?.name];
+  const onPath = session.present().find((p) => p.input.startsWith("path:"));
+  if (thing && onPath) return `Time after time avatar ${onPath.slot} runs at ${thing}. It`;
+  return "Drive an avatar (click a picture, then WASD or the arrow keys) straight at a thing, and let go just before. It";
 }
 
 function everybody(session) {
@@ -109,7 +160,7 @@ export class Tour {
     write("count", `Step ${this.step + 1} of ${STEPS.length}`);
     write("title", step.title);
     write("text", step.text(this.session, this.half));
-    write("look", typeof step.look === "function" ? step.look(this.half) : step.look);
+    write("look", typeof step.look === "function" ? step.look(this.half, this.session) : step.look);
     write("next", this.step === STEPS.length - 1 ? "End, and restore" : "Next");
     this.panel.querySelector(".back").disabled = this.step === 0;
     this.panel.querySelector(".end").hidden = this.step === STEPS.length - 1;

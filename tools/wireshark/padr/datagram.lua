@@ -6,7 +6,7 @@ local updates = require("padr.updates")
 local datagram = {}
 
 datagram.MAGIC = 0x5064
-datagram.VERSION = 6
+datagram.VERSION = 7
 datagram.KINDS = { [0] = "state", "session", "membership" }
 datagram.HEADER, datagram.TAG = 6, 4
 datagram.SHORTEST, datagram.LONGEST = 10, 1200
@@ -123,6 +123,7 @@ local CHECKS = {
     local least, most = m.running.v and 0 or 1, m.running.v and m.slots.v or m.wanted.v
     require_that(m.peer.v >= least and m.peer.v < most, "a number that is none")
     require_that(m.running.v == (m.incarnation.v > 0), "an incarnation of the wrong sort")
+    require_that(m.running.v == (m.cookie.v ~= ("\0"):rep(8)), "a cookie of the wrong sort")
   end,
   join = function(m)
     require_that(m.nonce.v ~= ("\0"):rep(8), "a join without a nonce")
@@ -173,10 +174,11 @@ local function decode_session(data, at, stop)
   return { name = name, spec = spec, message = message }
 end
 
-local function check_seats(seats)
-  require_that(#seats >= 1 and #seats <= 64, "nobody, or too many")
+local function check_seats(seats, most)
+  require_that(#seats >= 1 and #seats <= most, "nobody, or too many")
   for _, seat in ipairs(seats) do require_that(seat.slot.v < 64, "a slot that is none") end
   updates.require_ascending(seats, function(seat) return seat.slot.v end, "seats")
+  for _, seat in ipairs(seats) do require_that(seat.heard.v <= 0x3FFF, "heard too long ago") end
 end
 
 local function decode_fetched(message)
@@ -192,11 +194,13 @@ local function decode_membership(data, at, stop)
   local name, spec, m = protobuf.one_of(data, at, stop, schema.membership)
   require_that(not m.nonce or m.nonce.v ~= ("\0"):rep(8), "no nonce")
   require_that(not m.slot or m.slot.v < 64, "a slot that is none")
-  if m.lost then check_seats(m.lost) end
-  if m.members then check_seats(m.members) end
+  if m.lost then check_seats(m.lost, 62) end
+  if m.members then check_seats(m.members, 64) end
+  if name == "answer" then require_that(m.tick.v <= 0x7FFFFFFF, "a tick that is none") end
   local out = { name = name, spec = spec, message = m }
   if name == "pull" then
     require_that(m.from.v < 2048, "from beyond the last piece")
+    require_that(m.cookie.v ~= ("\0"):rep(8), "no cookie")
   elseif name == "piece" then
     require_that(m.index.v < m.count.v and m.count.v <= 2048, "a piece that is none")
     require_that(#m.bytes.v >= 1 and #m.bytes.v <= 1150, "a piece of another size")

@@ -42,7 +42,7 @@ schema.session = {
     "welcome",
     one = {
       { "nonce", "fixed64" }, { "peer", "uint32" }, { "slots", "uint32" }, { "wanted", "uint32" }, { "running", "bool" },
-      { "incarnation", "uint32" },
+      { "incarnation", "uint32" }, { "cookie", "fixed64" },
     },
   },
   { "redirect", one = { { "nonce", "fixed64" }, { "address", "bytes" }, { "port", "uint32" } } },
@@ -68,16 +68,19 @@ schema.session = {
   },
 }
 
-local seat = { { "slot", "uint32" }, { "incarnation", "uint32" }, { "have", "uint32" } }
+local seat = { { "slot", "uint32" }, { "incarnation", "uint32" }, { "have", "uint32" }, { "heard", "uint32" } }
 local told = {
   [2] = { "mark_tick", "uint32" }, [3] = { "mark_count", "uint32" }, [9] = { "updates", many = schema.update },
 }
 schema.membership = {
-  { "pull", one = { { "nonce", "fixed64" }, { "from", "uint32" }, { "wanted", "fixed64" } } },
+  {
+    "pull",
+    one = { { "nonce", "fixed64" }, { "from", "uint32" }, { "wanted", "fixed64" }, { "cookie", "fixed64" } },
+  },
   { "piece", one = { { "nonce", "fixed64" }, { "index", "uint32" }, { "count", "uint32" }, { "bytes", "bytes" } } },
   { "enter", one = { { "nonce", "fixed64" } } },
-  { "poll", one = { { "lost", many = seat } } },
-  { "answer", one = { { "lost", many = seat } } },
+  { "poll", one = { { "lost", many = seat }, { "freeze", "bool" } } },
+  { "answer", one = { { "lost", many = seat }, { "frozen", "bool" }, { "tick", "uint32" } } },
   { "fetch", one = { { "slot", "uint32" }, { "incarnation", "uint32" }, { "from", "uint32" } } },
   { "fetched", one = { { "slot", "uint32" }, { "incarnation", "uint32" }, { "state", one = told } } },
   {

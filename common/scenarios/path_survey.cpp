@@ -1,0 +1,110 @@
+#include "common/scenarios/path_survey.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/model/user_error.h"
+#include "common/scenarios/numbers.h"
+
+namespace padr::scenarios {
+namespace {
+
+// An avatar that is drawn this much slower than it could go is hardly drawn at all.
+constexpr double kIdle = 0.01;
+
+bool inside(Vec2 p, const Scene& s) {
+  return p.x >= s.lower.x && p.x <= s.upper.x && p.y >= s.lower.y && p.y <= s.upper.y;
+}
+
+/// To three digits, large numbers in full.
+std::string measure(double v) {
+  return std::abs(v) >= 100 ? number_text(std::round(v)) : rough_text(v);
+}
+
+std::string range(float low, float high) {
+  return measure(static_cast<double>(low)) + " .. " + measure(static_cast<double>(high));
+}
+
+std::string box(Vec2 low, Vec2 high) {
+  return "x " + range(low.x, high.x) + " m, y " + range(low.y, high.y) + " m";
+}
+
+std::string share(std::size_t part, std::size_t whole) {
+  return std::to_string(part) + " of its " + std::to_string(whole) + " points";
+}
+
+}  // namespace
+
+PathSurvey survey_path(const Path& path, const Scene& scene) {
+  const std::vector<PathPoint>& points = path.points();
+  PathSurvey s;
+  s.points = points.size();
+  s.seconds = path.duration();
+  s.lower = s.upper = points.front().position;
+  const double span = std::min(1.0, path.duration());
+  for (const PathPoint& p : points) {
+    s.lower = {std::min(s.lower.x, p.position.x), std::min(s.lower.y, p.position.y)};
+    s.upper = {std::max(s.upper.x, p.position.x), std::max(s.upper.y, p.position.y)};
+    if (!inside(p.position, scene)) ++s.outside;
+    const double since = p.seconds - points.front().seconds;
+    if (since + span > path.duration()) continue;
+    const double speed = static_cast<double>(distance(p.position, path.at(since + span, false))) / span;
+    s.fastest = std::max(s.fastest, speed);
+    if (speed > static_cast<double>(scene.avatar.max_speed)) ++s.too_fast;
+  }
+  return s;
+}
+
+PathNotes notes_on_path(const Path& path, std::string_view label, const Scene& scene) {
+  const PathSurvey s = survey_path(path, scene);
+  const auto most = static_cast<double>(scene.avatar.max_speed);
+  const std::string name = "path " + std::string(label);
+  PathNotes notes;
+  notes.summary = name + ": " + std::to_string(s.points) + " points in " + measure(s.seconds) + " s, " +
+                  box(s.lower, s.upper) + ", up to " + measure(s.fastest) +
+                  " m/s; the world: " + box(scene.lower, scene.upper) + ", avatars make up to " + measure(most) +
+                  " m/s";
+  const std::string hint = "; padr-lab path fits paths in pixels and milliseconds to a scenario";
+  if (s.outside > 0)
+    notes.warnings.push_back(name + ": " + share(s.outside, s.points) + " are outside the world (" +
+                             box(scene.lower, scene.upper) + ")" + hint);
+  if (s.too_fast > 0)
+    notes.warnings.push_back(name + ": after " + share(s.too_fast, s.points) +
+                             " it asks for more than an avatar can do: up to " + measure(s.fastest) + " m/s of " +
+                             measure(most) + " m/s" + hint);
+  if (s.fastest < kIdle * most)
+    notes.warnings.push_back(name + ": it hardly moves, at most " + measure(s.fastest) +
+                             " m/s; are its times milliseconds?" + hint);
+  return notes;
+}
+
+Path fit_path(const Path& path, std::string_view label, const Scene& scene, bool turned) {
+  std::vector<PathPoint> points = path.points();
+  if (turned)
+    for (PathPoint& p : points) p.position.y = -p.position.y;
+  const double begin = points.front().seconds;
+  const PathSurvey s = survey_path(Path(points), scene);
+  const auto side = [](float low, float high) { return static_cast<double>(high) - static_cast<double>(low); };
+  const double width = side(s.lower.x, s.upper.x);
+  const double height = side(s.lower.y, s.upper.y);
+  if (width == 0 && height == 0)
+    throw UserError(std::string(label) + ": all points are in one place, allowed: a path that moves");
+  const double margin = 2 * static_cast<double>(scene.avatar.radius);
+  const double room_x = std::max(side(scene.lower.x, scene.upper.x) - margin, 0.0);
+  const double room_y = std::max(side(scene.lower.y, scene.upper.y) - margin, 0.0);
+  double scale = width > 0 ? room_x / width : room_y / height;
+  if (height > 0) scale = std::min(scale, room_y / height);
+  const auto fitted = [scale](float v, float low, float high, float world_low, float world_high) {
+    const double middle = (static_cast<double>(low) + static_cast<double>(high)) / 2;
+    const double world = (static_cast<double>(world_low) + static_cast<double>(world_high)) / 2;
+    return static_cast<float>(world + (static_cast<double>(v) - middle) * scale);
+  };
+  for (PathPoint& p : points) {
+    p.seconds -= begin;
+    p.position = {fitted(p.position.x, s.lower.x, s.upper.x, scene.lower.x, scene.upper.x),
+                  fitted(p.position.y, s.lower.y, s.upper.y, scene.lower.y, scene.upper.y)};
+  }
+  return Path(std::move(points));
+}
+
+}  // namespace padr::scenarios

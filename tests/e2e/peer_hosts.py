@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""End to end on three machines, as network namespaces behind a switch of their own.
+
+Nothing of the machine that runs the test is changed: the switch is a bridge in a namespace, so no frame passes the
+machine's own firewall, and all goes with the namespaces. Skipped where they are not permitted.
+
+Usage: peer_hosts.py PATH_TO_PADR_PEER [unittest arguments]
+"""
+
+import ctypes
+import os
+import shutil
+import subprocess
+import sys
+
+from peers import Case, main
+
+SKIPPED = 77  # ctest's SKIP_RETURN_CODE
+CLONE_NEWNET = 0x40000000
+PREFIX = f"padr{os.getpid()}"
+LIBC = ctypes.CDLL(None, use_errno=True)
+
+
+def ip(*words):
+    subprocess.run(["ip", *words], check=True, capture_output=True, text=True)
+
+
+class Machines:
+    """Namespaces 1 .. n with the addresses 10.99.0.1 .. n, and namespace 0 with the switch between them."""
+
+    def __init__(self, n):
+        self.names = [f"{PREFIX}h{i}" for i in range(n + 1)]
+        try:
+            for name in self.names:
+                ip("netns", "add", name)
+                ip("-n", name, "link", "set", "lo", "up")
+            ip("-n", self.names[0], "link", "add", "switch", "type", "bridge")
+            ip("-n", self.names[0], "link", "set", "switch", "up")
+            for i in range(1, n + 1):
+                self.plug(i)
+        except BaseException:
+            self.remove()
+            raise
+
+    def plug(self, i):
+        switch, name = self.names[0], self.names[i]
+        ip("-n", switch, "link", "add", f"port{i}", "type", "veth", "peer", "name", "eth0", "netns", name)
+        ip("-n", switch, "link", "set", f"port{i}", "master", "switch", "up")
+        ip("-n", name, "addr", "add", f"10.99.0.{i}/24", "dev", "eth0")
+        ip("-n", name, "link", "set", "eth0", "up")
+
+    def enter(self, i):
+        """For a child process, before it becomes another program."""
+        path = f"/run/netns/{self.names[i]}"
+
+        def setns():
+            fd = os.open(path, os.O_RDONLY)
+            if LIBC.setns(fd, CLONE_NEWNET) != 0:
+                raise OSError(ctypes.get_errno(), "setns")
+            os.close(fd)
+
+        return setns
+
+    def remove(self):
+        for name in self.names:
+            subprocess.run(["ip", "netns", "del", name], check=False, capture_output=True)
+
+
+class ThreeMachines(Case):
+    def setUp(self):
+        super().setUp()
+        self.machines = Machines(3)
+
+    def tearDown(self):
+        super().tearDown()
+        self.machines.remove()
+
+    def on(self, machine, *arguments):
+        return self.peer("--listen", "0.0.0.0:0", "--insecure", *arguments, preexec_fn=self.machines.enter(machine))
+
+    def test_two_peers_of_one_machine_that_met_on_its_loopback_address(self):
+        founder = self.on(1, "--wait-peers", 2, "--duration", 3, "--linger", 0.5)
+        elsewhere = self.on(2, "--join", f"10.99.0.1:{founder.port()}", "--duration", 9)
+        elsewhere.wait_for("peers starts in")
+        beside = self.on(1, "--join", f"127.0.0.1:{founder.port()}", "--duration", 9)
+        beside.wait_for("in as peer 2")
+        self.assertEqual(founder.end(), 0)
+        # Whom it looks for at a wrong address it never hears, and takes for lost.
+        newcomer = self.on(3, "--join", f"10.99.0.2:{elsewhere.port()}", "--duration", 4)
+        newcomer.wait_for(f"peer 2 is at 10.99.0.1:{beside.port()}$")
+        self.assertEqual([p.end() for p in (newcomer, elsewhere, beside)], [0, 0, 0])
+        for p in self.peers:
+            self.assertNotRegex(p.text(), "silent for|is lost|joining anew")
+        self.check_agreement([newcomer, elsewhere, beside], least_common=2)
+
+
+def why_not():
+    """Why there can be no namespaces here; empty if there can."""
+    if shutil.which("ip") is None:
+        return "there is no program 'ip' (Debian: iproute2)"
+    try:
+        Machines(1).remove()
+    except subprocess.CalledProcessError as error:
+        return f"network namespaces are not permitted: '{' '.join(error.cmd)}' says {error.stderr.strip()!r}"
+    return ""
+
+
+if __name__ == "__main__":
+    reason = why_not()
+    if reason:
+        print(f"skipped: {reason}; as root it runs", file=sys.stderr)
+        sys.exit(SKIPPED)
+    main()

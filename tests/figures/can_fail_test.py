@@ -1,0 +1,41 @@
+#!/usr/bin/env python3
+"""A check that cannot fail proves nothing: tables that would come out differently, or were never made, are named.
+
+usage: can_fail_test.py FIGURES-COMMAND...
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+NAME = "convergence"
+
+
+def check(kept):
+    with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+        json.dump(kept, file)
+        file.flush()
+        done = subprocess.run([*sys.argv[1:], "--kept", file.name, "check", NAME], stdout=subprocess.PIPE, check=False)
+    return done.returncode, done.stdout.decode()
+
+
+def expect(what, holds, said):
+    if not holds:
+        sys.exit(f"{what}; it said:\n{said}")
+
+
+with open(os.path.join(ROOT, "docs", "figures.json"), encoding="utf-8") as file:
+    kept = json.load(file)
+status, said = check(kept)
+expect("what is fresh must pass", status == 0 and "0 stale" in said, said)
+kept[NAME]["short_form"] = "another"
+status, said = check(kept)
+expect("what comes out differently must be named", status == 1 and f"stale: {NAME} (docs/lab.md), made at" in said, said)
+del kept[NAME]
+status, said = check(kept)
+expect("what has never been made must be named", status == 1 and f"stale: {NAME} (docs/lab.md) has never" in said, said)
+done = subprocess.run([*sys.argv[1:], "check", "no-such-table"], stderr=subprocess.PIPE, check=False)
+expect("an unknown name is a wrong argument", done.returncode == 2, done.stderr.decode())

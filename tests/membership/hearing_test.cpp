@@ -1,0 +1,115 @@
+// Links that fail while their ends are well: who is heard by somebody is not declared gone.
+#include "tests/membership/party.h"
+#include "tests/seed.h"
+
+namespace padr::test {
+namespace {
+
+/// Which ways between two persons are cut.
+struct Cut {
+  std::string name;
+  int a;
+  int b;
+  bool there;
+  bool back;
+};
+
+void PrintTo(const Cut& c, std::ostream* out) {
+  *out << c.name;
+}
+
+class Hearing : public testing::TestWithParam<Cut> {};
+
+// The two go on by what the others have of them. Persons sit in the slots of their numbers.
+TEST_P(Hearing, WhoSomebodyHearsStays) {
+  const Cut& c = GetParam();
+  Party party(4, "delay 50ms 10ms loss 1%", 81);
+  party.run(6);
+  for (int p = 0; p < 4; ++p) ASSERT_EQ(party.node(p).self(), p);
+  party.net().cut(c.a, c.b, c.there);
+  party.net().cut(c.b, c.a, c.back);
+  Tick worst = 0;
+  for (int s = 0; s < 25; ++s) {
+    party.run(1);
+    for (int p = 0; p < 4; ++p) worst = std::max(worst, party.lag(p));
+  }
+  EXPECT_TRUE(party.united()) << party.story();
+  for (int p = 0; p < 4; ++p) EXPECT_EQ(party.net().peer(p).life(), 0) << party.story();
+  EXPECT_LT(worst, 240) << "confirmed goes on, in steps";
+  party.net().cut(c.a, c.b, false);
+  party.net().cut(c.b, c.a, false);
+  party.run(3);
+  for (int p = 0; p < 4; ++p) EXPECT_LT(party.lag(p), 60) << p;
+  EXPECT_EQ(party.judge().violation(), "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, Hearing,
+                         testing::Values(Cut{"coordinator_and_another", 0, 2, true, true},
+                                         Cut{"coordinator_and_its_heir", 0, 1, true, true},
+                                         Cut{"from_the_coordinator", 0, 2, true, false},
+                                         Cut{"to_the_coordinator", 0, 2, false, true},
+                                         Cut{"two_others", 1, 2, true, true}, Cut{"one_way", 3, 1, true, false}),
+                         [](const auto& cut) { return cut.param.name; });
+
+// What two that do not hear one another have told has to be kept until they say that they have it. So the others hold
+// them together for five minutes, and then one of them is declared gone after all.
+TEST(HearingForLong, IsNotForEver) {
+  Party party(party_config(3, "delay 30ms", 83, 4));
+  party.run(6);
+  party.net().cut(0, 2, true);
+  party.net().cut(2, 0, true);
+  party.run(295);
+  EXPECT_TRUE(party.united()) << party.story();
+  EXPECT_LT(party.lag(0), 240);
+  EXPECT_LT(party.node(2).kept().own_updates, 5U * 60U * 30U);
+  party.run(25);
+  EXPECT_FALSE(party.united());
+  EXPECT_LT(party.lag(0), 240) << "and nobody waits for it";
+  EXPECT_EQ(party.judge().violation(), "") << party.story();
+}
+
+// A peer confirms with its own updates before others have them. What nobody else has when it is declared gone is not
+// the session's: it says where the difference begins, and goes on with the others' world.
+TEST(Confirmed, OfAPeerThatIsDeclaredGoneIsTheSessionsOnlyAsFarAsSomebodyElseHasIt) {
+  std::map<int, std::map<Tick, std::uint64_t>> confirmed;  // by person, of its first life
+  Party party(party_config(4, "delay 30ms", 84), [&](lab::Gathering& g) {
+    g.on_confirmed = [&confirmed, judge = g.on_confirmed](int person, int life, const sync::FoldState& s,
+                                                          std::uint64_t hash) {
+      if (life == 0) confirmed[person][s.tick] = hash;
+      judge(person, life, s, hash);
+    };
+  });
+  party.run(6);
+  party.net().attract(Vec2{10, 7});
+  party.run(0.5);
+  const Tick together = party.node(3).agreed().confirmed().tick;
+  for (int p = 0; p < 3; ++p) party.net().cut(3, p, true);
+  party.net().attract(Vec2{3, 3});
+  party.run(2);
+  const Tick alone = party.node(3).agreed().confirmed().tick;
+  EXPECT_GT(alone, party.node(0).agreed().confirmed().tick) << "it hears the others, and they wait for it";
+  party.run(4);
+  for (int p = 0; p < 3; ++p) party.net().cut(3, p, false);
+  ASSERT_TRUE(party.run_until(6, [&] { return party.united() && party.lag(3) < 60; }).has_value()) << party.story();
+  EXPECT_EQ(party.net().peer(3).life(), 1) << party.story();
+  party.run(2);
+  EXPECT_EQ(confirmed[3].at(together), confirmed[0].at(together));
+  EXPECT_EQ(confirmed[1].at(alone), confirmed[0].at(alone));
+  EXPECT_NE(confirmed[3].at(alone), confirmed[0].at(alone)) << "nobody else had what it said";
+  EXPECT_EQ(party.judge().violation(), "");
+}
+
+// Four peers that mostly stand still, on a network that loses 3 % in bursts and nothing else.
+TEST(HearingInBursts, NobodyIsDeclaredGone) {
+  const std::uint64_t first = seed(1);
+  for (std::uint64_t s = first; s < first + 3; ++s) {
+    Party party(4, "delay 80ms 30ms distribution pareto loss gemodel 1% 30%", s);
+    party.net().attract(Vec2{10, 7});
+    party.run(120);
+    for (int p = 0; p < 4; ++p) EXPECT_EQ(party.net().peer(p).life(), 0) << "seed " << s << "\n" << party.story();
+    EXPECT_EQ(party.judge().violation(), "") << "seed " << s;
+  }
+}
+
+}  // namespace
+}  // namespace padr::test

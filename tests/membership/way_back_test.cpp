@@ -1,0 +1,76 @@
+// Whether there is a reason to join anew: a question, which may be asked at any time or never.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <memory>
+
+#include "common/node/membership.h"
+#include "tests/world/test_scene.h"
+
+namespace padr::test {
+namespace {
+
+/// Three peers beside one another, of whom the second is looked at.
+class Trio {
+ public:
+  Trio() {
+    for (PeerId p = 0; p < 3; ++p) {
+      node::NodeConfig c;
+      c.self = p;
+      c.peers = c.slots = 3;
+      nodes_[p] = std::make_unique<node::RecordedNode>(scene_, c);
+      desk_.roster.push_back(ipv4({10, 0, 0, static_cast<std::uint8_t>(p + 1)}, 7000));
+    }
+    desk_.self = 1;
+    desk_.slots = 3;
+    membership_ = std::make_unique<node::Membership>(desk_, *nodes_[1]);
+  }
+  /// The first `speaking` peers go on, and hear one another.
+  void run_to(Tick until, PeerId speaking) {
+    while (++now_ <= until) {
+      for (PeerId p = 0; p < speaking; ++p) nodes_[p]->step({});
+      membership_->advance(tick_start(now_));
+      for (PeerId p = 0; p < speaking; ++p)
+        for (const node::Outgoing& o : nodes_[p]->outgoing())
+          if (o.to < speaking) nodes_[o.to]->receive(o.bytes, tick_start(now_));
+    }
+    --now_;
+  }
+  node::Membership& membership() { return *membership_; }
+  node::SessionDesk& desk() { return desk_; }
+  Tick confirmed() const { return nodes_[1]->node().agreed().confirmed().tick; }
+
+ private:
+  Scene scene_ = busy_scene(1, 0);
+  std::array<std::unique_ptr<node::RecordedNode>, 3> nodes_;
+  node::SessionDesk desk_;
+  std::unique_ptr<node::Membership> membership_;
+  Tick now_ = 0;
+};
+
+// The first never declares the third gone, so nothing is confirmed any more.
+TEST(WayBack, WhatIsStuckIsStuckWhetherAnybodyHasAskedOrNot) {
+  Trio trio;
+  trio.run_to(120, 3);
+  trio.run_to(180, 2);
+  const Tick stuck = trio.confirmed() + 12 * kTicksPerSecond;
+  trio.run_to(stuck - 30, 2);
+  ASSERT_LT(trio.confirmed(), 180);
+  EXPECT_FALSE(trio.membership().way_back());
+  trio.run_to(stuck + 30, 2);
+  EXPECT_EQ(trio.membership().way_back(), trio.desk().roster[0]);
+
+  Trio unasked;
+  unasked.run_to(120, 3);
+  unasked.run_to(stuck + 30, 2);
+  unasked.desk().notes.clear();
+  EXPECT_EQ(unasked.membership().way_back(), unasked.desk().roster[0]);
+  EXPECT_TRUE(unasked.desk().notes.empty()) << "asking says nothing";
+  unasked.membership().announce_way_back();
+  unasked.membership().announce_way_back();
+  ASSERT_EQ(unasked.desk().notes.size(), 1U);
+  EXPECT_NE(unasked.desk().notes[0].text.find("nothing has been confirmed for 12 s"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace padr::test

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "common/trace/fidelity.h"
+#include "common/trace/pcc.h"
+#include "tools/support/json.h"
+
+namespace padr::support {
+
+/// Fields of an open object; padr-lab and padr-report give a measure the same names. docs/metrics.md defines them.
+inline void put(Json& j, const trace::Fidelity& f) {
+  j.field("fidelity_mean_m", f.mean_m).field("fidelity_own_mean_m", f.own_mean_m);
+  j.field("fidelity_others_mean_m", f.others_mean_m).field("fidelity_nobody_mean_m", f.nobody_mean_m);
+  j.field("fidelity_p95_m", f.p95_m).field("fidelity_peak_m", f.peak_m);
+}
+
+inline void put(Json& j, const trace::Pcc& c) {
+  j.field("pcc_mean_m", c.mean_m).field("pcc_peak_m", c.peak_m);
+  j.field("pcc_bodies_mean", c.bodies_mean).field("pcc_bodies_peak", c.bodies_peak);
+}
+
+}  // namespace padr::support
