@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""tools/paper_figures.py draws the pictures that docs has, and they can be read in the dark.
+"""tools/drawings.py draws the pictures that docs has, and they can be read in the dark.
 
-Usage: paper_figures_test.py REPOSITORY [unittest arguments]
+Usage: drawings_test.py REPOSITORY [unittest arguments]
 """
 
 import os
@@ -14,16 +14,16 @@ import xml.etree.ElementTree
 REPOSITORY = sys.argv.pop(1)
 
 
-class PaperFigures(unittest.TestCase):
+class Drawings(unittest.TestCase):
     def test_draws_what_the_documents_have(self):
         with tempfile.TemporaryDirectory() as folder:
-            subprocess.run([sys.executable, "-B", os.path.join(REPOSITORY, "tools/paper_figures.py"), folder], check=True)
-            self.assertEqual(len(os.listdir(folder)), 2)
+            subprocess.run([sys.executable, "-B", os.path.join(REPOSITORY, "tools/drawings.py"), folder], check=True)
+            self.assertEqual(len(os.listdir(folder)), 3)
             for name in os.listdir(folder):
                 with open(os.path.join(folder, name), encoding="utf-8") as new:
                     drawn = new.read()
                 with open(os.path.join(REPOSITORY, "docs", name), encoding="utf-8") as old:
-                    self.assertEqual(drawn, old.read(), f"tools/paper_figures.py draws docs/{name} anew")
+                    self.assertEqual(drawn, old.read(), f"tools/drawings.py draws docs/{name} anew")
                 xml.etree.ElementTree.fromstring(drawn)
                 self.assertIn("prefers-color-scheme: dark", drawn)
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Draws docs/paper-dead-reckoning.svg and docs/paper-loop.svg, what the paper's Figures 1 and 5 are about, for docs/paper.md.
+"""Draws the explaining pictures of the documents: docs/paper-dead-reckoning.svg and docs/paper-loop.svg, which are what the
+paper's Figures 1 and 5 are about, and docs/agreed-world.svg.
 
-Usage: tools/paper_figures.py [FOLDER]   (default docs)
+Usage: tools/drawings.py [FOLDER]   (default docs)
 """
 
 import math
@@ -18,7 +19,7 @@ STYLE = """<style>
   .true { fill: none; stroke: #0072b2; stroke: var(--true); stroke-width: 3; } .model { fill: none; stroke: #c25100; stroke: var(--model); stroke-width: 2; stroke-dasharray: 7 4; }
   .gap { stroke: #5c6570; stroke: var(--quiet); stroke-width: 1.5; } .dot { fill: #0072b2; fill: var(--true); } .ghost { fill: #ffffff; fill: var(--paper); stroke: #c25100; stroke: var(--model); stroke-width: 2; }
   .box { fill: #eef2f6; fill: var(--box); stroke: #8a949e; stroke: var(--rule); } .way, .join { fill: none; stroke: #8a949e; stroke: var(--rule); stroke-width: 1.8; } .way { marker-end: url(#tip); }
-  .tip { fill: #8a949e; fill: var(--rule); } .middle { text-anchor: middle; }
+  .tip { fill: #8a949e; fill: var(--rule); } .middle { text-anchor: middle; } .end { text-anchor: end; }
 </style>"""
 
 
@@ -96,7 +97,7 @@ def draw_loop():
     parts = [*box(left, 30, "sample the input", "peer/player.cpp"), *box(left, 108, "apply received updates", "sync/agreed_world.cpp"),
              *box(left, 186, "step the world", "sync/live_world.cpp"),
              *question(left, 264, "contact begun or ended?", "sync/contact_chain.cpp"),
-             *box(right, 274, "predict the cost of the model's error", "sync/prediction.cpp"),
+             *box(right, 274, "predict what the error costs", "sync/prediction.cpp"),
              *box(right, 352, "set the threshold", "sync/threshold.cpp"),
              *question(right, 430, "model error above it?", "sync/model_error.h"),
              *box(left, 380, "tell the avatar and the bodies", "sync/reporter.cpp"),
@@ -113,10 +114,41 @@ def draw_loop():
     return picture(760, 590, "One tick of a peer: the paper's loop, with the files that do each step here", parts)
 
 
+# --- the agreed world: what is known of three peers at one moment, at one of them
+NOW, CONFIRMED, LATE = 640, 330, 400  # where these ticks are
+
+
+def log(y, name, ticks, complete):
+    """A peer's updates as far as they have come, and up to where it is known that there are no others."""
+    parts = [text(20, y + 5, name), f'<line class="gap" x1="130" y1="{y}" x2="{complete}" y2="{y}"/>',
+             f'<line class="gap" x1="{complete}" y1="{y - 7}" x2="{complete}" y2="{y + 7}"/>']  # fmt: skip
+    return parts + [f'<circle class="dot" cx="{x}" cy="{y}" r="5"/>' for x in ticks]
+
+
+def draw_agreed_world():
+    parts = [f'<rect class="box" x="130" y="44" width="{CONFIRMED - 130}" height="246"/>',
+             text(20, 30, "what has come of", "quiet"), text(NOW, 30, "now", "middle"),
+             *log(70, "peer 0 (here)", [160, 270, 390, 510, 600], NOW), *log(105, "peer 1", [185, 300, 445], 470),
+             *log(140, "peer 2", [210, 305], CONFIRMED),
+             f'<line class="gap" x1="{NOW}" y1="40" x2="{NOW}" y2="290"/>',
+             # the late update, and what it sets off
+             f'<circle class="ghost" cx="{LATE}" cy="140" r="6"/>', way((NOW - 4, 140), (LATE + 10, 140)),
+             text(NOW - 8, 132, "a late update arrives", "quiet end"),
+             f'<line class="true" x1="130" y1="200" x2="{CONFIRMED}" y2="200"/>', text(20, 205, "confirmed"),
+             text(230, 190, "identical on every peer", "middle quiet"),
+             f'<line class="model" x1="{CONFIRMED}" y1="235" x2="{NOW}" y2="235"/>', text(20, 240, "predicted"),
+             way((NOW - 6, 252), (LATE, 252), (LATE, 239)), text((LATE + NOW) / 2, 268, "rewind to its tick, replay to now", "middle quiet"),
+             f'<circle class="dot" cx="{NOW}" cy="280" r="7"/>', text(20, 285, "live"),
+             text(NOW + 14, 275, "your avatar"), text(NOW + 14, 292, "obeys at once"),
+             text(20, 314, "A line ends where that peer's updates are known to be complete. Up to where all lines reach, nothing can change.", "quiet")]  # fmt: skip
+    return picture(780, 330, "The agreed world: confirmed where all updates are known, predicted up to now, live for the own avatar", parts)
+
+
 def main():
     folder = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "docs")
-    for name, draw in [("paper-dead-reckoning.svg", draw_dead_reckoning), ("paper-loop.svg", draw_loop)]:
-        with open(os.path.join(folder, name), "w", encoding="utf-8") as f:
+    drawings = {"paper-dead-reckoning": draw_dead_reckoning, "paper-loop": draw_loop, "agreed-world": draw_agreed_world}
+    for name, draw in drawings.items():
+        with open(os.path.join(folder, f"{name}.svg"), "w", encoding="utf-8") as f:
             f.write(draw())
 
 
