@@ -13,6 +13,7 @@ Installs what is missing of the Debian packages of the named groups (default: bu
   test    GoogleTest, Google Benchmark, RapidCheck, Python; Chromium and Selenium, for the page of padr-monitor; tshark
           and tcpdump, for the Wireshark plugin and captures; iproute2, for networks that fall apart
   check   formatting, linting, clang builds, fuzzing, the clean-clone check, Compose and a base image for containers
+  docs    mkdocs and its theme, for the documents as a site; pandas, to read the data that the programs write
   all     every group
 
   --list  print the packages of the groups and whether each is installed; install nothing
@@ -33,6 +34,7 @@ packages_of() {
       python3-selenium tshark tcpdump iproute2 ;;
     check) echo 'clang-14|clang-@' 'clang-format-14|clang-format-@' 'clang-tidy-14|clang-tidy-@' \
       'libclang-rt-14-dev|libclang-rt-@-dev' git shellcheck docker-compose mmdebstrap ;;
+    docs) echo mkdocs mkdocs-material python3-pandas ;;
   esac
 }
 
@@ -74,9 +76,9 @@ for arg in "$@"; do
   case $arg in
     --help | -h) usage; exit 0 ;;
     --list) list=yes ;;
-    build | run | test | check) groups+=("$arg") ;;
-    all) groups+=(build run test check) ;;
-    *) echo "deps.sh: unknown argument '$arg' (groups: build run test check all; see --help)" >&2; exit 2 ;;
+    build | run | test | check | docs) groups+=("$arg") ;;
+    all) groups+=(build run test check docs) ;;
+    *) echo "deps.sh: unknown argument '$arg' (groups: build run test check docs all; see --help)" >&2; exit 2 ;;
   esac
 done
 if ((${#groups[@]} == 0)); then groups=(build run test); fi

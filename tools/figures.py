@@ -65,7 +65,8 @@ def write(figure, text, commands, made_at):
     if document.count(begin) != 1 or document.count(end) != 1:
         raise Failed(f"{figure.file} must have '{begin}' and '{end}' once each")
     made = "\n".join(f"    {c}" for c in commands)
-    text = f"{begin}\n{text.strip()}\n\nMeasured at revision {made_at} by\n\n{made}\n{end}"
+    text = text.strip("\n")  # spaces at the beginning make a block of the first line, too
+    text = f"{begin}\n{text}\n\nMeasured at revision {made_at} by\n\n{made}\n{end}"
     document = re.sub(re.escape(begin) + ".*?" + re.escape(end), lambda _: text, document, flags=re.S)
     with open(path, "w", encoding="utf-8") as file:
         file.write(document)

@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""The checks of the documents, tried on small trees that break one rule each, and on ones that break none."""
+
+import os
+import tempfile
+import unittest
+
+import documents
+
+
+class Tree:
+    """A small repository in a temporary folder."""
+
+    def __init__(self, files):
+        self.folder = tempfile.TemporaryDirectory()
+        for path, text in files.items():
+            full = os.path.join(self.folder.name, path)
+            os.makedirs(os.path.dirname(full), exist_ok=True)
+            with open(full, "w", encoding="utf-8") as file:
+                file.write(text)
+
+    def __enter__(self):
+        return self.folder.name
+
+    def __exit__(self, *_):
+        self.folder.cleanup()
+
+
+IDEA = "# The idea\n\n## `padr-lab run`: what, why?\n\n## Twice\n\n## Twice\n"
+
+LINKS = [
+    # a line of README.md, what the complaint must say (None: no complaint)
+    ("[a](docs/idea.md) [b](docs/idea.md#the-idea) [c](#top) <https://example.org/x.md>", None),
+    ("[a](docs/idea.md#padr-lab-run-what-why) [b](docs/idea.md#twice-1)", None),
+    ("![a picture](docs/picture.svg)", None),
+    ("`[a](docs/nowhere.md)`", None),
+    ("    [a](docs/nowhere.md)", None),
+    ("```\n[a](docs/nowhere.md)\n```", None),
+    ("[a](docs/nowhere.md)", "README.md:3: docs/nowhere.md: there is no file docs/nowhere.md"),
+    ("![a](docs/nowhere.svg)", "there is no file docs/nowhere.svg"),
+    ('<img src="docs/nowhere.gif">', "there is no file docs/nowhere.gif"),
+    ("[a]: docs/nowhere.md", "there is no file docs/nowhere.md"),
+    ("[a](docs/idea.md#another)", "docs/idea.md has no heading 'another'; it has: padr-lab-run-what-why, the-idea, twice, twice-1"),
+    ("[a](docs/idea.md#twice-2)", "docs/idea.md has no heading 'twice-2'"),
+    ("[a](#bottom)", "README.md has no heading 'bottom'"),
+    ("[a](docs)", "there is no file docs"),
+    ("[a](../elsewhere.md)", "leads out of the repository"),
+    ("[a](/docs/idea.md)", "leads out of the repository"),
+]
+
+NAMES = [
+    # a file, its text, what the complaint must say
+    ("tools/lab/run.cpp", '"docs/idea.md defines it"', None),
+    ("tools/lab/run.cpp", '"/usr/share/docs/no.md, mydocs/no.md"', None),
+    ("tools/lab/run.cpp", "writes docs/reference-NAME.md", None),
+    ("tools/lab/run.cpp", '\n"docs/no-idea.md defines it"', "tools/lab/run.cpp:2: there is no file docs/no-idea.md"),
+    ("docs/other.md", "see `docs/no-idea.md`.", "docs/other.md:1: there is no file docs/no-idea.md"),
+    ("tools/run.sh", "# docs/no.svg", "there is no file docs/no.svg"),
+]
+
+NAVIGATION = [
+    # lines of the navigation, what the complaint must say
+    ("  - Home: README.md\n  - Why:\n      - 'The idea: why': docs/idea.md\n", None),
+    ("  - Home: README.md\n", "docs/idea.md: not in the navigation"),
+    ("  - Home: README.md\n  - A: docs/idea.md\n  - B: docs/idea.md\n", "the navigation names docs/idea.md 2 times"),
+    ("  - Home: README.md\n  - A: docs/idea.md\n  - B: docs/no.md\n", "mkdocs.yml: there is no page docs/no.md"),
+]
+
+
+class CanFail(unittest.TestCase):
+    def expect(self, check, files, complaint):
+        with Tree(files) as root:
+            said = list(check(root))
+        if complaint is None:
+            self.assertEqual(said, [])
+        else:
+            self.assertEqual(len(said), 1, said)
+            self.assertIn(complaint, said[0])
+
+    def test_links(self):
+        for line, complaint in LINKS:
+            with self.subTest(line=line):
+                files = {"README.md": f"# Top\n\n{line}\n", "docs/idea.md": IDEA, "docs/picture.svg": ""}
+                self.expect(documents.check_links, files, complaint)
+
+    def test_names(self):
+        for file, text, complaint in NAMES:
+            with self.subTest(file=file, text=text):
+                self.expect(documents.check_names, {"docs/idea.md": IDEA, file: text + "\n"}, complaint)
+
+    def test_navigation(self):
+        for lines, complaint in NAVIGATION:
+            with self.subTest(lines=lines):
+                files = {"README.md": "", "docs/idea.md": IDEA, "mkdocs.yml": f"site_name: A\n\nnav:\n{lines}"}
+                self.expect(documents.check_navigation, files, complaint)
+
+
+if __name__ == "__main__":
+    unittest.main()
