@@ -2,10 +2,14 @@
 """The checks of the documents, tried on small trees that break one rule each, and on ones that break none."""
 
 import os
+import subprocess
+import sys
 import tempfile
 import unittest
 
-import documents
+import documents  # makes tools/docs known
+import help_text
+import pages
 
 
 class Tree:
@@ -67,6 +71,54 @@ NAVIGATION = [
 ]
 
 
+HELP = """Says what it is
+for.
+Usage: /build/bin/padr-it [OPTIONS]
+
+Options:
+  -h,--help                   Print this
+  --count INT:INT in [1 - 9]=3
+                              How many|s, with
+                              --other
+  --names A=B ...             As in docs/idea.md
+
+SPEC is one of these:
+  limit N    loss P    rate R
+
+Example:
+  padr-it --count 4
+Exit: 0 done.
+"""
+HELP_SHOWN = """Says what it is for.
+
+```text
+padr-it [OPTIONS]
+```
+
+## Options
+
+| option | meaning | default; allowed |
+|---|---|---|
+| `-h, --help` | Print this |  |
+| `--count N` | How many\\|s, with `--other` | `3`; 1 to 9 |
+| `--names A=B ...` | As in [docs/idea.md](idea.md) |  |
+
+SPEC is one of these:
+
+```text
+limit N    loss P    rate R
+```
+
+Example:
+
+```text
+padr-it --count 4
+```
+
+Exit: 0 done.
+"""
+
+
 class CanFail(unittest.TestCase):
     def expect(self, check, files, complaint):
         with Tree(files) as root:
@@ -93,6 +145,21 @@ class CanFail(unittest.TestCase):
             with self.subTest(lines=lines):
                 files = {"README.md": "", "docs/idea.md": IDEA, "mkdocs.yml": f"site_name: A\n\nnav:\n{lines}"}
                 self.expect(documents.check_navigation, files, complaint)
+
+    def test_what_help_says_is_shown(self):
+        self.maxDiff = None
+        self.assertEqual(help_text.markdown(HELP, 2, {}), HELP_SHOWN)
+
+    def test_a_program_that_says_something_else_makes_its_page_stale(self):
+        names = ["padr-peer", "padr-lab", "padr-report", "padr-capture", "padr-monitor", "padr-netem"]
+        with Tree({name: "#!/bin/sh\necho 'Usage: it'\n" for name in names}) as root:
+            for name in names:
+                os.chmod(os.path.join(root, name), 0o755)
+            reference = [sys.executable, "-B", os.path.join(pages.ROOT, "tools", "docs", "reference.py"), "--bin", root, "check"]
+            done = subprocess.run(reference, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 1, done)
+        for name in names:
+            self.assertIn(f"stale: docs/reference-{name}.md", done.stdout)
 
 
 if __name__ == "__main__":
