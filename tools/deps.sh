@@ -14,7 +14,8 @@ Installs what is missing of the Debian packages of the named groups (default: bu
           and tcpdump, for the Wireshark plugin and captures; iproute2, for networks that fall apart
   check   formatting, linting, clang builds, fuzzing, the clean-clone check, Compose and a base image for containers
   docs    mkdocs and its theme, for the documents as a site; pandas, to read the data that the programs write
-  all     every group
+  all     every group above
+  pictures  what tools/pictures.sh puts the moving picture of the page together with: ffmpeg, gifsicle
 
   --list  print the packages of the groups and whether each is installed; install nothing
   --help  this text
@@ -35,6 +36,7 @@ packages_of() {
     check) echo 'clang-14|clang-@' 'clang-format-14|clang-format-@' 'clang-tidy-14|clang-tidy-@' \
       'libclang-rt-14-dev|libclang-rt-@-dev' git shellcheck docker-compose mmdebstrap ;;
     docs) echo mkdocs mkdocs-material python3-pandas ;;
+    pictures) echo ffmpeg gifsicle ;;
   esac
 }
 
@@ -76,9 +78,9 @@ for arg in "$@"; do
   case $arg in
     --help | -h) usage; exit 0 ;;
     --list) list=yes ;;
-    build | run | test | check | docs) groups+=("$arg") ;;
+    build | run | test | check | docs | pictures) groups+=("$arg") ;;
     all) groups+=(build run test check docs) ;;
-    *) echo "deps.sh: unknown argument '$arg' (groups: build run test check docs all; see --help)" >&2; exit 2 ;;
+    *) echo "deps.sh: unknown argument '$arg' (groups: build run test check docs all pictures; see --help)" >&2; exit 2 ;;
   esac
 done
 if ((${#groups[@]} == 0)); then groups=(build run test); fi
