@@ -11,6 +11,8 @@ A comment stands alone before its block and is invisible to readers:
   <!-- output: within 30 % -->           the block is what the commands before it print
   <!-- output of terminal 1 -->          what the latest command of that terminal has printed; it may still run
   <!-- stop: terminal 1 -->              Ctrl-C there; stands without a block
+
+A table that tools/figures.py makes has its own commands, which another test repeats: they are not run.
 """
 
 import re
@@ -67,7 +69,7 @@ OURS = re.compile(r"(not run|run|output|stop)\b")
 
 def blocks_and_stops(text):
     """Blocks of code and `stop` comments of a page in order, each block with its comment."""
-    found, comment, lines, i, listed = [], "", text.split("\n"), 0, False
+    found, comment, made, lines, i, listed = [], "", "", text.split("\n"), 0, False
     while i < len(lines):
         line = lines[i]
         if line.startswith("<!--"):
@@ -85,11 +87,15 @@ def blocks_and_stops(text):
                     found.append(Block(start + 1, [], words))
                 else:
                     comment = words
+            elif words.startswith("figures "):
+                made = "not run: tools/figures.py runs it to make this table"
+            elif words.startswith("end "):
+                made = ""
         elif line.startswith("```"):
             start = i + 1
             while i + 1 < len(lines) and not lines[i + 1].startswith("```"):
                 i += 1
-            found.append(Block(start + 1, lines[start : i + 1], comment))
+            found.append(Block(start + 1, lines[start : i + 1], comment or made))
             comment, i = "", i + 1
         elif line.startswith("    ") and line.strip() and not listed:
             start = i
@@ -98,7 +104,7 @@ def blocks_and_stops(text):
             block = [entry[4:].rstrip() for entry in lines[start : i + 1]]
             while block and not block[-1]:
                 block.pop()
-            found.append(Block(start + 1, block, comment))
+            found.append(Block(start + 1, block, comment or made))
             comment = ""
         elif line.strip():
             listed = bool(LIST_ITEM.match(line)) or (listed and line.startswith(" "))
@@ -138,21 +144,23 @@ def commands_of(block):
 def how_of(words, line):
     """What a comment says after `run:`, or after the `=>` of one command."""
     how = How()
+    if words.strip().startswith("not run, "):
+        how.not_run = words.split(",", 1)[1].strip()
+        return how
     for item in filter(None, (w.strip() for w in words.split(";"))):
         match = re.fullmatch(
             r"in (?P<terminal>terminal \d+)|(?P<until>until stopped)|for (?P<seconds>[\d.]+) s|shorter by (?P<shorter>--.*)"
-            r"|exit (?P<status>\d+)|not run, (?P<why>.{10,})",
+            r"|exit (?P<status>\d+)",
             item,
             re.S,
         )
         if not match:
-            raise Wrong(f"line {line}: '{item}' is none of: in terminal N, until stopped, for N s, shorter by OPTIONS, exit N, not run, WHY")
+            raise Wrong(f"line {line}: '{item}' is none of: in terminal N, until stopped, for N s, shorter by OPTIONS, exit N; or 'not run, WHY'")
         how.terminal = match["terminal"] or how.terminal
         how.until_stopped = bool(match["until"]) or how.until_stopped
         how.seconds = float(match["seconds"] or how.seconds)
         how.shorter = match["shorter"] or how.shorter
         how.status = int(match["status"] or how.status)
-        how.not_run = match["why"] or how.not_run
     if (how.until_stopped or how.seconds) and not how.terminal:
         raise Wrong(f"line {line}: what is stopped needs a terminal of its own")
     return how

@@ -97,7 +97,7 @@ class Terminals:
 
     def wait_for_what_ends(self):
         for terminal in self.all.values():
-            if terminal.running and not terminal.running.how.until_stopped:
+            if terminal.running and not (terminal.running.how.until_stopped or terminal.running.how.seconds):
                 terminal.wait()
 
     def run(self, commands):
