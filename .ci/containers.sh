@@ -41,12 +41,7 @@ exec 9>out/ci/images.lock
 flock 9 # another step may be building them
 .ci/base-image.sh
 way_out=(--network host)
-proxy=$(.ci/debian-sources.sh settings | sed -n 's/^Acquire::http::Proxy "\(.*\)";$/\1/Ip' | head -n 1)
-for word in http_proxy https_proxy no_proxy; do
-  value=${!word:-}
-  if [[ $word == http_proxy && -z $value ]]; then value=$proxy; fi
-  if [[ -n $value ]]; then way_out+=(--build-arg "$word=$value"); fi
-done
+while read -r setting; do way_out+=(--build-arg "$setting"); done < <(.ci/debian-sources.sh environment)
 # What step `test` has compiled needs no compiling again: same compiler, same files.
 if [[ -d out/ci/ccache ]]; then
   : >"$logs/ccache.port" # is to be there before the server has begun

@@ -133,8 +133,8 @@ void declare_key(CLI::App& app, Raw& raw, Options& o) {
       ->type_name("FILE")
       ->group(group);
   app.add_option("--seal", raw.seal,
-                 "With a key: auth proves who sends and leaves datagrams readable, encrypt hides what is in them;\n"
-                 "each peer's own affair [auth]")
+                 "With a key: auth or encrypt. Both prove who sends; auth leaves datagrams readable, encrypt hides\n"
+                 "what is in them. Each peer chooses for what it sends [auth]")
       ->type_name("MODE")
       ->group(group);
   app.add_option("--keylog", o.keylog,

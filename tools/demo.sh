@@ -3,38 +3,60 @@
 # and to play along, and a report of how consistent they were and what it cost.
 set -euo pipefail
 
-usage() {
-  cat <<'TEXT'
-usage: tools/demo.sh [options]
+# In the repository this is tools/demo.sh, which builds the programs; installed it is padr-demo, beside the programs.
+here=$(cd "$(dirname "$0")" && pwd)
+if [[ -e $here/deps.sh ]]; then
+  installed=no me=demo.sh paths=$here/../common/scenarios/paths
+else
+  installed=yes me=padr-demo paths=$here/../share/padr/paths
+fi
 
-Installs missing packages, builds the programs, runs N peers against one another with a page that shows them, prints the
-report.
+usage() {
+  if [[ $installed == no ]]; then
+    echo "usage: tools/demo.sh [options]"
+    echo
+    echo "Installs missing packages, builds the programs, runs N peers against one another with a page that shows them, prints the"
+    echo "report."
+  else
+    echo "Several peers play in one world through a bad network, with a page to look at them and to play along, and a report."
+    echo "Usage: padr-demo [OPTIONS]"
+    echo
+    echo "Options:"
+  fi
+  cat <<'TEXT'
 
   --peers N         number of peers, 2 to 64                 (default 4)
   --duration S      seconds to play, 1 to 3600; default: 30, or, in a terminal and with a page, 1800 or until Ctrl-C,
                     after which there is a report as well
   --page PORT|off   port of 127.0.0.1 at which a browser finds the page, 0 for any; off: there is none
                     (default 8080, or any if that is taken)
-  --scenario NAME   arena, clutter, ball, dominoes, van, proxy, pitch, or a scenario file   (default arena)
+  --scenario NAME|FILE
+                    arena, clutter, ball, dominoes, van, proxy, pitch, or a scenario file   (default arena)
   --netem SPEC      impairment of every directed link, in the grammar of tc-netem; "" for none
                     (default "delay 100ms 50ms loss 10%")
   --technique NAME  avatar-only, fixed, adaptive, full or everything   (default full)
-  --scene NAME      a story of the paper in place of made-up play; sets the other defaults, flags beside it still count:
+  --scene NAME      stop-short, predictor or proxy: a story of the paper in place of made-up play; sets the other
+                    defaults, flags beside it still count:
                     stop-short: the avatar of peer 0 stops just short of a ball, nobody has authority, and its model
                       runs on into the ball at the others'; also with --scenario dominoes or van, or --technique full
                     predictor: the same before dominoes, with a predictor that sees what the model is about to do
                     proxy: the avatar of peer 0 pushes one thing into another and that into a third
   --seed N          seed of the scenario, the inputs and the network   (default 1)
   --out DIR         where traces, logs, plots and tables go  (default out/demo)
+TEXT
+  if [[ $installed == yes ]]; then echo "  --version         version of the programs"; fi
+  cat <<'TEXT'
   --help            this text
 
-PADR_JOBS=N in the environment bounds the parallel build jobs.
-
-Exit status: 0 when every peer ended well and all confirmed worlds were identical; 1 otherwise; 2 for wrong arguments.
 TEXT
+  if [[ $installed == no ]]; then
+    echo "PADR_JOBS=N in the environment bounds the parallel build jobs."
+    echo
+  fi
+  echo "Exit status: 0 when every peer ended well and all confirmed worlds were identical; 1 otherwise; 2 for wrong arguments."
 }
 
-fail_usage() { echo "demo.sh: $1 (see --help)" >&2; exit 2; }
+fail_usage() { echo "$me: $1 (see --help)" >&2; exit 2; }
 
 peers=4
 duration=
@@ -67,6 +89,13 @@ scenes_technique=$technique
 while (($# > 0)); do
   case $1 in
     --help | -h) usage; exit 0 ;;
+    --version)
+      if [[ $installed == yes ]]; then
+        version=$("$here/padr-peer" --version)
+        echo "padr-demo ${version#* }"
+        exit 0
+      fi
+      fail_usage "unknown argument '$1'" ;;
     --peers=* | --duration=* | --page=* | --scenario=* | --netem=* | --technique=* | --seed=* | --out=* | --scene=*)
       set -- "${1%%=*}" "${1#*=}" "${@:2}"
       continue ;;
@@ -116,12 +145,12 @@ check_number --duration "$duration" 1 3600
 check_number --seed "$seed" 0 999999999
 peers=$((10#$peers)) duration=$((10#$duration)) seed=$((10#$seed))
 # A wrong name shall not wait for the build to be refused. Where the list cannot be read, the peers refuse it.
-techniques=$(sed -n '/technique_names() {/,/}/s/.*return {\(.*\)};/\1/p' "$(dirname "$0")/../common/model/technique.cpp" | tr -d '",')
+techniques=$(sed -n '/technique_names() {/,/}/s/.*return {\(.*\)};/\1/p' "$here/../common/model/technique.cpp" 2>/dev/null | tr -d '",' || true)
 if [[ -n $techniques && ($technique == *" "* || " $techniques " != *" $technique "*) ]]; then
   fail_usage "--technique '$technique': must be one of: $techniques"
 fi
 if [[ $technique != "$scenes_technique" ]]; then scene_flags=(); fi
-path=$(realpath -m -- "$(dirname "$0")/../common/scenarios/paths/$scenario.csv")
+path=$(realpath -m -- "$paths/$scenario.csv")
 if [[ -n $scene && ! -e $path ]]; then
   fail_usage "--scene $scene: --scenario must be one of: ball dominoes van proxy"
 fi
@@ -131,26 +160,35 @@ if [[ -e $scenario ]]; then scenario=$(realpath -- "$scenario"); fi
 out=$(realpath -m -- "$out")
 if [[ -e $out && ! -d $out ]]; then fail_usage "--out '$out' is no directory"; fi
 
-cd "$(dirname "$0")/.."
-jobs=${PADR_JOBS:-$(nproc)}
-if ! [[ $jobs =~ ^[1-9][0-9]*$ ]]; then fail_usage "PADR_JOBS is '$jobs', must be a number from 1"; fi
-if [[ $out == "$PWD"/* ]]; then shown=${out#"$PWD"/}; else shown=$out; fi
-
 # --- set up and build: the same build folder and objects as tools/test.sh; tests only if they were asked for before.
-# What has to be compiled is preprocessed once and not twice.
-export CCACHE_DEPEND=1
-tools/deps.sh build run
-mkdir -p "$out"
-without_tests=()
-if [[ ! -e build/release/CMakeCache.txt ]]; then without_tests=(-DPADR_TESTS=OFF); fi
-echo "== configuring build/release"
-if ! cmake --preset release "${without_tests[@]}" >"$out/build.log" 2>&1; then
-  cat "$out/build.log" >&2
-  exit 1
+build_programs() {
+  local jobs=${PADR_JOBS:-$(nproc)} without_tests=()
+  if ! [[ $jobs =~ ^[1-9][0-9]*$ ]]; then fail_usage "PADR_JOBS is '$jobs', must be a number from 1"; fi
+  # What has to be compiled is preprocessed once and not twice.
+  export CCACHE_DEPEND=1
+  tools/deps.sh build run
+  mkdir -p "$out"
+  if [[ ! -e build/release/CMakeCache.txt ]]; then without_tests=(-DPADR_TESTS=OFF); fi
+  echo "== configuring build/release"
+  if ! cmake --preset release "${without_tests[@]}" >"$out/build.log" 2>&1; then
+    cat "$out/build.log" >&2
+    exit 1
+  fi
+  echo "== building"
+  cmake --build build/release --parallel "$jobs" --target padr-peer padr-report padr-monitor
+}
+
+if [[ $installed == no ]]; then
+  cd "$here/.."
+  build_programs
+  bin=$PWD/build/release/bin
+  monitor_command=build/release/bin/padr-monitor
+else
+  bin=$here
+  monitor_command=padr-monitor
+  mkdir -p -- "$out" || { echo "$me: cannot write to $out: choose another folder with --out" >&2; exit 1; }
 fi
-echo "== building"
-cmake --build build/release --parallel "$jobs" --target padr-peer padr-report padr-monitor
-bin=$PWD/build/release/bin
+if [[ $out == "$PWD"/* ]]; then shown=${out#"$PWD"/}; else shown=$out; fi
 
 # --- run
 rm -f "$out"/peer*.trace "$out"/peer*.json "$out"/peer*.log "$out"/report.json "$out"/monitor.log "$out"/page
@@ -166,7 +204,7 @@ free_port() {
       return
     fi
   done
-  echo "demo.sh: found no free UDP port" >&2
+  echo "$me: found no free UDP port" >&2
   return 1
 }
 
@@ -196,7 +234,7 @@ interrupted() {
     enough=yes
     return 0
   fi
-  printf "\ndemo.sh: stopped; logs: %s\n" "$shown/peer*.log" >&2
+  printf '\n%s: stopped; logs: %s\n' "$me" "$shown/peer*.log" >&2
   exit 130
 }
 trap interrupted INT
@@ -216,7 +254,7 @@ start_monitor() {
     if [[ -n $where && -s $out/page ]]; then break; fi
     if ! alive "$monitor"; then
       tail -n 3 "$out/monitor.log" >&2
-      echo "demo.sh: there is no page; choose another port with --page, or --page off" >&2
+      echo "$me: there is no page; choose another port with --page, or --page off" >&2
       exit 1
     fi
     sleep 0.1
@@ -321,7 +359,7 @@ for ((i = 0; i < peers; ++i)); do
 done
 stop_peers
 if ((${#failed[@]} > 0)); then
-  printf 'demo.sh: %s\n' "${failed[@]}" >&2
+  printf "$me: %s\\n" "${failed[@]}" >&2
   # What only the programs can judge (scenario, netem) is a wrong argument of ours as well.
   if ((worst == 2)); then exit 2; fi
   exit 1
@@ -336,9 +374,9 @@ echo
 echo "plots:  $shown/plots"
 echo "tables: $shown/csv, $shown/report.json"
 echo "traces: $shown/peer*.trace"
-if [[ $page != off ]]; then echo "to see it again: build/release/bin/padr-monitor --trace $shown"; fi
+if [[ $page != off ]]; then echo "to see it again: $monitor_command --trace $shown"; fi
 case $verdict in
   0) echo "All confirmed worlds were identical." ;;
   1) echo "CONFIRMED WORLDS DIFFERED; logs: $shown/peer*.log"; exit 1 ;;
-  *) echo "demo.sh: padr-report failed with status $verdict; traces and logs: $shown" >&2; exit 1 ;;
+  *) echo "$me: padr-report failed with status $verdict; traces and logs: $shown" >&2; exit 1 ;;
 esac

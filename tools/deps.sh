@@ -14,6 +14,7 @@ Installs what is missing of the Debian packages of the named groups (default: bu
           and tcpdump, for the Wireshark plugin and captures; iproute2, for networks that fall apart
   check   formatting, linting, clang builds, fuzzing, the clean-clone check, Compose and a base image for containers
   docs    mkdocs and its theme, for the documents as a site; pandas, to read the data that the programs write
+  package help2man and dpkg-dev, for tools/package.sh
   all     every group above
   pictures  what tools/pictures.sh puts the moving picture of the page together with: ffmpeg, gifsicle
 
@@ -36,6 +37,7 @@ packages_of() {
     check) echo 'clang-14|clang-@' 'clang-format-14|clang-format-@' 'clang-tidy-14|clang-tidy-@' \
       'libclang-rt-14-dev|libclang-rt-@-dev' git shellcheck docker-compose mmdebstrap ;;
     docs) echo mkdocs mkdocs-material python3-pandas ;;
+    package) echo help2man python3 dpkg-dev ;;
     pictures) echo ffmpeg gifsicle ;;
   esac
 }
@@ -78,9 +80,9 @@ for arg in "$@"; do
   case $arg in
     --help | -h) usage; exit 0 ;;
     --list) list=yes ;;
-    build | run | test | check | docs | pictures) groups+=("$arg") ;;
-    all) groups+=(build run test check docs) ;;
-    *) echo "deps.sh: unknown argument '$arg' (groups: build run test check docs all pictures; see --help)" >&2; exit 2 ;;
+    build | run | test | check | docs | package | pictures) groups+=("$arg") ;;
+    all) groups+=(build run test check docs package) ;;
+    *) echo "deps.sh: unknown argument '$arg' (groups: build run test check docs package all pictures; see --help)" >&2; exit 2 ;;
   esac
 done
 if ((${#groups[@]} == 0)); then groups=(build run test); fi

@@ -126,6 +126,24 @@ class Demo(Case):
         self.assertEqual(self.demo("--scene", "proxy").returncode, 0)
         self.assertRegex(self.text("out/demo/path.csv"), r"^t,x,y\n0,[\d.,]*\n20\.000000,")
 
+    def test_installed_it_neither_installs_nor_builds(self):
+        with open(os.path.join(REPOSITORY, "tools/demo.sh"), encoding="utf-8") as f:
+            self.put("usr/bin/padr-demo", f.read())
+        with open(os.path.join(REPOSITORY, "common/scenarios/paths/ball.csv"), encoding="utf-8") as f:
+            self.put("usr/share/padr/paths/ball.csv", f.read())
+        for name, text in (("peer", PEER), ("monitor", MONITOR), ("report", "#!/bin/sh\n")):
+            self.put("usr/bin/padr-" + name, text)
+        self.put("bin/cmake", "#!/bin/sh\nexit 1\n")
+        self.put("tools/deps.sh", "#!/bin/sh\nexit 1\n")
+        done = self.run_script("usr/bin/padr-demo", "--duration", "1", "--scene", "stop-short", SEEN=self.path("seen"))
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertNotIn("building", done.stdout)
+        self.assertIn("Look and play along:  http://127.0.0.1:1234/", done.stdout)
+        self.assertIn("to see it again: padr-monitor --trace out/demo", done.stdout)
+        self.assertIn("/usr/share/padr/paths/ball.csv,loop", self.text("seen"))
+        refused = self.run_script("usr/bin/padr-demo", "--peers", "1")
+        self.assertEqual(refused.stderr, "padr-demo: --peers '1': must be a whole number from 2 to 64 (see --help)\n")
+
     def test_refuses_other_scenes(self):
         for flags, said in [(["--scene", "ball"], "--scene 'ball': must be one of: stop-short predictor proxy"),
                             (["--scene", "proxy", "--scenario", "arena"], "--scene proxy: --scenario must be one of:")]:  # fmt: skip

@@ -64,7 +64,8 @@ void CompareCommand::declare(CLI::App& app) {
   app.add_option("--input", inputs_, std::string(support::kInputHelp) + "; repeat to deal round to the peers")
       ->type_name("SPEC")
       ->allow_extra_args(false);
-  app.add_option("--techniques", techniques_, "Some of those below, or paper, ours, ablations, alternatives, all")
+  app.add_option("--techniques", techniques_,
+                 "Some of: paper, ours, ablations, alternatives, all; or names of those below")
       ->type_name("LIST")
       ->capture_default_str();
   app.add_option("--add", added_, "One more, by its knobs, such as 'full --lead 0.2'; may be repeated")
