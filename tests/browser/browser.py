@@ -133,6 +133,7 @@ class Browser:
             skip(f"Chromium does not start here: {e.msg}")
         self.driver.set_script_timeout(120)
         self.resize(width, height, phone)
+        self.driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": phone})
         scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
         self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [scheme]})
 

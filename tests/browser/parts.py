@@ -108,6 +108,11 @@ class Parts(Case):
         """)
         self.assertGreater(min(ratios), 4.5, ratios)
 
+    def heap(self):
+        """MB that are used; more by some while the plots are being drawn."""
+        self.browser.driver.execute_cdp_cmd("HeapProfiler.collectGarbage", {})
+        return self.browser.driver.execute_cdp_cmd("Runtime.getHeapUsage", {})["usedSize"] / 1e6
+
     def test_an_hour_leaves_the_memory_flat(self):
         b = self.browser
         b.module("""
@@ -120,8 +125,7 @@ class Parts(Case):
         sizes = []
         for minute in range(0, 90, 10):
             b.module(HOUR, 600, minute * 60)
-            b.driver.execute_cdp_cmd("HeapProfiler.collectGarbage", {})
-            sizes.append(b.driver.execute_cdp_cmd("Runtime.getHeapUsage", {})["usedSize"] / 1e6)
+            sizes.append(min(self.heap() for _ in range(3)))
         points = b.script("return padr.plots.history.points.length")
         print(f"heap after every ten minutes of a session, MB: {[round(s, 1) for s in sizes]}; {points} points")
         self.assertGreater(points, 2000)

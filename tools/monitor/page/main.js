@@ -4,6 +4,7 @@ import { Camera } from "./camera.js";
 import { Connection } from "./connection.js";
 import { Driver } from "./drive.js";
 import { Events } from "./events.js";
+import { howToDriveOn, intro } from "./intro.js";
 import { Knobs } from "./knobs.js";
 import { Meter } from "./meter.js";
 import { Orders } from "./orders.js";
@@ -55,7 +56,7 @@ const connection = new Connection({
     events.begin();
     driver.forget(null);
     tour.forget();
-    setText($("#title"), scene.title);
+    setText($("#title"), `${scene.title}.`);
     refresh();
   },
   history(message) {
@@ -124,6 +125,7 @@ function refresh() {
   if (!$("#empty").hidden) setText($("#empty"), hello ? emptyInWords(hello) : "");
   $("#tour-button").hidden = $("#knobs").hidden = session.replayed();
   $("main").classList.toggle("alone", session.replayed());
+  setText($("#intro .text"), intro(session));
   $("#tour-button").disabled = session.controllable().length === 0;
   hint();
 }
@@ -145,13 +147,7 @@ let said = null;
 function hint() {
   const element = $("#hint");
   element.classList.toggle("on", driver.slot !== null);
-  let text = said;
-  if (driver.slot !== null) {
-    text = `You drive avatar ${driver.slot}: WASD or arrow keys, or hold the mouse button (or a finger) where it shall go. Esc lets go.`;
-  } else if (!text && session.controllable().length > 0) {
-    text = "Every picture is one peer's view of the same world. A thing has the colour of the peer that decides about it. Click a picture to drive its avatar.";
-  }
-  setText(element, text ?? "");
+  setText(element, driver.slot !== null ? howToDriveOn(driver.slot) : said ?? "");
   saveLink();
 }
 
@@ -181,7 +177,11 @@ function toggleDriving(slot) {
   if (driver.slot === slot) return;
   if (session.controllable().some((p) => p.slot === slot)) driver.start(slot);
 }
-pointers.clicked = toggleDriving;
+pointers.clicked = (slot) => {
+  if (views.mode === "side") views.large = slot;
+  toggleDriving(slot);
+  views.layOut();
+};
 views.onTile = (tile) => pointers.watch(tile);
 views.onAction = (action, slot) => {
   if (action === "drive" && driver.slot === slot) driver.release();
@@ -227,7 +227,15 @@ theme.changed = () => {
   plots.recolour();
 };
 $("#tour-button").addEventListener("click", () => tour.start());
-tour.onMove = () => views.layOut();
+tour.onMove = () => {
+  document.body.classList.toggle("touring", tour.step !== null);
+  document.body.dataset.spot = tour.spot();
+  scrollTo(0, 0);
+  plots.resize();
+  views.layOut();
+};
+// What a step of the tour speaks of stands below the pictures.
+views.reserved = () => document.querySelector({ plots: "#plots-part", table: "#table-part", events: "#plots-part" }[document.body.dataset.spot])?.offsetHeight ?? 0;
 tour.restored = (refused) => complain(refused.length > 0 ? `Not everything could be restored: ${refused[0].text}` : null);
 setInterval(() => events.show(), 500);
 setInterval(() => {

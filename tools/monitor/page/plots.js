@@ -5,8 +5,13 @@ import { hue, patternName } from "./palette.js";
 import { sum } from "./table.js";
 
 const REDRAW = 500; // ms
+const LEAST_GAP = 3; // pixels between two marks of a kind
 const MOST_LINKS = 20; // lines; with more links, the mean of each sender's
-const MARKS = { contact_begin: "contact", contact_end: "contact", authority: "authority", release: "authority", drive: "none", drive_end: "none" };
+// What is told of in an event's mark; of the rest whole lines.
+export const MARKS = {
+  contact_begin: "contact", contact_end: "contact", authority: "authority", release: "authority", drive: "none", drive_end: "none",
+  knob: "setting", netem: "setting", pause: "setting", pause_end: "setting", push: "setting", refused: "setting",
+};
 const DASHES = {
   plain: null, stripes: [8, 3], dots: [2, 3], grid: [8, 3, 2, 3],
   bars: [14, 3], rings: [2, 6], steps: [14, 3, 2, 3], checks: [5, 5],
@@ -130,6 +135,12 @@ export class Plots {
     for (const chart of this.charts) chart.draw(window);
   }
 
+  /** The space for the plots has changed. */
+  resize() {
+    for (const chart of this.charts) chart.graph?.resize();
+    this.redraw();
+  }
+
   hover(row, chart) {
     for (const c of this.charts) {
       if (c !== chart && row !== null) c.graph?.setSelection(row);
@@ -231,7 +242,7 @@ class Chart {
     this.graph?.updateOptions(this.colours(), true);
   }
 
-  /** Lines for what happened: short ones below for contacts, short ones above for authority, whole ones for the rest. */
+  /** Lines for what happened: short ones below for contacts, above for authority and settings, whole ones for the rest. */
   markEvents(ctx, area, graph) {
     const { colours } = this.plots.theme;
     const [from, to] = graph.xAxisRange();
@@ -241,12 +252,15 @@ class Chart {
     for (const [height, top, colour, wanted] of [
       [7, false, colours.quiet, (k) => MARKS[k] === "contact"],
       [7, true, colours.predicted, (k) => MARKS[k] === "authority"],
+      [12, true, colours.quiet, (k) => MARKS[k] === "setting"],
       [area.h, true, colours.alarm, (k) => MARKS[k] === undefined],
     ]) {
       ctx.strokeStyle = colour;
       ctx.beginPath();
+      let last = -Infinity; // a dozen events at a time shall be one line, not a bar
       for (const e of this.plots.events.list) {
-        if (e.time < from || e.time > to || !wanted(e.kind)) continue;
+        if (e.time < from || e.time > to || !wanted(e.kind) || x(e.time) - last < LEAST_GAP) continue;
+        last = x(e.time);
         const y = top ? area.y : area.y + area.h - height;
         ctx.moveTo(x(e.time), y);
         ctx.lineTo(x(e.time), y + height);

@@ -31,7 +31,7 @@ const COLUMNS = [
   { head: "technique", cell: (p) => p.technique ?? "–", title: (p) => p.settings },
   { head: "address", cell: (p) => p.address ?? "–" },
   { head: "life", title: "How often it has come in again", cell: (p) => String((p.incarnation ?? 0) + 1) },
-  { head: "version", cell: (p) => p.version ?? "–" },
+  { head: "version", title: (p) => p.version ?? "", cell: (p) => p.version?.split(" ")[0] ?? "–" },
 ];
 
 export class Tables {
@@ -69,8 +69,9 @@ export class Tables {
   judge(agreement) {
     const { verdict } = this;
     verdict.dataset.verdict = agreement.state;
-    const at = agreement.state === "differs" ? ` since tick ${agreement.first_difference}` : agreement.compared ? `, ${agreement.compared} compared` : "";
-    setText(verdict, `Confirmed worlds: ${VERDICTS[agreement.state] ?? agreement.state}${at}`);
+    const since = agreement.state === "differs" ? ` since tick ${agreement.first_difference}` : "";
+    setText(verdict.lastElementChild, `${VERDICTS[agreement.state] ?? agreement.state}${since}`);
+    verdict.title = `The state that peers know to be final, compared bit by bit by its hash, at equal ticks: ${agreement.compared ?? 0} so far`;
   }
 }
 

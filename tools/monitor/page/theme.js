@@ -21,7 +21,8 @@ export class Theme {
   apply() {
     const name = this.choice === "auto" ? (dark.matches ? "dark" : "light") : this.choice;
     document.documentElement.dataset.theme = name;
-    this.button.textContent = { auto: "◐ auto", light: "☀ light", dark: "☾ dark" }[this.choice];
+    this.button.firstElementChild.textContent = { auto: "◐", light: "☀", dark: "☾" }[this.choice];
+    this.button.lastElementChild.textContent = this.choice;
     this.button.setAttribute("aria-label", `Colours: ${this.choice}. Switch`);
     const style = getComputedStyle(document.documentElement);
     this.colours = Object.fromEntries(NAMES.map((n) => [n, style.getPropertyValue(`--${n}`).trim()]));

@@ -1,5 +1,6 @@
 // The tour: nine steps that set the knobs, say what to look for, and leave everything as it was found.
 
+import { howToDrive } from "./intro.js";
 import { together } from "./knobs.js";
 
 const FAST = "delay 20ms 3ms";
@@ -9,7 +10,8 @@ const THINGS = { ball: "the ball", dominoes: "the first domino", van: "the van" 
 
 const CLAIMS_NOTHING = "This session is without authority, so nobody claims anything: things stay grey. A session with it: tools/demo.sh --scene proxy.";
 
-// `set` gets the Orders, the session and which half; it sets all that the step needs, as steps can be gone back too.
+// `spot`: the part of the page that a step speaks of besides the pictures; it is shown below them. `set` gets the Orders,
+// the session and which half; it sets all that the step needs, as steps can be gone back too.
 const STEPS = [
   {
     title: "What you see",
@@ -17,25 +19,29 @@ const STEPS = [
       + "Discs with numbers are avatars, each moved by its own program; everything else obeys physics. "
       + "The pictures should be the same. Where one is wrong, a line leads from what it shows to where the thing really is.",
     look: "Pick one thing and find it in every picture. The figure under each picture says how wrong it is, all things together.",
+    spot: "plots",
     set: (o, s) => begin(o, s, FAST, "full"),
   },
   {
     title: "No authority",
     text: () => "Somebody has to know where a thing is. For two seconds and a half nothing passes between the peers: each plays on by itself, and nobody's word counts for the others. (A whole session without authority: tools/demo.sh --scene stop-short.)",
     look: "Avatars walk on in straight lines or stand in the others' pictures, and what they push moves in one picture only. Lines grow, and the inconsistency plot climbs. Press “Again” to see it once more.",
+    spot: "plots",
     set: (o, s) => [...begin(o, s, FAST, "fixed"), ...everybody(s).map((slot) => o.cut(slot, "all", 2.5))],
     again: true,
   },
   {
     title: "Dynamic authority",
     text: (s) => without(s) ? CLAIMS_NOTHING : "Now who touches a thing decides about it, at once and without asking: it takes that avatar's colour, in every picture. Grey things are nobody's; they lie still or move by physics alone, the same everywhere.",
-    look: "Drive an avatar into some things (click a picture, then WASD or the arrow keys). They take its colour, and go grey again once they rest.",
+    look: () => `Drive an avatar into some things: ${howToDrive()}. They take its colour, and go grey again once they rest.`,
     set: (o, s) => begin(o, s, FAST, "full"),
   },
   {
     title: "The threshold",
-    text: () => "An avatar is not told at every step: the others go on by what they know, and are told again when that is wrong by more than the threshold, the dashed circle. It is 1.5 m for half of the peers now, and 0.1 m for the others.",
-    look: "Wide circles: avatars jump or slide in the other pictures, few updates. Narrow ones: smooth, more updates (table, “updates”). With the adaptive technique the circle shrinks by itself, with a red “!”, when a contact is coming.",
+    text: (s) => "An avatar is not told at every step: the others go on by what they know, and are told again when that is wrong by more than the threshold, the dashed circle. "
+      + `It is 1.5 m for ${peersInWords(everybody(s), 0)} now${everybody(s).length > 1 ? `, and 0.1 m for ${peersInWords(everybody(s), 1)}` : ""}.`,
+    look: "Wide circles: avatars jump or slide in the other pictures, and few updates are sent. Narrow ones: smooth motion, more updates (the column “updates” of the table). With the adaptive technique the circle shrinks by itself, with a red “!”, when a contact is coming.",
+    spot: "table",
     set: (o, s) => [...begin(o, s, FAST, "fixed"), ...everybody(s).map((slot, i) => o.knob(slot, "threshold", i % 2 ? "0.1" : "1.5"))],
   },
   {
@@ -81,13 +87,15 @@ const STEPS = [
     look: (half) => (half === 0
       ? "Things end up in different places, and stay there: inconsistency does not go back to zero when all rests. Then press “With replay”."
       : "Within a second the lines at things are gone; what is left are avatars that changed their minds less than 200 ms ago. Confirmed worlds: identical."),
+    spot: "plots",
     set: (o, s, half) => begin(o, s, SLOW, half === 0 ? "adaptive" : "full"),
     halves: ["Without replay", "With replay"],
   },
   {
     title: "A partition",
     text: (s) => `Peer ${last(s)} is cut off from all others for 5 s. After three seconds the others give it up: its avatar goes, and its things are free. When the network is whole again it comes back by itself, as a new life.`,
-    look: "Its picture goes its own way, then jumps to the others' world. See the events beside the plots, and in the table that confirmed worlds are identical again.",
+    look: "Its picture goes its own way, then jumps to the others' world. See the events, and at the top that confirmed worlds are identical again.",
+    spot: "events",
     set: (o, s) => [...begin(o, s, FAST, "full"), o.cut(last(s), "all", 5)],
     again: true,
   },
@@ -106,7 +114,7 @@ function runner(session) {
   const thing = THINGS[session.scene?.name];
   const onPath = session.present().find((p) => p.input.startsWith("path:"));
   if (thing && onPath) return `Time after time avatar ${onPath.slot} runs at ${thing}. It`;
-  return "Drive an avatar (click a picture, then WASD or the arrow keys) straight at a thing, and let go just before. It";
+  return `Drive an avatar straight at a thing (${howToDrive()}), and let go just before. It`;
 }
 
 function everybody(session) {
@@ -115,6 +123,12 @@ function everybody(session) {
 
 function last(session) {
   return everybody(session).at(-1);
+}
+
+/** Every second of these peers, from the `first` on. */
+function peersInWords(slots, first) {
+  const chosen = slots.filter((_, i) => i % 2 === first);
+  return chosen.length === 1 ? `peer ${chosen[0]}` : `peers ${chosen.slice(0, -1).join(", ")} and ${chosen.at(-1)}`;
 }
 
 export class Tour {
@@ -135,6 +149,11 @@ export class Tour {
       this.set();
     });
     on("end", () => this.end());
+  }
+
+  /** Which part of the page is spoken of now; empty: the pictures alone, or no tour. */
+  spot() {
+    return STEPS[this.step]?.spot ?? "";
   }
 
   start() {

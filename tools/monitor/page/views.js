@@ -12,6 +12,9 @@ const AGREED = 255; // the view of a capture
 const SILENT_MS = 1500;
 const SHARPEST = 2; // canvas pixels per CSS pixel: more costs time and shows nothing
 const BACKGROUNDS = 4; // kept: all views are of one size, or one is larger
+const CAPTION = 40; // pixels below a picture
+const BELOW = 44; // pixels below the pictures, for what follows to be seen
+const ONE_ROW = 0.9; // of the width that pictures would have in several rows
 const PAINTED_WHOLE = 600; // bodies times views above which pixels are not doubled
 
 export class Views {
@@ -27,6 +30,7 @@ export class Views {
     this.tiles = new Map();
     this.onTile = () => {}; // a tile was made: whoever listens to pointers wants to know
     this.onAction = () => {};
+    this.reserved = () => 0; // pixels that are to be kept free below the pictures
     this.visible = new IntersectionObserver((entries) => {
       for (const e of entries) e.target.tile.visible = e.isIntersecting;
     });
@@ -92,7 +96,9 @@ export class Views {
     buttons.className = "buttons";
     name.textContent = { [OVERLAY]: "All peers, one over the other", [AGREED]: "The agreed world, from the capture" }[slot] ?? `Peer ${slot}`;
     canvas.tabIndex = 0;
-    canvas.setAttribute("role", "img");
+    // Keys steer in it: a screen reader shall hand them on.
+    canvas.setAttribute("role", "application");
+    canvas.setAttribute("aria-roledescription", "picture");
     caption.append(name, said, buttons);
     figure.append(canvas, caption);
     figure.dataset.slot = slot;
@@ -139,17 +145,17 @@ export class Views {
     if (driven) words.push("you drive");
     tile.said.textContent = words.join(" · ");
     tile.said.title = "off: how far everything in this view is from where its authority has it, all entities summed, at the last tick that is confirmed";
-    tile.canvas.setAttribute("aria-label", `View of peer ${slot}. ${words.join(", ")}. Enter drives its avatar.`);
     const drive = tile.buttons.querySelector(".drive");
     drive.hidden = !driven && !session.controllable().some((p) => p.slot === slot);
     drive.textContent = driven ? "Let go" : "Drive";
+    tile.canvas.setAttribute("aria-label", `View of peer ${slot}. ${words.join(", ")}.${drive.hidden || driven ? "" : " Enter drives its avatar."}`);
     tile.buttons.querySelector(".follow").setAttribute("aria-pressed", this.camera.follow === slot);
     const large = tile.buttons.querySelector(".large");
     large.textContent = this.mode === "one" ? "All" : "Enlarge";
     large.hidden = this.session.present().length < 2;
   }
 
-  /** As many columns as make the canvases largest in the space there is. */
+  /** Sizes of all canvases. */
   layOut() {
     const count = this.tiles.size;
     if (count === 0) return;
@@ -158,25 +164,23 @@ export class Views {
     const gap = parseFloat(style.columnGap) || 0;
     const width = this.grid.clientWidth;
     const narrow = width < 600;
-    const height = Math.max(innerHeight - this.grid.getBoundingClientRect().top - scrollY - 12, 300);
-    let best = { columns: 1, w: 0 };
-    for (let columns = 1; columns <= count; ++columns) {
-      const rows = Math.ceil(count / columns);
-      const across = (width - gap * (columns - 1)) / columns;
-      const down = ((height - gap * (rows - 1)) / rows - 34) * aspect;
-      const w = Math.floor(narrow ? across : Math.min(across, down));
-      if (narrow ? columns <= Math.min(2, count) && (columns === 2 || count < 2) : w > best.w) best = { columns, w };
+    const big = narrow && count > 2 ? this.bigOne() : null;
+    let best = { columns: 1, w: Math.floor(width) };
+    if (big !== null) {
+      const columns = Math.min(3, count - 1);
+      best = { columns, w: Math.floor((width - gap * (columns - 1)) / columns) };
+    } else if (!narrow) {
+      best = this.widest(count, gap, aspect);
     }
-    best.w = Math.max(best.w, 120);
-    if (narrow && count === 2) best = { columns: 1, w: Math.floor(width) };
+    best.w = Math.max(best.w, 80);
     this.grid.style.gridTemplateColumns = `repeat(${best.columns}, ${best.w}px)`;
     this.sharp = Math.min(devicePixelRatio || 1, this.session.scene.bodies.length * count > PAINTED_WHOLE ? 1 : SHARPEST);
     let resized = false;
     for (const tile of this.tiles.values()) {
-      const alone = narrow && best.columns === 2 && this.driven === tile.slot;
+      const alone = tile.slot === big;
       const w = alone ? Math.floor(width) : best.w;
       tile.figure.classList.toggle("small", w < 300);
-      tile.figure.style.gridColumn = alone ? "1 / -1" : "";
+      tile.figure.classList.toggle("big", alone);
       tile.width = w;
       tile.height = Math.round(w / aspect);
       const [pw, ph] = [Math.round(w * this.sharp), Math.round(tile.height * this.sharp)];
@@ -190,6 +194,27 @@ export class Views {
     }
     // A canvas is empty when its size has changed; nobody shall see that.
     if (resized) this.draw();
+  }
+
+  /** On a narrow screen one picture has the whole width: the driven one, the one touched last, or the first. */
+  bigOne() {
+    return [this.driven, this.large, ...[...this.tiles.keys()].sort((a, b) => a - b)].find((slot) => slot !== null && this.tiles.has(slot));
+  }
+
+  /** Columns, and the width of a picture in pixels, that make the pictures largest in the space there is. */
+  widest(count, gap, aspect) {
+    const width = this.grid.clientWidth;
+    const height = Math.max(innerHeight - this.grid.getBoundingClientRect().top - scrollY - BELOW - this.reserved(), 200);
+    let best = { columns: 1, w: 0 };
+    for (let columns = 1; columns <= count; ++columns) {
+      const rows = Math.ceil(count / columns);
+      const across = (width - gap * (columns - 1)) / columns;
+      const down = ((height - gap * (rows - 1)) / rows - CAPTION) * aspect;
+      const w = Math.floor(Math.min(across, down));
+      // Rather in one row, if that costs little: what follows is then in view.
+      if (w > best.w || (rows === 1 && w > best.w * ONE_ROW)) best = { columns, w };
+    }
+    return best;
   }
 
   /** Draws every canvas that is on the screen. */
