@@ -7,6 +7,7 @@ import sys
 import tempfile
 import unittest
 
+import data_page
 import documents  # makes tools/docs known
 import help_text
 import pages
@@ -119,6 +120,25 @@ Exit: 0 done.
 """
 
 
+DATA = """
+### Means
+
+| field | unit | meaning |
+|---|---|---|
+| `mean_m` | m | of it |
+
+### `it --json`
+
+| field | unit | meaning |
+|---|---|---|
+| `n` | | how many |
+| `by[].`[means](#means) | | of one |
+| `by[].of.CAUSE` | | by cause |
+| `list[].a` | | in a list, which may be empty |
+| `extra` | | Only sometimes |
+"""
+
+
 class CanFail(unittest.TestCase):
     def expect(self, check, files, complaint):
         with Tree(files) as root:
@@ -160,6 +180,24 @@ class CanFail(unittest.TestCase):
         self.assertEqual(done.returncode, 1, done)
         for name in names:
             self.assertIn(f"stale: docs/reference-{name}.md", done.stdout)
+
+    def test_a_column_that_differs_is_named(self):
+        tables = data_page.sections(DATA)
+        rows, used = data_page.rows_of(tables, "it --json")
+        self.assertEqual(used, {"Means"})
+        right = ["n", "by[].mean_m", "by[].of.contact_end", "list[]"]
+        self.assertEqual(list(data_page.differences(rows, right)), [])
+        self.assertEqual(list(data_page.differences(rows, [*right, "list[].a", "extra"])), [])
+        for wrong, said in [
+            ([*right, "new"], "not on the page: new"),
+            ([*right, "by[].peak_m"], "not on the page: by[].peak_m"),
+            ([*right, "by[].of.hunger"], "not on the page: by[].of.hunger"),
+            ([*right, "others[]"], "not on the page: others[]"),
+            (right[1:], "on the page, and not written: n"),
+            ([right[0], *right[2:]], "on the page, and not written: by[].mean_m"),
+            (right[:3], "on the page, and not written: list[].a"),
+        ]:
+            self.assertEqual(list(data_page.differences(rows, wrong)), [said])
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Makes the reference pages of the programs from what they print with --help, and finds those that are stale.
+"""Makes the reference pages of the programs from what they print with --help, and that of the fields of datagrams from the
+sources, and finds those that are stale.
 
 usage: tools/docs/reference.py [--bin DIR] [make | check]
 
@@ -16,6 +17,7 @@ import re
 import subprocess
 import sys
 
+import datagram_fields
 import help_text
 import pages
 
@@ -30,6 +32,7 @@ PROGRAMS = {
 SCRIPTS = ["demo.sh", "chaos.sh", "scenario.sh", "bench.sh", "figures.py", "docs.sh", "test.sh", "fuzz.sh", "coverage.py",
            "format.sh", "deps.sh"]  # fmt: skip
 SCRIPTS_PAGE = "docs/reference-scripts.md"
+FIELDS_PAGE = "docs/reference-fields.md"
 MADE = "<!-- Made by tools/docs/reference.py from {}; edits here are lost. -->"
 
 
@@ -92,6 +95,7 @@ def reference(folder):
     for program, hidden in PROGRAMS.items():
         yield f"docs/reference-{program}.md", program_page(folder, program, hidden)
     yield SCRIPTS_PAGE, scripts_page()
+    yield FIELDS_PAGE, MADE.format(f"{datagram_fields.PLUGIN} and {datagram_fields.EXPORT}") + "\n\n" + datagram_fields.page()
 
 
 def check(folder):
@@ -125,7 +129,7 @@ def main(arguments):
         return 2
     try:
         return check(folder) if arguments == ["check"] else make(folder)
-    except (Failed, subprocess.TimeoutExpired) as error:
+    except (Failed, ValueError, subprocess.TimeoutExpired) as error:
         print(f"reference.py: {error}", file=sys.stderr)
         return 1
 
