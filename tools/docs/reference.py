@@ -29,8 +29,8 @@ PROGRAMS = {
     "padr-monitor": [],
     "padr-netem": [],
 }
-SCRIPTS = ["demo.sh", "chaos.sh", "scenario.sh", "bench.sh", "figures.py", "docs.sh", "test.sh", "fuzz.sh", "coverage.py",
-           "format.sh", "deps.sh"]  # fmt: skip
+SCRIPTS = ["demo.sh", "chaos.sh", "scenario.sh", "bench.sh", "package.sh", "figures.py", "pictures.sh", "doc_commands.py",
+           "docs.sh", "test.sh", "fuzz.sh", "coverage.py", "format.sh", "deps.sh"]  # fmt: skip
 SCRIPTS_PAGE = "docs/reference-scripts.md"
 FIELDS_PAGE = "docs/reference-fields.md"
 MADE = "<!-- Made by tools/docs/reference.py from {}; edits here are lost. -->"
@@ -83,6 +83,9 @@ def asked(script):
 
 
 def scripts_page():
+    left_out = {name for name in os.listdir(os.path.join(pages.ROOT, "tools")) if name.endswith(".sh")} - set(SCRIPTS)
+    if left_out:
+        raise Failed(f"not in SCRIPTS of tools/docs/reference.py: {', '.join(sorted(left_out))}")
     out = [MADE.format("the scripts' --help"), "", "# Scripts", "",
            "Each of them says with `--help` what it does.", ""]  # fmt: skip
     for script in SCRIPTS:
