@@ -17,10 +17,23 @@ StoredRows stored() {
 
 TEST(Digest, TakesMeansOverSeedsAndNamesWhatIsAlikeOnce) {
   EXPECT_EQ(digest(stored()),
-            "scenario arena; inconsistency in m, means over seeds, and the standard error of the mean\n"
+            "scenario arena; inconsistency in m, means over seeds; +-: 95 % interval of the mean\n"
             "delay_ms    runs     mean      +-  avatars   bodies     peak   kbit/s\n"
-            "0              2    2.000   1.000    1.400    0.600     2.50     15.0\n"
+            "0              2    2.000  12.706    1.400    0.600     2.50     15.0\n"
             "50             2    4.000   0.000    3.000    1.000     8.50     30.0\n");
+}
+
+TEST(Digest, ASummaryHasEveryMeasureWithItsInterval) {
+  StoredRows s = stored();
+  s.heading += ",setting";
+  for (StoredRow& r : s.rows) r.text += ",\"full, as is\"";
+  // Means of 1 and 3, and so on; two seeds have 12.706 standard errors on either side.
+  EXPECT_EQ(summary(s),
+            "scenario,delay_ms,runs,mean_m,mean_m_interval,avatar_mean_m,avatar_mean_m_interval,body_mean_m,"
+            "body_mean_m_interval,peak_m,peak_m_interval,wire_kbps,wire_kbps_interval\n"
+            "arena,0,2,2,12.706,1.4,11.4354,0.6,1.2706,2.5,6.353,15,63.53\n"
+            "arena,50,2,4,0,3,0,1,0,8.5,6.353,30,0\n");
+  EXPECT_EQ(summary({}), "");
 }
 
 TEST(Digest, OfTooManyCombinationsIsANote) {

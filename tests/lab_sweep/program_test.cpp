@@ -1,4 +1,6 @@
 // padr-lab sweep and merge as a user meets them.
+#include <algorithm>
+
 #include "tests/shell.h"
 
 namespace padr {
@@ -17,8 +19,11 @@ TEST_F(SweepProgram, ShardsAndMergeGiveWhatOneSweepGives) {
     const auto r = lab(grid + "--shard " + i + "/3 --csv part" + i + ".csv");
     ASSERT_EQ(r.status, 0) << r.err;
   }
-  const auto r = lab("merge part*.csv --out merged.csv");
+  const auto r = lab("merge part*.csv --out merged.csv --summary merged_means.csv");
   ASSERT_EQ(r.status, 0) << r.err;
+  ASSERT_EQ(lab(grid + "--csv whole.csv --summary means.csv").status, 0);
+  EXPECT_EQ(read("merged_means.csv"), read("means.csv"));
+  EXPECT_EQ(std::ranges::count(read("means.csv"), '\n'), 1 + 8) << "a line for each combination";
   EXPECT_TRUE(r.out.starts_with("16 runs of 3 files in merged.csv\n")) << r.out;
   EXPECT_EQ(read("merged.csv"), read("whole.csv"));
 }
@@ -53,6 +58,7 @@ TEST_F(SweepProgram, MistakesAreOneLineAndExit2) {
   refused("sweep --predictor full --csv x.csv", "--predictor: 'full' is not allowed; give one of none");
   refused("sweep --shard 0/3 --csv x.csv", "--shard: '0/3' is not allowed; give I/N");
   refused("sweep --seconds nan --csv x.csv", "--seconds: 'nan' is not allowed; give 0.1 to 86400 seconds");
+  refused("sweep --shard 1/3 --csv x.csv --summary y.csv", "--summary with --shard:");
   refused("sweep", "--csv is required");
   refused("merge nothing.csv --out x.csv", "SHARD:");
 }

@@ -14,6 +14,15 @@ namespace padr::lab {
 namespace {
 
 constexpr double kMaxSeconds = 24 * 3600;
+constexpr const char* kSummaryHelp =
+    "A CSV of means over seeds, a row for every combination;\nX_interval is half of the 95 % interval of X";
+
+/// The table on standard output, and the summary's file if there is to be one.
+void sum_up(const std::string& flag, const std::string& csv, const std::string& summary) {
+  const sweep::StoredRows rows = sweep::read_rows(flag, csv);
+  std::fputs(sweep::digest(rows).c_str(), stdout);
+  if (!summary.empty()) sweep::replace_file("--summary", summary, sweep::summary(rows));
+}
 
 void declare_network(CLI::App& app, sweep::GridText& grid) {
   const std::string group = "Network (of every directed link)";
@@ -82,6 +91,7 @@ void SweepCommand::declare(CLI::App& app) {
   app.add_option("--watch", grid_.watch, "Count only what this peer sees, and only while there is input")
       ->type_name("PEER");
   app.add_option("--csv", csv_, "Where rows go; those that are there already are not run again")->type_name("FILE");
+  app.add_option("--summary", summary_, kSummaryHelp)->type_name("FILE");
   app.add_option("--shard", shard_, "Only part I of N of the runs, I from 1 to N; put together by padr-lab merge")
       ->type_name("I/N");
   app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
@@ -91,7 +101,7 @@ void SweepCommand::declare(CLI::App& app) {
       "file to the byte, however often it was interrupted and in how many shards it was run.\n"
       "Example:\n"
       "  padr-lab sweep --delay 0,50,100ms --loss 0,5,10% --threshold 0.8,0.3:0.1 --peers 2,4 --bodies 20,60 \\\n"
-      "    --seeds 1-5 --seconds 30 --csv out/grid.csv\n"
+      "    --seeds 1-5 --seconds 30 --csv out/grid.csv --summary out/means.csv\n"
       "  padr-lab sweep ... --shard 2/8 --csv out/part2.csv      and seven more, anywhere; then\n"
       "  padr-lab merge out/part*.csv --out out/grid.csv\n"
       "Exit: 0 done, 1 confirmed worlds differed, 2 usage.");
@@ -105,12 +115,14 @@ int SweepCommand::run() {
     return support::kExitFine;
   }
   if (csv_.empty()) throw UserError("--csv is required: the file that rows go to (or --dry-run)");
+  if (!summary_.empty() && shard.count > 1)
+    throw UserError("--summary with --shard: a shard has not all seeds; give it to padr-lab merge");
   ParallelOptions parallel;
   parallel.threads = jobs_;
   const sweep::SweepResult r = sweep::run_sweep(grid, shard, csv_, parallel);
   std::printf("grid %s: %zu of %zu runs in %s, %zu of them new\n", grid.id().c_str(), r.runs, grid.size(), csv_.c_str(),
               r.done_now);
-  if (shard.count == 1) std::fputs(sweep::digest(sweep::read_rows("--csv", csv_)).c_str(), stdout);
+  if (shard.count == 1) sum_up("--csv", csv_, summary_);
   if (r.agreed) return support::kExitFine;
   std::fprintf(stderr, "padr-lab: confirmed worlds differed: see the column confirmed_mismatches\n");
   return support::kExitFailure;
@@ -119,6 +131,7 @@ int SweepCommand::run() {
 void MergeCommand::declare(CLI::App& app) {
   app.add_option("SHARD", shards_, "The files of all shards of one sweep, in any order")->required();
   app.add_option("--out", out_, "The whole")->type_name("FILE")->required();
+  app.add_option("--summary", summary_, kSummaryHelp)->type_name("FILE");
   app.footer(
       "Refuses files of different grids, runs that are there twice, and holes; then writes the same bytes that one\n"
       "padr-lab sweep without --shard would have written.\n"
@@ -130,7 +143,7 @@ void MergeCommand::declare(CLI::App& app) {
 int MergeCommand::run() {
   const std::size_t runs = sweep::merge(shards_, out_);
   std::printf("%zu runs of %zu files in %s\n", runs, shards_.size(), out_.c_str());
-  std::fputs(sweep::digest(sweep::read_rows("--out", out_)).c_str(), stdout);
+  sum_up("--out", out_, summary_);
   return support::kExitFine;
 }
 

@@ -19,6 +19,7 @@ class SweepCommand {
  private:
   sweep::GridText grid_;
   std::string csv_;
+  std::string summary_;
   std::string shard_;
   int jobs_ = 0;
   bool dry_ = false;
@@ -34,6 +35,7 @@ class MergeCommand {
  private:
   std::vector<std::string> shards_;
   std::string out_;
+  std::string summary_;
 };
 
 }  // namespace padr::lab

@@ -19,10 +19,33 @@ std::string format(const char* pattern, Args... args) {
   return {text.data(), static_cast<std::size_t>(n)};
 }
 
-/// Sums over the seeds of one combination.
+/// Half of the 95 % interval of a mean of `n` values with this standard deviation, by Student's t.
+double half_interval(double n, double deviation) {
+  // The 97.5 % point for 1, 2, ... degrees of freedom; beyond them 1.96 + 2.4 / freedom is right to two decimals.
+  constexpr std::array<double, 10> kPoint{12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228};
+  if (n < 2) return 0;
+  const auto freedom = static_cast<std::size_t>(n) - 1;
+  const double point = freedom <= kPoint.size() ? kPoint[freedom - 1] : 1.96 + 2.4 / static_cast<double>(freedom);
+  return point * deviation / std::sqrt(n);
+}
+
+/// Mean and spread of a column (Welford's sums).
+struct Column {
+  double n = 0, mean = 0, squares = 0;
+  void add(double v) {
+    n += 1;
+    const double off = v - mean;
+    mean += off / n;
+    squares += off * (v - mean);
+  }
+  double interval() const { return half_interval(n, n > 1 ? std::sqrt(squares / (n - 1)) : 0); }
+};
+
+/// The seeds of one combination.
 struct Group {
   std::vector<std::string> key;
-  double n = 0, mean = 0, mean_squared = 0, avatars = 0, bodies = 0, peak = 0, kbps = 0, fidelity = 0;
+  std::vector<Column> columns;  ///< by place; those before the outcome stay empty
+  double n() const { return columns.back().n; }
 };
 
 /// Where the columns are that the table shows.
@@ -46,33 +69,42 @@ struct Places {
   bool has_fidelity;  ///< older files have none
 };
 
-std::vector<Group> grouped(const std::vector<std::vector<std::string>>& rows, const Places& at) {
+std::vector<Group> grouped(const StoredRows& stored, std::size_t seed) {
   std::vector<Group> groups;
   std::map<std::vector<std::string>, std::size_t> place;
-  for (const auto& row : rows) {
-    std::vector<std::string> key(row.begin() + kFirstKey, row.begin() + static_cast<std::ptrdiff_t>(at.seed));
+  for (const StoredRow& stored_row : stored.rows) {
+    const std::vector<std::string> row = fields_of(stored_row.text);
+    std::vector<std::string> key(row.begin() + kFirstKey, row.begin() + static_cast<std::ptrdiff_t>(seed));
     const auto [found, fresh] = place.try_emplace(key, groups.size());
-    if (fresh) groups.push_back({std::move(key)});
+    if (fresh) groups.push_back({std::move(key), std::vector<Column>(row.size())});
     Group& g = groups[found->second];
-    const auto value = [&row](std::size_t column) { return std::strtod(row[column].c_str(), nullptr); };
-    g.n += 1;
-    g.mean += value(at.mean);
-    g.mean_squared += value(at.mean) * value(at.mean);
-    g.avatars += value(at.avatars);
-    g.bodies += value(at.bodies);
-    g.peak += value(at.peak);
-    g.kbps += value(at.kbps);
-    if (at.has_fidelity) g.fidelity += value(at.fidelity);
+    for (std::size_t c = seed + 1; c < row.size(); ++c) g.columns[c].add(std::strtod(row[c].c_str(), nullptr));
   }
   return groups;
 }
 
-std::string line_of(const Group& g, bool has_fidelity) {
-  const double mean = g.mean / g.n;
-  const double spread = g.n > 1 ? std::sqrt(std::max(0.0, (g.mean_squared - g.n * mean * mean) / (g.n - 1))) : 0;
-  return format("%6.0f %8.3f %7.3f %8.3f %8.3f %8.2f ", g.n, mean, spread / std::sqrt(g.n), g.avatars / g.n,
-                g.bodies / g.n, g.peak / g.n) +
-         (has_fidelity ? format("%9.3f ", g.fidelity / g.n) : "") + format("%8.1f\n", g.kbps / g.n);
+std::string line_of(const Group& g, const Places& at) {
+  const auto mean = [&g](std::size_t column) { return g.columns[column].mean; };
+  return format("%6.0f %8.3f %7.3f %8.3f %8.3f %8.2f ", g.n(), mean(at.mean), g.columns[at.mean].interval(),
+                mean(at.avatars), mean(at.bodies), mean(at.peak)) +
+         (at.has_fidelity ? format("%9.3f ", mean(at.fidelity)) : "") + format("%8.1f\n", mean(at.kbps));
+}
+
+/// Whether means of a column say something: `setting` and the like are words, `confirmed_hash` is a name.
+bool is_measure(const StoredRows& stored, std::size_t column, const std::string& name) {
+  if (name == "seconds" || name == "confirmed_hash") return false;
+  return std::all_of(stored.rows.begin(), stored.rows.end(), [column](const StoredRow& row) {
+    const std::string field = fields_of(row.text)[column];
+    char* end = nullptr;
+    std::strtod(field.c_str(), &end);
+    return !field.empty() && *end == '\0';
+  });
+}
+
+std::string line_of_fields(const std::vector<std::string>& fields) {
+  std::string line;
+  for (const std::string& f : fields) line += (line.empty() ? "" : ",") + quoted_field(f);
+  return line + "\n";
 }
 
 }  // namespace
@@ -81,9 +113,7 @@ std::string digest(const StoredRows& stored, std::size_t most) {
   const std::vector<std::string> names = fields_of(stored.heading);
   const Places at(names);
   if (!at.complete || stored.rows.empty()) return "";
-  std::vector<std::vector<std::string>> rows;
-  for (const StoredRow& r : stored.rows) rows.push_back(fields_of(r.text));
-  const std::vector<Group> groups = grouped(rows, at);
+  const std::vector<Group> groups = grouped(stored, at.seed);
   if (groups.size() > most) return format("%zu combinations: too many for a table here\n", groups.size());
   std::string fixed;
   std::string heading;
@@ -100,13 +130,34 @@ std::string digest(const StoredRows& stored, std::size_t most) {
     for (const Group& g : groups) widths[k] = std::max(widths[k], g.key[k].size());
     heading += format("%-*s  ", static_cast<int>(widths[k]), name.c_str());
   }
-  std::string text = fixed + "; inconsistency in m, means over seeds, and the standard error of the mean\n" + heading +
+  std::string text = fixed + "; inconsistency in m, means over seeds; +-: 95 % interval of the mean\n" + heading +
                      "  runs     mean      +-  avatars   bodies     peak   " + (at.has_fidelity ? "fidelity   " : "") +
                      "kbit/s\n";
   for (const Group& g : groups) {
     for (std::size_t k = 0; k < widths.size(); ++k)
       if (widths[k] > 0) text += format("%-*s  ", static_cast<int>(widths[k]), g.key[k].c_str());
-    text += line_of(g, at.has_fidelity);
+    text += line_of(g, at);
+  }
+  return text;
+}
+
+std::string summary(const StoredRows& stored) {
+  const std::vector<std::string> names = fields_of(stored.heading);
+  const Places at(names);
+  if (!at.complete || stored.rows.empty()) return "";
+  std::vector<std::size_t> measures;
+  for (std::size_t c = at.seed + 1; c < names.size(); ++c)
+    if (is_measure(stored, c, names[c])) measures.push_back(c);
+  std::vector<std::string> fields(names.begin() + kFirstKey, names.begin() + static_cast<std::ptrdiff_t>(at.seed));
+  fields.emplace_back("runs");
+  for (const std::size_t c : measures) fields.insert(fields.end(), {names[c], names[c] + "_interval"});
+  std::string text = line_of_fields(fields);
+  for (const Group& g : grouped(stored, at.seed)) {
+    fields = g.key;
+    fields.push_back(format("%.0f", g.n()));
+    for (const std::size_t c : measures)
+      fields.insert(fields.end(), {format("%.6g", g.columns[c].mean), format("%.6g", g.columns[c].interval())});
+    text += line_of_fields(fields);
   }
   return text;
 }

@@ -11,4 +11,8 @@ namespace padr::lab::sweep {
 /// `most` lines.
 std::string digest(const StoredRows& stored, std::size_t most = 60);
 
+/// The same as a CSV of all measures, a line for every combination: of each measure the mean over the seeds and, in
+/// MEASURE_interval, half of the 95 % interval of this mean (Student's t; 0 for a single seed). Empty without rows.
+std::string summary(const StoredRows& stored);
+
 }  // namespace padr::lab::sweep

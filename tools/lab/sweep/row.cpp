@@ -7,6 +7,7 @@
 #include "common/scenarios/bodies.h"
 #include "common/scenarios/scenarios.h"
 #include "tools/lab/rates.h"
+#include "tools/lab/sweep/rows_file.h"
 #include "tools/lab/sweep/values.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/support/scenario_flags.h"
@@ -26,14 +27,6 @@ Scene scene_of(const Point& p) {
   if (!p.bodies) return s.scene;
   const std::string label = "--bodies " + std::to_string(*p.bodies) + ": " + p.scenario;
   return scenarios::load(scenarios::with_bodies(s.text, label, *p.bodies), label, p.seed);
-}
-
-/// A field of a CSV file, in quotes where it needs them (RFC 4180).
-std::string field(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
 }
 
 std::string outcome(const Simulation& s, const Technique& technique, std::optional<PeerId> watched) {
@@ -68,7 +61,7 @@ std::string outcome(const Simulation& s, const Technique& technique, std::option
   std::array<char, 20> hash{};
   std::snprintf(hash.data(), hash.size(), "%016llx", static_cast<unsigned long long>(s.last_confirmed_hash()));
   return text + std::to_string(s.confirmed_ticks()) + "," + std::to_string(s.confirmed_mismatches()) + "," +
-         hash.data() + "," + field(describe(technique));
+         hash.data() + "," + quoted_field(describe(technique));
 }
 
 }  // namespace
@@ -102,10 +95,10 @@ Row run_point(const Grid& grid, std::size_t index) {
   simulation.run();
 
   std::string text = grid.id() + "," + std::to_string(index) + "," + std::to_string(grid.size()) + "," +
-                     field(p.scenario) + "," + std::to_string(bodies) + "," + std::to_string(p.peers) + "," +
+                     quoted_field(p.scenario) + "," + std::to_string(bodies) + "," + std::to_string(p.peers) + "," +
                      plain(p.delay_ms) + "," + plain(p.jitter_ms) + "," + plain(p.loss_percent) + "," +
-                     field(p.technique_name) + ",";
-  for (const std::string& k : p.knobs) text += field(k) + ",";
+                     quoted_field(p.technique_name) + ",";
+  for (const std::string& k : p.knobs) text += quoted_field(k) + ",";
   text += std::to_string(p.seed) + "," + plain(grid.seconds()) + "," + outcome(simulation, p.technique, grid.watched());
   return {std::move(text), simulation.confirmed_mismatches() == 0};
 }
