@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "common/model/user_error.h"
-#include "common/world/world.h"
 #include "peer/summary.h"
 #include "tools/support/run_main.h"
 #include "tools/support/unpredictable.h"
@@ -16,11 +15,7 @@ node::SessionConfig session_config(const Options& o, const std::optional<Endpoin
   c.join = join;
   c.wanted = o.wait_peers;
   c.slots = o.slots;
-  c.scene_hash = scene_hash(o.scenario.scene);
-  c.fingerprint = world::physics_fingerprint();
-  c.authority = o.technique.authority;
   c.scenario = o.scenario.label + " seed " + std::to_string(o.scenario.seed);
-  c.sealed = o.key.has_value();
   c.seed = support::unpredictable();
   c.secret = support::unpredictable();
   c.patience = in_micros(o.join_timeout);

@@ -119,9 +119,7 @@ void CrowdPeer::enter(Region r, const std::optional<Endpoint>& member, Micros lo
   c.session.join = member;
   c.session.wanted = 1;
   c.session.slots = config_.plane.slots;
-  c.session.scene_hash = scene_hash(scene);
   c.session.fingerprint = config_.fingerprint;
-  c.session.authority = config_.technique.authority;
   c.session.scenario = scene.name;
   c.session.seed = derive_seed(config_.seed, ++attempts_);
   c.session.secret = config_.secret;

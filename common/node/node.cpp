@@ -56,6 +56,7 @@ Node::Node(const Scene& scene, const NodeConfig& config, ConfirmedSink on_confir
   assert(config.peers <= config.slots && config.self < config.peers);
   for (PeerId p = 0; p < config.peers; ++p) others_[p].presence = Presence::kThere;
   if (config.sign) reporter_.limit_bodies(sync::kMaxBodiesPerSigned);
+  shown_.begin(live_.world().kinematics());
   refresh_own();
 }
 
@@ -71,6 +72,7 @@ Node::Node(const Scene& scene, const NodeConfig& config, const sync::Transfer& s
       others_(static_cast<std::size_t>(config.slots)) {
   assert(config.self < config.slots);
   if (config.sign) reporter_.limit_bodies(sync::kMaxBodiesPerSigned);
+  shown_.begin(live_.world().kinematics());
 }
 
 // The loop of the paper's Figure 5: sample input, apply received updates, step, contacts -> update; else predict, adapt

@@ -7,9 +7,11 @@
 
 #include "common/model/rng.h"
 #include "common/model/seen_from.h"
+#include "common/model/user_error.h"
 #include "common/node/guard.h"
 #include "common/wire/signature.h"
 #include "common/wire/transfer_codec.h"
+#include "common/world/world.h"
 
 namespace padr::node {
 namespace {
@@ -30,12 +32,28 @@ constexpr Micros kReturnPatience = 6 * kMicrosPerSecond;
 /// Between two words about datagrams that do not fit the session's key.
 constexpr Micros kWarnAgain = 10 * kMicrosPerSecond;
 
+/// Throws UserError for a session that cannot be founded in this scene.
+void check_founder(const SessionConfig& c, const Scene& scene) {
+  const auto most = std::min<std::size_t>(scene.avatar.spawns.size(), kMaxPeers);
+  if (c.slots < 1 || static_cast<std::size_t>(c.slots) > most)
+    throw UserError("slots: " + std::to_string(c.slots) + " is not allowed; give 1 to " + std::to_string(most) +
+                    ", the scenario's places to start from");
+  if (c.wanted < 1 || c.wanted > c.slots)
+    throw UserError("wanted: " + std::to_string(c.wanted) + " is not allowed; give 1 to " + std::to_string(c.slots) +
+                    ", the slots");
+}
+
 }  // namespace
 
 Participant::Participant(const Scene& scene, ParticipantConfig config, Micros local)
     : scene_(scene), config_(std::move(config)), local_(local), warned_(local - kWarnAgain), born_(local) {
   if (config_.gate) gate_.emplace(*config_.gate);
-  config_.session.sealed = gate_.has_value();
+  SessionConfig& session = config_.session;
+  if (!session.join) check_founder(session, scene_);
+  session.sealed = gate_.has_value();
+  session.scene_hash = scene_hash(scene_);
+  session.authority = config_.node.technique.authority;
+  if (session.fingerprint == 0) session.fingerprint = world::physics_fingerprint();
   coming_.session = std::make_unique<Session>(config_.session, local);
 }
 

@@ -14,8 +14,8 @@
 namespace padr::node {
 
 struct ParticipantConfig {
-  SessionConfig session;
-  NodeConfig node;                 ///< technique and fault; the rest is filled in
+  SessionConfig session;           ///< scene_hash, authority and sealed are filled in, fingerprint if it is 0
+  NodeConfig node;                 ///< give technique and fault; the participant sets the rest
   std::optional<GateConfig> gate;  ///< the session has a key; otherwise nothing is sealed
   /// Steers its session's clock with its steps. Otherwise the caller does, as in a crowd, where a peer has one clock.
   bool steers = true;
@@ -33,7 +33,9 @@ struct ParticipantConfig {
 /// goes on.
 class Participant {
  public:
-  /// `local`: microseconds on any monotonic clock of the caller's, the same for all calls.
+  /// `local`: microseconds on any monotonic clock of the caller's, the same for all calls. Throws UserError if the
+  /// session that it is to found has more slots than the scene has places to start from, or wants more peers than
+  /// slots.
   Participant(const Scene& scene, ParticipantConfig config, Micros local);
   ~Participant();
   Participant(const Participant&) = delete;

@@ -18,8 +18,28 @@ PeerId Removals::coordinator(const Node& node) const {
   return kNoPeer;
 }
 
+// A peer that stood still itself gives the others the time that it missed, so it would take them for alive for longer
+// than the heir does. It must not answer later than the rest: if the lost peer comes back meanwhile, half of the peers
+// have frozen it and half have not, and neither half can go on without the other.
+bool Removals::follows(PeerId from, const wire::Poll& poll, const Node& node) const {
+  if (coordinator(node) == from) return true;
+  for (PeerId p = 0; p < from; ++p) {
+    if (p == node.self()) {
+      if (node.member() && !node.leaving()) return false;
+      continue;
+    }
+    const Neighbour& n = node.other(p);
+    if (!n.there() || suspected(node, p) || lost_.contains(p)) continue;
+    const bool asked_about = std::any_of(poll.lost.begin(), poll.lost.end(), [&](const wire::Seat& s) {
+      return s.slot == p && s.incarnation == n.incarnation;
+    });
+    if (!asked_about || n.answer_mark > node.now() - kHeardLately) return false;
+  }
+  return node.other(from).there() && !suspected(node, from) && !lost_.contains(from);
+}
+
 void Removals::on_poll(PeerId from, const wire::Poll& poll, RecordedNode& node) {
-  if (poll.freeze && coordinator(node.node()) != from) return;  // not ours to follow, or not yet
+  if (poll.freeze && !follows(from, poll, node.node())) return;  // not ours to follow, or not yet
   wire::Answer answer;
   answer.frozen = poll.freeze;
   answer.tick = node.node().now();

@@ -66,6 +66,8 @@ class Removals {
     bool ordered = false;
     std::size_t fetches = 0;
   };
+  /// Whether `from` is the one to declare somebody gone, as far as this peer can tell.
+  bool follows(PeerId from, const wire::Poll& poll, const Node& node) const;
   void thaw(RecordedNode& node);
   void doubt(const Node& node);
   bool is_first_well(const Node& node) const;

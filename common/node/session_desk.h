@@ -19,9 +19,9 @@ struct SessionConfig {
   // The founder's to say:
   int wanted = 2;  ///< peers to wait for, 1 .. slots
   int slots = 2;   ///< avatar slots, wanted .. kMaxPeers
-  // What all must have alike:
+  // What all must have alike; a Participant fills it in:
   std::uint64_t scene_hash = 0;
-  std::uint64_t fingerprint = 0;  ///< of physics
+  std::uint64_t fingerprint = 0;  ///< of physics: see world::physics_fingerprint, which takes some milliseconds once
   bool authority = true;
   std::string scenario;  ///< for messages to people: name and seed
   /// Draws the session's number, or the joiner's nonce. Two runs must not have the same.

@@ -44,6 +44,10 @@ Shown::Shown(Convergence how, std::size_t entities)
       blends_(entities),
       busy_(entities, 0) {}
 
+void Shown::begin(const std::vector<world::Kinematics>& live) {
+  for (std::size_t e = 0; e < shown_.size(); ++e) shown_[e] = live[e].position;
+}
+
 void Shown::retune(Convergence how, const std::vector<world::Kinematics>& live) {
   if (how == how_) return;
   how_ = how;

@@ -22,6 +22,8 @@ namespace padr::sync {
 class Shown {
  public:
   Shown(Convergence how, std::size_t entities);
+  /// Before the first advance: what is shown is the live world as it begins.
+  void begin(const std::vector<world::Kinematics>& live);
   /// Goes on another way; what is being led goes on being led from where it is shown, but for kSnap. `live`: as in the
   /// last advance.
   void retune(Convergence how, const std::vector<world::Kinematics>& live);

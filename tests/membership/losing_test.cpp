@@ -159,5 +159,24 @@ TEST(Losing, AfterALongPauseAPeerIsBackWithinTwoSeconds) {
   }
 }
 
+// Whoever stood still itself gives the coordinator as long as if it had listened. It must not wait until then with what
+// it is asked: the coordinator may be back before, and half of the peers would have frozen it.
+TEST(Losing, WhoStoodStillItselfFollowsTheHeirAtOnce) {
+  Party party(4, "delay 30ms", 1179);
+  party.run(6);
+  for (int p = 0; p < 4; ++p) ASSERT_EQ(party.node(p).self(), p);
+  party.net().pause(3, true);
+  party.run(1.15);
+  party.net().pause(0, true);
+  party.run(1.05);
+  party.net().pause(3, false);
+  party.run(2.6);
+  party.net().pause(0, false);
+  party.run(10);
+  EXPECT_TRUE(party.united()) << party.story();
+  for (int p = 1; p < 4; ++p) EXPECT_EQ(party.net().peer(p).life(), 0) << party.story();
+  EXPECT_EQ(party.judge().violation(), "") << party.story();
+}
+
 }  // namespace
 }  // namespace padr::test

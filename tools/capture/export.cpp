@@ -39,6 +39,9 @@ std::string csv_head() {
 
 int run_export(const ExportOptions& o) {
   if (o.json == o.csv) throw UserError("export: give one of --json and --csv");
+  for (const std::string& f : o.files)
+    if (f.ends_with(".csv") || f.ends_with(".json"))
+      throw UserError("CAPTURE: " + f + " is no capture; the file to write is --out " + f);
   Captures captures(o.files, o.keylogs);
   std::unique_ptr<support::OutputFile> file;
   if (o.out != "-") file = std::make_unique<support::OutputFile>("--out", o.out);

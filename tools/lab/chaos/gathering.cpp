@@ -47,9 +47,7 @@ int Gathering::start(std::optional<int> by, bool over_loopback) {
   p.by = by;
   c.session.wanted = config_.wanted;
   c.session.slots = config_.slots;
-  c.session.scene_hash = scene_hash(config_.scene);
   c.session.fingerprint = 1;
-  c.session.authority = config_.technique.authority;
   c.session.scenario = config_.scene.name;
   c.session.seed = rng.next_u64();
   c.session.secret = derive_seed(config_.seed, 0xC00C1E, static_cast<std::uint64_t>(n));

@@ -1,0 +1,110 @@
+// What a program of one's own gets of a participant that is given no more than it has to be.
+#include "common/node/participant.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "common/model/user_error.h"
+#include "common/scenarios/scenarios.h"
+
+namespace padr::node {
+namespace {
+
+Endpoint place(std::uint16_t port) {
+  return ipv4({127, 0, 0, 1}, port);
+}
+
+Scene arena(std::uint64_t seed) {
+  return scenarios::load(scenarios::embedded_text("arena"), "arena", seed);
+}
+
+ParticipantConfig least(std::uint64_t seed, bool joins) {
+  ParticipantConfig c;
+  if (joins) c.session.join = place(1);
+  c.session.seed = c.session.secret = seed;
+  c.node.technique = technique_by_name("full");
+  return c;
+}
+
+/// Two of them, whose datagrams arrive at once.
+class Two {
+ public:
+  Two(const Scene& a, const Scene& b) : founder_(a, least(1, false), 0), joiner_(b, least(2, true), 0) {}
+
+  void run(Micros until) {
+    for (; now_ < until; now_ += 1'000) {
+      turn(founder_, joiner_, 1);
+      turn(joiner_, founder_, 2);
+    }
+  }
+  Participant& founder() { return founder_; }
+  Participant& joiner() { return joiner_; }
+
+ private:
+  void turn(Participant& from, Participant& to, std::uint16_t port) {
+    if (from.next_due() <= now_) from.advance(now_);
+    while (from.playing() && from.next_step() <= now_) from.step({10, 7}, now_);
+    std::vector<wire::Bytes> sent;
+    for (const Parcel& p : from.take_outgoing()) sent.emplace_back(p.bytes);
+    for (const wire::Bytes& bytes : sent) to.receive(place(port), bytes, now_);
+  }
+
+  Micros now_ = 0;
+  Participant founder_;
+  Participant joiner_;
+};
+
+TEST(Participant, IsGivenNoMoreThanATechniqueAndSeedsAndPlays) {
+  Two two(arena(1), arena(1));
+  two.run(4 * kMicrosPerSecond);
+  ASSERT_TRUE(two.founder().playing() && two.joiner().playing());
+  EXPECT_GT(two.joiner().node().stats().hash_checks, 0U);
+  EXPECT_EQ(two.joiner().node().stats().hash_mismatches, 0U);
+}
+
+TEST(Participant, OfAnotherSceneIsRefused) {
+  Two two(arena(1), arena(2));
+  two.run(2 * kMicrosPerSecond);
+  ASSERT_TRUE(two.joiner().failed());
+  EXPECT_NE(two.joiner().session().failure().find("scenario differs"), std::string::npos)
+      << two.joiner().session().failure();
+}
+
+TEST(Participant, ASessionThatTheSceneHasNoRoomForIsAMistakeOfTheCallers) {
+  const auto mistake = [](int wanted, int slots) -> std::string {
+    ParticipantConfig c = least(1, false);
+    c.session.wanted = wanted;
+    c.session.slots = slots;
+    try {
+      Participant p(arena(1), c, 0);
+    } catch (const UserError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const std::string places = std::to_string(std::min<std::size_t>(arena(1).avatar.spawns.size(), kMaxPeers));
+  EXPECT_EQ(mistake(2, 80), "slots: 80 is not allowed; give 1 to " + places + ", the scenario's places to start from");
+  EXPECT_EQ(mistake(0, 2), "wanted: 0 is not allowed; give 1 to 2, the slots");
+  EXPECT_EQ(mistake(3, 2), "wanted: 3 is not allowed; give 1 to 2, the slots");
+  EXPECT_EQ(mistake(1, 1), "");
+}
+
+// What is drawn before the first step must not be a heap in the corner.
+TEST(Participant, ShowsTheSceneFromTheFirstMomentOn) {
+  const Scene scene = arena(1);
+  ParticipantConfig c = least(1, false);
+  c.session.wanted = 1;
+  Participant p(scene, c, 0);
+  Micros now = 0;
+  while (!p.playing() && now < kMicrosPerSecond * 10) p.advance(now += 1'000);
+  ASSERT_TRUE(p.playing());
+  const std::vector<Vec2>& shown = p.node().shown().positions();
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b)
+    EXPECT_LT(distance(shown[b], p.node().live().world().position(static_cast<EntityId>(b))), 1e-6F) << b;
+}
+
+}  // namespace
+}  // namespace padr::node
