@@ -43,6 +43,21 @@ TEST_F(SweepProgram, ADryRunCountsAndRunsNothing) {
   EXPECT_NE(r.out.find(": 120 runs\n"), std::string::npos) << r.out;
 }
 
+TEST_F(SweepProgram, ADoubtfulNetworkIsNamedOnce) {
+  const auto r = lab("sweep --delay 0,10,100ms --jitter 50ms --seeds 1-20 --dry-run");
+  EXPECT_EQ(r.status, 0);
+  EXPECT_NE(r.err.find("warning: in some runs: --netem: "), std::string::npos) << r.err;
+  EXPECT_EQ(std::ranges::count(r.err, '\n'), 1) << r.err;
+}
+
+TEST_F(SweepProgram, WhatIsNoOptionIsNamedWithAGuess) {
+  EXPECT_EQ(lab("sweep --sedes 1 --dry-run").err,
+            "padr-lab: '--sedes' is no option here; did you mean --seeds? (see --help)\n");
+  EXPECT_EQ(lab("sweep --quite-another --dry-run").err, "padr-lab: '--quite-another' is no option here (see --help)\n");
+  EXPECT_EQ(lab("sweep --netem duplicate 1% --dry-run").err,
+            "padr-lab: '1%' is one word too many; put a value that has spaces in quotes (see --help)\n");
+}
+
 TEST_F(SweepProgram, MistakesAreOneLineAndExit2) {
   const auto refused = [this](const std::string& words, const std::string& begin) {
     const auto r = lab(words);

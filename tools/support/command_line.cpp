@@ -1,8 +1,11 @@
 #include "tools/support/command_line.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstdint>
+#include <numeric>
+#include <utility>
 
 #include "common/model/user_error.h"
 #include "tools/support/revision.h"
@@ -28,6 +31,51 @@ void check_command(const CLI::App& app, int argc, const char* const* argv) {
   throw UserError("'" + std::string(argv[1]) + "' is no command; allowed: " + names + " (see --help)");
 }
 
+/// How many letters have to be put in, left out or changed to make one word of the other (Levenshtein).
+std::size_t letters_apart(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t changed = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, changed}));
+    }
+  }
+  return row.back();
+}
+
+/// "; did you mean --listen?", or nothing if no option is like that.
+std::string guess_for(const CLI::App& app, const std::string& word) {
+  constexpr std::size_t kLike = 2;
+  std::string best;
+  std::size_t least = kLike + 1;
+  for (const CLI::Option* o : app.get_options())
+    for (const std::string& name : o->get_lnames())
+      if (const std::size_t apart = letters_apart("--" + name, word); apart < least) {
+        least = apart;
+        best = "--" + name;
+      }
+  return best.empty() ? "" : "; did you mean " + best + "?";
+}
+
+/// What to say of the first word of the command line that nobody wants.
+std::string not_expected(const CLI::App& app, int argc, const char* const* argv) {
+  const auto given = app.get_subcommands();
+  const CLI::App& in = given.empty() ? app : *given.front();
+  const std::vector<std::string> left = app.remaining(true);
+  for (int i = 1; i < argc; ++i) {
+    const std::string whole = argv[i];
+    const std::string word = whole.starts_with("--") ? whole.substr(0, whole.find('=')) : whole;
+    if (std::find_if(left.begin(), left.end(), [&](const std::string& l) { return l == whole || l == word; }) ==
+        left.end())
+      continue;
+    if (word.starts_with('-')) return "'" + word + "' is no option here" + guess_for(in, word);
+    return "'" + word + "' is one word too many; put a value that has spaces in quotes";
+  }
+  return "unexpected arguments";
+}
+
 }  // namespace
 
 bool parse(CLI::App& app, int argc, const char* const* argv) {
@@ -37,6 +85,8 @@ bool parse(CLI::App& app, int argc, const char* const* argv) {
   } catch (const CLI::Success& request) {  // --help, --version
     app.exit(request);
     return false;
+  } catch (const CLI::ExtrasError&) {
+    throw UserError(not_expected(app, argc, argv) + " (see --help)");
   } catch (const CLI::ParseError& e) {
     std::string line = e.what();
     for (char& c : line)

@@ -110,6 +110,7 @@ void SweepCommand::declare(CLI::App& app) {
 int SweepCommand::run() {
   const sweep::Grid grid(grid_);
   const sweep::Shard shard = sweep::shard_of(shard_);
+  for (const std::string& w : grid.warnings()) std::fprintf(stderr, "padr-lab: warning: in some runs: %s\n", w.c_str());
   if (dry_) {
     std::printf("grid %s: %zu runs\n", grid.id().c_str(), grid.size());
     return support::kExitFine;

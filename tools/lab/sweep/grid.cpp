@@ -108,7 +108,7 @@ Point Grid::point(std::size_t index) const {
   return p;
 }
 
-void Grid::check_techniques() const {
+void Grid::check_techniques() {
   for (const std::string& name : techniques_) {
     Technique t = support::technique_of(name);
     for (std::size_t k = 0; k < knobs_.size(); ++k)
@@ -117,7 +117,9 @@ void Grid::check_techniques() const {
   for (const double delay : delay_ms_)
     for (const double jitter : jitter_ms_)
       for (const double loss : loss_percent_)
-        support::parse_netem_flag("--netem", netem_text(delay, jitter, loss, netem_), nullptr);
+        support::parse_netem_flag("--netem", netem_text(delay, jitter, loss, netem_), &warnings_);
+  std::sort(warnings_.begin(), warnings_.end());
+  warnings_.erase(std::unique(warnings_.begin(), warnings_.end()), warnings_.end());
 }
 
 /// With the first seed, which stands for all: whether there is room for bodies hardly hangs on it.

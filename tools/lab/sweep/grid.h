@@ -63,10 +63,12 @@ class Grid {
   /// Eight hexadecimal digits that two grids have in common only if all their runs are the same: of the lists, the
   /// texts of scenarios and paths, the program's revision and this machine's physics.
   const std::string& id() const { return id_; }
+  /// What is legal but doubtful in some of the runs' networks.
+  const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
   void check_sessions() const;
-  void check_techniques() const;
+  void check_techniques();
   std::string identify() const;
 
   std::vector<std::string> scenarios_;
@@ -85,6 +87,7 @@ class Grid {
   std::optional<PeerId> watched_;
   std::size_t size_ = 0;
   std::string id_;
+  std::vector<std::string> warnings_;
 };
 
 }  // namespace padr::lab::sweep
