@@ -5,13 +5,15 @@
 
 namespace padr::scenarios {
 
-/// A scenario file of this folder, built in by embed.cmake.
+/// A scenario file of this folder, or a path of its folder `paths`, built in by embed.cmake.
 struct Embedded {
-  std::string_view name;  ///< file name without .textproto
+  std::string_view name;  ///< file name without its ending
   std::string_view text;
 };
 
-/// Sorted by name.
+/// The scenarios, sorted by name.
 std::span<const Embedded> embedded();
+/// The paths of the paper's stories (CSV, see path.h), sorted by name: a path is named after its scenario.
+std::span<const Embedded> embedded_paths();
 
 }  // namespace padr::scenarios

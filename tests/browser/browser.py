@@ -210,4 +210,4 @@ def main():
     unittest.main(verbosity=2)
 
 
-__all__ = ["Browser", "Case", "Monitor", "Program", "Session", "PATIENCE", "main", "os", "signal", "tempfile", "time", "wait"]
+__all__ = ["Browser", "Case", "MONITOR", "Monitor", "Program", "Session", "PATIENCE", "main", "os", "signal", "tempfile", "time", "wait"]

@@ -25,8 +25,8 @@ Reply error(unsigned status, const std::string& why) {
 
 }  // namespace
 
-FrontDesk::FrontDesk(const Options& options, std::string mode, std::string source)
-    : options_(options), mode_(std::move(mode)), source_(std::move(source)) {}
+FrontDesk::FrontDesk(const Options& options, std::string mode, std::string source, std::string sample)
+    : options_(options), mode_(std::move(mode)), source_(std::move(source)), sample_(std::move(sample)) {}
 
 Reply FrontDesk::get(std::string_view path, std::string_view query) {
   if (path == "/api/session") return json(session_json());
@@ -55,10 +55,11 @@ std::string FrontDesk::greeting(const Viewer& viewer) const {
   h.control = viewer.control;
   h.needs_token = !viewer.control && !options_.view_only && !options_.token.empty();
   h.source = source_;
+  h.sample = sample_;
   return hello_text(h);
 }
 
-void FrontDesk::came(ViewerId id, bool local) {
+void FrontDesk::came(ViewerId id, bool local, std::string_view) {
   Viewer& v = viewers_[id];
   v.local = local;
   v.control = local && !options_.view_only;

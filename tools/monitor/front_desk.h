@@ -20,7 +20,8 @@ namespace padr::monitor {
 /// rate that it asked for. What there is to see is for who derives from it.
 class FrontDesk : public Site {
  public:
-  FrontDesk(const Options& options, std::string mode, std::string source);
+  /// `sample`: the name of the sample that is shown; empty if it is none.
+  FrontDesk(const Options& options, std::string mode, std::string source, std::string sample = "");
 
   /// Where messages go; null: nowhere.
   void connect(WebServer* web) { web_ = web; }
@@ -28,7 +29,7 @@ class FrontDesk : public Site {
   virtual void advance(Micros now) = 0;
 
   Reply get(std::string_view path, std::string_view query) final;
-  void came(ViewerId viewer, bool local) final;
+  void came(ViewerId viewer, bool local, std::string_view query) final;
   void said(ViewerId viewer, std::string_view text) final;
   void left(ViewerId viewer) final;
 
@@ -75,6 +76,7 @@ class FrontDesk : public Site {
   const Options& options_;
   std::string mode_;
   std::string source_;
+  std::string sample_;
   WebServer* web_ = nullptr;
   std::map<ViewerId, Viewer> viewers_;
   Micros now_ = 0;

@@ -16,6 +16,7 @@
 #include "common/model/user_error.h"
 #include "tools/monitor/capture_film.h"
 #include "tools/monitor/live.h"
+#include "tools/monitor/lobby.h"
 #include "tools/monitor/projector.h"
 #include "tools/monitor/trace_film.h"
 #include "tools/monitor/web_server.h"
@@ -92,7 +93,7 @@ class Program {
     peers_->start([this, l = live.get()](const Endpoint& from,
                                          std::span<const std::byte> d) { l->receive(from, d, clock_.now()); },
                   [](const Endpoint&) {}, [] {});
-    desk_ = std::move(live);
+    lobby_ = std::make_unique<Lobby>(options_, std::move(live));
   }
 
   /// Signals end the program as they end any other until it is read.
@@ -105,12 +106,13 @@ class Program {
       throw UserError(std::string(traces ? "--trace" : "--capture") + ": there is nothing to show");
     const std::string source = traces ? options_.traces.front() : options_.captures.front();
     note("plays ticks " + std::to_string(film.first()) + " to " + std::to_string(film.last()) + " of " + source);
-    desk_ = std::make_unique<Projector>(options_, traces ? "trace" : "capture", source, std::move(film));
+    lobby_ = std::make_unique<Lobby>(
+        options_, std::make_unique<Projector>(options_, traces ? "trace" : "capture", source, std::move(film)));
   }
 
   void open_web(const WebServer::Tcp::endpoint& where) {
-    web_ = std::make_shared<WebServer>(io_, where, options_.names, WebLimits{}, *desk_);
-    desk_->connect(web_.get());
+    web_ = std::make_shared<WebServer>(io_, where, options_.names, WebLimits{}, *lobby_);
+    lobby_->connect(web_.get());
     web_->start();
     const auto local = web_->local();
     const std::string host =
@@ -122,7 +124,7 @@ class Program {
   void turn() {
     turn_.async_wait([this](const error_code& error) {
       if (error) return;
-      desk_->advance(clock_.now());
+      lobby_->advance(clock_.now());
       // On absolute deadlines; after having been held up, from now on.
       turn_.expires_at(std::max(turn_.expiry() + kTurn, asio::steady_timer::clock_type::now()));
       turn();
@@ -132,7 +134,7 @@ class Program {
   void stop() {
     turn_.cancel();
     if (peers_) peers_->close();
-    desk_->connect(nullptr);
+    lobby_->connect(nullptr);
     web_->stop();
     end_.expires_after(kGoodbye);
     end_.async_wait([this](const error_code&) { io_.stop(); });
@@ -145,8 +147,8 @@ class Program {
   asio::steady_timer turn_;
   asio::steady_timer end_;
   std::unique_ptr<support::UdpSocket> peers_;
-  std::unique_ptr<FrontDesk> desk_;
-  std::shared_ptr<WebServer> web_;  ///< connections keep it longer, but do not call the desk after stop()
+  std::unique_ptr<Lobby> lobby_;
+  std::shared_ptr<WebServer> web_;  ///< connections keep it longer, but do not call the lobby after stop()
 };
 
 }  // namespace

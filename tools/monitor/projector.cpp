@@ -12,8 +12,8 @@ constexpr Micros kTimelineEvery = kMicrosPerSecond / 10;
 
 }  // namespace
 
-Projector::Projector(const Options& options, std::string mode, std::string source, Film film)
-    : FrontDesk(options, std::move(mode), std::move(source)),
+Projector::Projector(const Options& options, std::string mode, std::string source, Film film, std::string sample)
+    : FrontDesk(options, std::move(mode), std::move(source), std::move(sample)),
       film_(std::move(film)),
       screen_(film_),
       position_(film_.first()) {
@@ -37,6 +37,12 @@ void Projector::advance(Micros now) {
     }
   }
   show(screen_);
+}
+
+void Projector::begin() {
+  seek(film_.first());
+  playing_ = true;
+  tell_timeline();
 }
 
 void Projector::introduce(ViewerId viewer) {

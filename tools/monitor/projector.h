@@ -8,9 +8,11 @@ namespace padr::monitor {
 /// Shows a film: one position for all pages.
 class Projector : public FrontDesk {
  public:
-  Projector(const Options& options, std::string mode, std::string source, Film film);
+  Projector(const Options& options, std::string mode, std::string source, Film film, std::string sample = "");
 
   void advance(Micros now) override;
+  /// Plays from the beginning.
+  void begin();
 
  private:
   void introduce(ViewerId viewer) override;

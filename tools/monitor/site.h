@@ -28,8 +28,8 @@ class Site {
 
   virtual Reply get(std::string_view path, std::string_view query) = 0;
 
-  /// `local`: it comes from this machine.
-  virtual void came(ViewerId viewer, bool local) = 0;
+  /// `local`: it comes from this machine. `query`: of the address that it opened, without its question mark.
+  virtual void came(ViewerId viewer, bool local, std::string_view query) = 0;
   /// A text message.
   virtual void said(ViewerId viewer, std::string_view text) = 0;
   virtual void left(ViewerId viewer) = 0;

@@ -39,12 +39,12 @@ std::vector<std::string> traces_in(const std::vector<std::string>& paths) {
 /// One life of one peer, played again.
 class Actor {
  public:
-  Actor(std::uint64_t process, const std::string& file)
-      : file_(file),
-        bytes_(lab::read_trace_file(file)),
-        reader_(std::as_bytes(std::span(bytes_)), file),
+  Actor(std::uint64_t process, NamedTrace trace)
+      : file_(std::move(trace.name)),
+        bytes_(std::move(trace.bytes)),
+        reader_(std::as_bytes(std::span(bytes_)), file_),
         origin_{process, reader_.header().session, reader_.header().peer, reader_.header().incarnation} {
-    trace::TraceReader scan(std::as_bytes(std::span(bytes_)), file);
+    trace::TraceReader scan(std::as_bytes(std::span(bytes_)), file_);
     while (const auto event = scan.next()) {
       const auto* step = std::get_if<trace::Step>(&*event);
       if (step == nullptr) continue;
@@ -221,9 +221,9 @@ class Deeds {
 };
 
 /// Throws UserError if they are not of one session.
-Cast cast(const std::vector<std::string>& paths) {
+Cast cast(std::vector<NamedTrace> traces) {
   Cast actors;
-  for (const std::string& file : traces_in(paths)) actors.push_back(std::make_unique<Actor>(actors.size() + 1, file));
+  for (NamedTrace& t : traces) actors.push_back(std::make_unique<Actor>(actors.size() + 1, std::move(t)));
   const trace::Header& one = actors.front()->header();
   for (const auto& a : actors) {
     const trace::Header& h = a->header();
@@ -236,7 +236,13 @@ Cast cast(const std::vector<std::string>& paths) {
 }  // namespace
 
 Film film_traces(const std::vector<std::string>& paths, const Note& note) {
-  const Cast actors = cast(paths);
+  std::vector<NamedTrace> traces;
+  for (const std::string& file : traces_in(paths)) traces.push_back({file, lab::read_trace_file(file)});
+  return film_traces(std::move(traces), note);
+}
+
+Film film_traces(std::vector<NamedTrace> traces, const Note& note) {
+  const Cast actors = cast(std::move(traces));
   Tick first = -1;
   Tick last = -1;
   for (const auto& a : actors) {

@@ -11,8 +11,16 @@ namespace padr::monitor {
 /// Lines for the log.
 using Note = std::function<void(const std::string&)>;
 
-/// Replays the traces of one session through fresh nodes, side by side, and films what a monitor of these peers would
-/// have been told. `paths`: traces, and folders whose *.trace are meant. Throws UserError.
+/// A trace in memory.
+struct NamedTrace {
+  std::string name;  ///< for messages
+  std::string bytes;
+};
+
+/// Replays the traces of one session, one at least, through fresh nodes, side by side, and films what a monitor of
+/// these peers would have been told. Throws UserError.
+Film film_traces(std::vector<NamedTrace> traces, const Note& note);
+/// The same of files, and of folders whose *.trace are meant.
 Film film_traces(const std::vector<std::string>& paths, const Note& note);
 
 }  // namespace padr::monitor

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <boost/asio/buffer.hpp>
 
+#include "tools/monitor/guard.h"
+
 namespace padr::monitor {
 namespace {
 
@@ -49,7 +51,9 @@ void ViewerLink::start(HttpRequest request) {
     if (error) return;
     self->open_ = true;
     self->id_ = self->server_->next_viewer();
-    self->server_->came(self->id_, self, self->local_);
+    const auto asked = self->request_.target();
+    const auto target = split_target({asked.data(), asked.size()});
+    self->server_->came(self->id_, self, self->local_, target ? target->query : std::string_view());
     self->read();
   });
 }

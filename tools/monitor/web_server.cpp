@@ -64,9 +64,9 @@ void WebServer::accept() {
   });
 }
 
-void WebServer::came(ViewerId id, const std::shared_ptr<ViewerLink>& link, bool local) {
+void WebServer::came(ViewerId id, const std::shared_ptr<ViewerLink>& link, bool local, std::string_view query) {
   viewers_[id] = link;
-  if (site_ != nullptr) site_->came(id, local);
+  if (site_ != nullptr) site_->came(id, local, query);
 }
 
 void WebServer::left(ViewerId id) {

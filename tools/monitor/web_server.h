@@ -79,7 +79,7 @@ class WebServer : public std::enable_shared_from_this<WebServer> {
   /// Null after stop().
   Site* site() { return site_; }
   WebStats& counters() { return stats_; }
-  void came(ViewerId id, const std::shared_ptr<ViewerLink>& link, bool local);
+  void came(ViewerId id, const std::shared_ptr<ViewerLink>& link, bool local, std::string_view query);
   void left(ViewerId id);
   ViewerId next_viewer() { return ++stats_.viewers_ever; }
 

@@ -1,4 +1,5 @@
 #include "tools/monitor/words.h"
+#include "tools/monitor/samples.h"
 
 #include <algorithm>
 #include <cmath>
@@ -231,8 +232,14 @@ std::string hello_text(const HelloWords& h) {
   j.field("mode", h.mode)
       .field("control", h.control)
       .field("needs_token", h.needs_token)
-      .field("source", valid_utf8(h.source));
-  j.key("knobs").begin_array();
+      .field("source", valid_utf8(h.source))
+      .field("sample", h.sample);
+  j.key("samples").begin_array();
+  for (const Sample& s : samples()) {
+    j.begin_object().field("name", s.name).field("title", s.title);
+    j.field("about", s.about).field("live", s.live).end_object();
+  }
+  j.end_array().key("knobs").begin_array();
   for (const support::Knob& k : support::knobs())
     j.begin_object().field("name", k.flag + 2).field("type", k.type).field("help", k.help).end_object();
   j.end_array().key("techniques").begin_array();

@@ -19,6 +19,7 @@ struct HelloWords {
   bool control = false;
   bool needs_token = false;
   std::string source;
+  std::string sample;  ///< name; empty: none is shown
 };
 std::string hello_text(const HelloWords& h);
 

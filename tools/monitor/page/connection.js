@@ -6,8 +6,9 @@ const PER_SECOND = 100; // messages sent at most; the program allows 200
 const PATIENCE = 4000; // ms until an answer counts as missing
 
 export class Connection {
-  /** `listeners`: functions by message type, and `binary`, `open`, `lost`. */
-  constructor(listeners) {
+  /** `listeners`: functions by message type, and `binary`, `open`, `lost`; `sample`: what to ask for, null for the session. */
+  constructor(listeners, sample) {
+    this.sample = sample;
     this.listeners = listeners;
     this.wait = FIRST_WAIT;
     this.asked = new Map();
@@ -19,7 +20,8 @@ export class Connection {
 
   open() {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
-    this.socket = new WebSocket(`${scheme}://${location.host}/ws`);
+    const what = this.sample === null ? "" : `?sample=${encodeURIComponent(this.sample)}`;
+    this.socket = new WebSocket(`${scheme}://${location.host}/ws${what}`);
     this.socket.binaryType = "arraybuffer";
     this.socket.onopen = () => {
       this.wait = FIRST_WAIT;

@@ -3,6 +3,8 @@
 const touch = matchMedia("(pointer: coarse)");
 const NUMBERS = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve"];
 
+export const WHAT_PICTURES_ARE = "Each picture is the world as one program sees it; a pink line leads from where it shows a thing to where that really is.";
+
 /** How an avatar is driven on this device, to follow "Drive an avatar:". */
 export function howToDrive() {
   return touch.matches ? "touch a picture, and hold a finger where its avatar shall go" : "click a picture, then press WASD or the arrow keys";

@@ -4,15 +4,17 @@ import { Camera } from "./camera.js";
 import { Connection } from "./connection.js";
 import { Driver } from "./drive.js";
 import { Events } from "./events.js";
-import { howToDriveOn, intro } from "./intro.js";
+import { howToDriveOn, intro, WHAT_PICTURES_ARE } from "./intro.js";
 import { Knobs } from "./knobs.js";
 import { Meter } from "./meter.js";
+import { momentOf, readMoment } from "./moment.js";
 import { Orders } from "./orders.js";
 import { Plots } from "./plots.js";
 import { Pointers } from "./pointers.js";
 import { Replay } from "./replay.js";
 import { VIEW_NAMES } from "./samples.js";
 import { Session } from "./session.js";
+import { shownSample, Stories, wantedSample } from "./stories.js";
 import { setText, Tables } from "./table.js";
 import { Theme } from "./theme.js";
 import { Tour } from "./tour.js";
@@ -29,6 +31,7 @@ const views = new Views($("#views"), session, camera, theme);
 const plots = new Plots($("#plots"), session, theme, events);
 const tables = new Tables($("#peers"), $("#links"), $("#verdict"));
 const meter = new Meter($("#frame-time"));
+const stories = new Stories($("#stories"));
 
 const connection = new Connection({
   open() {
@@ -44,6 +47,9 @@ const connection = new Connection({
   hello(hello) {
     session.hello = hello;
     document.body.dataset.mode = hello.mode;
+    stories.begin(hello);
+    const wanted = wantedSample();
+    if (wanted !== null && wanted !== hello.sample) complain(`There is no story called “${wanted}”. The list below has all.`);
     knobs.begin();
     subscribe();
     refresh();
@@ -56,7 +62,6 @@ const connection = new Connection({
     events.begin();
     driver.forget(null);
     tour.forget();
-    setText($("#title"), `${scene.title}.`);
     refresh();
   },
   history(message) {
@@ -77,6 +82,7 @@ const connection = new Connection({
   timeline(message) {
     session.takeTimeline(message);
     replay.update();
+    openMoment();
   },
   taken(message) {
     driver.taken(message.peer);
@@ -88,7 +94,7 @@ const connection = new Connection({
     meter.received(buffer.byteLength);
     session.samples.take(buffer);
   },
-});
+}, wantedSample());
 
 const orders = new Orders(connection, session);
 const driver = new Driver(connection, session);
@@ -97,10 +103,30 @@ const knobs = new Knobs($("#knobs"), session, orders);
 const replay = new Replay($("#replay"), connection, session);
 const tour = new Tour($("#tour"), session, orders);
 
+// Kept from the start: what the address ends with changes.
+const { token: secret } = readMoment(location.hash);
 function token() {
-  const found = /^#token=(.+)$/.exec(location.hash);
-  if (found) connection.send({ type: "token", token: decodeURIComponent(found[1]) });
+  if (secret) connection.send({ type: "token", token: secret });
 }
+
+/** What the address says of a moment is shown once, when the recording is there. */
+let opened = false;
+function openMoment() {
+  if (opened || !session.replayed()) return;
+  opened = true;
+  const moment = readMoment(location.hash);
+  if (moment.tick === null) return;
+  connection.send({ type: "halt" });
+  replay.seek(moment.tick);
+  if (moment.show) setMode(moment.show, moment.peer);
+  if (moment.camera) [camera.x, camera.y, camera.zoom] = moment.camera;
+  camera.follow = moment.follow;
+  plots.select(moment.plots);
+}
+addEventListener("hashchange", () => {
+  opened = false;
+  openMoment();
+});
 
 function subscribe() {
   const wanted = VIEW_NAMES.filter((name) => name === "shown" || views.ghosts[name] || (name === "authority" && views.mode === "overlay") || (name === "confirmed" && session.hello?.mode === "capture"));
@@ -121,16 +147,32 @@ function refresh() {
   const { hello, scene } = session;
   if (hello) setText($("#state"), stateInWords(hello));
   const there = session.present().length;
-  $("#empty").hidden = Boolean(scene && (there > 0 || hello?.mode === "capture"));
-  if (!$("#empty").hidden) setText($("#empty"), hello ? emptyInWords(hello) : "");
+  const nobody = !(scene && (there > 0 || hello?.mode === "capture"));
+  // The stories stand in for peers until there are some.
+  const alone = nobody && hello?.mode === "live";
+  if (alone !== document.body.classList.contains("empty")) $("#stories").open = alone;
+  document.body.classList.toggle("empty", alone);
+  $("#empty").hidden = !nobody;
+  if (nobody) setText($("#empty"), hello ? emptyInWords(hello) : "");
   $("#tour-button").hidden = $("#knobs").hidden = session.replayed();
   $("main").classList.toggle("alone", session.replayed());
-  setText($("#intro .text"), intro(session));
+  introduce();
   $("#tour-button").disabled = session.controllable().length === 0;
   hint();
 }
 
+function introduce() {
+  const { hello, scene } = session;
+  const sample = shownSample(hello);
+  setText($("#title"), sample ? `${sample.title}.` : scene ? `${scene.title}.` : "");
+  setText($("#intro .text"), sample ? `${sample.about} ${WHAT_PICTURES_ARE}` : intro(session));
+  $("#intro .note").hidden = !sample;
+  setText($("#intro .made"), sample ? hello.source : "");
+  setText($("#intro .live"), sample ? sample.live : "");
+}
+
 function stateInWords(hello) {
+  if (hello.sample) return "a recording that comes along";
   if (hello.mode !== "live") return `recording: ${hello.source}`;
   const { time } = session.peers;
   if (!session.scene || time === undefined || time === null) return `waiting for peers at ${hello.source}`;
@@ -140,7 +182,7 @@ function stateInWords(hello) {
 
 function emptyInWords(hello) {
   if (hello.mode !== "live") return "Reading the recording …";
-  return `No peer is here yet. Start one that tells this page:\npadr-peer --monitor ${hello.source} --control …\nor tools/demo.sh for four of them.`;
+  return `This page shows every peer of a session side by side. No peer is here yet.\nStart four with tools/demo.sh, or one by one: padr-peer --monitor ${hello.source} --control …\nOr watch a story, which needs no peer.`;
 }
 
 let said = null;
@@ -222,6 +264,7 @@ for (const b of document.querySelectorAll("[data-span]")) {
 plots.selectionChanged = markSpan;
 plots.sought = (time) => session.replayed() && replay.seek(Math.round(time * 60));
 replay.failed = complain;
+replay.shared = () => `${location.origin}${location.pathname}${location.search}${momentOf(session, views, camera, plots)}`;
 theme.changed = () => {
   views.recolour();
   plots.recolour();

@@ -12,6 +12,8 @@ export class Replay {
     this.where = panel.querySelector("output");
     this.speed = panel.querySelector("select");
     this.failed = () => {};
+    this.shared = () => ""; // the address of what is seen now
+    panel.querySelector(".share").addEventListener("click", () => this.share());
     for (const s of SPEEDS) this.speed.append(new Option(`${s} ×`, s));
     this.slider.addEventListener("input", () => this.seek(Number(this.slider.value)));
     this.play.addEventListener("click", () => this.ask({ type: this.session.timeline?.playing ? "halt" : "play" }));
@@ -19,6 +21,21 @@ export class Replay {
     for (const b of panel.querySelectorAll("[data-step]")) {
       b.addEventListener("click", () => this.ask({ type: "step", ticks: Number(b.dataset.step) }));
     }
+  }
+
+  /** Puts the link into the address bar, and where the browser allows it into the clipboard. */
+  async share() {
+    const link = this.shared();
+    history.replaceState(null, "", link);
+    let said = "The link is copied.";
+    try {
+      await navigator.clipboard.writeText(link);
+    } catch {
+      said = "The link is in the address bar.";
+    }
+    const status = this.panel.querySelector(".status");
+    status.textContent = said;
+    setTimeout(() => { status.textContent = ""; }, 6000);
   }
 
   async ask(message) {

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "tools/monitor/front_desk.h"
+#include "tools/monitor/projector.h"
+
+namespace padr::monitor {
+
+/// Where pages come to. They are shown what the program was started for, or, with `?sample=NAME` in their address, that
+/// sample: it is made when the first page asks for it, and kept. All pages that look at a sample share its position.
+class Lobby : public Site {
+ public:
+  Lobby(const Options& options, std::unique_ptr<FrontDesk> main);
+
+  /// Where messages go; null: nowhere.
+  void connect(WebServer* web);
+  /// To be called often: does what is due.
+  void advance(Micros now);
+
+  Reply get(std::string_view path, std::string_view query) override;
+  void came(ViewerId viewer, bool local, std::string_view query) override;
+  void said(ViewerId viewer, std::string_view text) override;
+  void left(ViewerId viewer) override;
+
+ private:
+  /// For a query: what was asked for, else the main one.
+  FrontDesk& desk(std::string_view query);
+
+  const Options& options_;
+  WebServer* web_ = nullptr;
+  Micros now_ = 0;
+  std::unique_ptr<FrontDesk> main_;
+  std::map<std::string, std::unique_ptr<Projector>, std::less<>> samples_;
+  std::map<ViewerId, FrontDesk*> where_;
+};
+
+}  // namespace padr::monitor
