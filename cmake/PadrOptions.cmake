@@ -40,7 +40,7 @@ endif()
 
 # Against what a mistake of ours would let a datagram do, in optimised builds without sanitizers, which have their own.
 # None of it changes a float. tests/architecture looks whether it is in the programs.
-option(PADR_HARDEN "Hardening flags of compiler and linker, in optimised builds" ON)
+option(PADR_HARDEN "Hardening flags of compiler and linker, in optimised builds" ${PROJECT_IS_TOP_LEVEL})
 set(PADR_HARDENED OFF)
 if(PADR_HARDEN AND NOT PADR_SANITIZE AND NOT PADR_COVERAGE AND NOT CMAKE_BUILD_TYPE STREQUAL "Debug"
    AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")

@@ -1,0 +1,95 @@
+// A game of your own around PADR's participant: one UDP socket, one clock, one loop. docs/own-game.md walks through it.
+//
+//   own_game PORT             founds a session on 127.0.0.1 and waits for a second player
+//   own_game PORT JOIN_PORT   joins the session at 127.0.0.1:JOIN_PORT
+#include <utility>  // Boost.Asio 1.74 needs it and does not include it
+
+#include <algorithm>
+#include <array>
+#include <boost/asio.hpp>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <random>
+#include <string>
+
+#include "common/node/participant.h"
+#include "common/scenarios/scenarios.h"
+
+using boost::asio::ip::udp;
+using std::chrono::microseconds;
+using std::chrono::steady_clock;
+
+const padr::Tick kEnd = 10 * padr::kTicksPerSecond;
+
+// 1. What you choose: the session that you found or join, and the technique.
+padr::node::ParticipantConfig configure(const char* join_port) {
+  padr::node::ParticipantConfig config;
+  config.node.technique = padr::technique_by_name("full");
+  config.session.slots = 4;
+  std::random_device random;
+  config.session.seed = random();
+  config.session.secret = std::uint64_t{random()} << 32U | random();
+  if (join_port) config.session.join = padr::ipv4({127, 0, 0, 1}, static_cast<std::uint16_t>(std::stoi(join_port)));
+  config.on_confirmed = [](int, const padr::sync::FoldState& world, std::uint64_t hash) {
+    if (world.tick % 60 == 0) std::printf("confirmed %d %016llx\n", int(world.tick), (unsigned long long)hash);
+  };
+  return config;
+}
+
+// 2. Your input: the point that the avatar is drawn towards, in metres. Your picture: where everything is to be drawn.
+padr::Vec2 input(const padr::node::Node& node) {
+  const float angle = float(node.now()) / 40 + float(node.self()) * 3;
+  return {10 + 5 * std::cos(angle), 7.5F + 5 * std::sin(angle)};
+}
+void draw(const padr::node::Node& node) {
+  const std::vector<padr::Vec2>& at = node.shown().positions();  // of the bodies, then of the avatars; m
+  const padr::Vec2 avatar = at[node.live().avatar()];
+  if (node.now() % 60 == 0)
+    std::printf("tick %d: avatar %.2f %.2f, body 0 %.2f %.2f\n", int(node.now()), avatar.x, avatar.y, at[0].x, at[0].y);
+}
+
+void send(udp::socket& socket, const padr::node::Parcel& parcel) {
+  boost::asio::ip::address_v4::bytes_type address{};
+  std::copy_n(parcel.to.address.begin() + 12, 4, address.begin());
+  boost::system::error_code lost;  // as any datagram may be
+  socket.send_to(boost::asio::buffer(parcel.bytes), {boost::asio::ip::address_v4(address), parcel.to.port}, 0, lost);
+}
+
+int main(int argc, char** argv) try {
+  if (argc < 2) return std::puts("usage: own_game PORT [JOIN_PORT]"), 2;
+  // 3. The participant has neither clock nor socket. Both are yours.
+  const auto start = steady_clock::now();
+  const auto now = [&] { return std::chrono::duration_cast<microseconds>(steady_clock::now() - start).count(); };
+  padr::node::Participant peer(padr::scenarios::load_embedded("arena", 1), configure(argv[2]), now());
+  boost::asio::io_context io;
+  udp::socket socket(io, {boost::asio::ip::address_v4::loopback(), static_cast<std::uint16_t>(std::stoi(argv[1]))});
+  std::array<std::byte, 2048> in{};
+  udp::endpoint from;
+  const std::function<void()> listen = [&] {
+    socket.async_receive_from(boost::asio::buffer(in), from, [&](boost::system::error_code error, std::size_t size) {
+      if (!error) peer.receive(padr::ipv4(from.address().to_v4().to_bytes(), from.port()), {in.data(), size}, now());
+      listen();
+    });
+  };
+  listen();
+
+  // 4. The loop: wait for a datagram or for what is due, play the ticks that are due, send what there is to send.
+  for (bool over = false; !over;) {
+    const auto due = peer.playing() ? std::min(peer.next_due(), peer.next_step()) : peer.next_due();
+    io.run_one_until(start + microseconds(due));
+    peer.advance(now());
+    while (peer.playing() && peer.next_step() <= now() && !over) {
+      peer.step(input(peer.node()), now());
+      draw(peer.node());
+      if (peer.node().now() == kEnd) peer.leave();
+      over = peer.node().now() > kEnd && (peer.node().delivered() || peer.node().now() > kEnd + 180);
+    }
+    for (const padr::node::Parcel& parcel : peer.take_outgoing()) send(socket, parcel);
+    if (peer.failed()) return std::fprintf(stderr, "own_game: %s\n", peer.session().failure().c_str()), 1;
+  }
+  return peer.node().stats().hash_mismatches == 0 ? 0 : 1;
+} catch (const std::exception& e) {
+  return std::fprintf(stderr, "own_game: %s\n", e.what()), 1;
+}
