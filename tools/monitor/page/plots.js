@@ -169,6 +169,8 @@ class Chart {
     title.append(strong, ` ${plot.help}`);
     this.box = document.createElement("div");
     this.box.className = "chart";
+    this.box.setAttribute("role", "img");
+    this.box.setAttribute("aria-label", `${plot.title}. Its values are below.`);
     this.values = document.createElement("p");
     this.values.className = "values";
     figure.append(title, this.box, this.values);

@@ -25,7 +25,7 @@ export class Pointers {
   }
 
   key(tile, event) {
-    if (event.code === "Enter") this.clicked(tile.slot);
+    if (event.key === "Enter") this.clicked(tile.slot);
     else if (event.key === "+" || event.key === "=") this.camera.zoomAbout(this.camera, 1.25);
     else if (event.key === "-") this.camera.zoomAbout(this.camera, 0.8);
     else if (event.key === "0") this.camera.reset();
