@@ -52,7 +52,7 @@ class Programs:
 
 def lab(p):
     p.run("padr-lab", "run", "--peers", "4", "--seconds", "8", "--netem", NETEM, "--json", "run.json", "--csv", "run.csv", "--trace", "traces")
-    p.run("padr-lab", "sweep", "--seconds", "2", "--threshold", "0.8,0.3:0.1", "--csv", "sweep.csv")
+    p.run("padr-lab", "sweep", "--seconds", "2", "--threshold", "0.8,0.3:0.1", "--csv", "sweep.csv", "--summary", "means.csv")
     p.run("padr-lab", "compare", "--seeds", "1", "--seconds", "2", "--techniques", "full,dis", "--netem", NETEM, "--out", "compare")
     p.run("padr-lab", "figures", "--seeds", "1", "--seconds", "3", "--out", "figures")
     p.run("padr-lab", "examples", "--takes", "1", "--stories", "dominoes", "--out", "examples", "--json", "examples.json")
@@ -125,6 +125,7 @@ FILES = {
     "padr-lab run --json": "run.json",
     "padr-lab run --csv": "run.csv",
     "padr-lab sweep --csv": "sweep.csv",
+    "padr-lab sweep --summary": "means.csv",
     "padr-lab compare --csv": "compare/compare.csv",
     "padr-lab compare --json": "compare/compare.json",
     "padr-lab figures: runs.csv": "figures/runs.csv",
