@@ -51,7 +51,8 @@ class Programs:
 
 
 def lab(p):
-    p.run("padr-lab", "run", "--peers", "4", "--seconds", "8", "--netem", NETEM, "--json", "run.json", "--csv", "run.csv", "--trace", "traces")
+    p.run("padr-lab", "run", "--peers", "4", "--seconds", "8", "--netem", NETEM, "--json", "run.json", "--csv", "run.csv",
+          "--trace", "traces")
     p.run("padr-lab", "sweep", "--seconds", "2", "--threshold", "0.8,0.3:0.1", "--csv", "sweep.csv", "--summary", "means.csv")
     p.run("padr-lab", "compare", "--seeds", "1", "--seconds", "2", "--techniques", "full,dis", "--netem", NETEM, "--out", "compare")
     p.run("padr-lab", "figures", "--seeds", "1", "--seconds", "3", "--out", "figures")

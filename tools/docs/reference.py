@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Makes the reference pages of the programs from what they print with --help, and that of the fields of datagrams from the
-sources, and finds those that are stale.
+"""Makes the reference pages of the programs from what they print with --help, and those of the fields of datagrams and
+scenarios from the sources, and finds those that are stale.
 
 usage: tools/docs/reference.py [--bin DIR] [make | check]
 
@@ -20,6 +20,7 @@ import sys
 import datagram_fields
 import help_text
 import pages
+import scenario_fields
 
 PROGRAMS = {
     "padr-peer": ["keygen"],  # subcommands that the help itself does not list
@@ -33,6 +34,7 @@ SCRIPTS = ["demo.sh", "chaos.sh", "scenario.sh", "bench.sh", "package.sh", "figu
            "docs.sh", "test.sh", "fuzz.sh", "coverage.py", "format.sh", "deps.sh"]  # fmt: skip
 SCRIPTS_PAGE = "docs/reference-scripts.md"
 FIELDS_PAGE = "docs/reference-fields.md"
+SCENARIO_PAGE = "docs/reference-scenario.md"
 MADE = "<!-- Made by tools/docs/reference.py from {}; edits here are lost. -->"
 
 
@@ -99,6 +101,7 @@ def reference(folder):
         yield f"docs/reference-{program}.md", program_page(folder, program, hidden)
     yield SCRIPTS_PAGE, scripts_page()
     yield FIELDS_PAGE, MADE.format(f"{datagram_fields.PLUGIN} and {datagram_fields.EXPORT}") + "\n\n" + datagram_fields.page()
+    yield SCENARIO_PAGE, MADE.format(scenario_fields.SCHEMA) + "\n\n" + scenario_fields.page()
 
 
 def check(folder):
