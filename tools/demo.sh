@@ -160,22 +160,50 @@ if [[ -e $scenario ]]; then scenario=$(realpath -- "$scenario"); fi
 out=$(realpath -m -- "$out")
 if [[ -e $out && ! -d $out ]]; then fail_usage "--out '$out' is no directory"; fi
 
-# --- set up and build: the same build folder and objects as tools/test.sh; tests only if they were asked for before.
+# --- set up and build: the same build folder and objects as tools/test.sh; tests only if they were asked for before. What the
+# page needs comes first. The report is built while the peers play, with what processor time they leave.
+alive() { kill -0 "$1" 2>/dev/null; }
+build_log=
+building=
 build_programs() {
-  local jobs=${PADR_JOBS:-$(nproc)} without_tests=()
+  local jobs=${PADR_JOBS:-$(nproc)} without_tests=() steps
   if ! [[ $jobs =~ ^[1-9][0-9]*$ ]]; then fail_usage "PADR_JOBS is '$jobs', must be a number from 1"; fi
   # What has to be compiled is preprocessed once and not twice.
   export CCACHE_DEPEND=1
+  echo "== installing packages that are missing (about a minute on a bare system)"
   tools/deps.sh build run
   mkdir -p "$out"
+  build_log=$out/build.log
   if [[ ! -e build/release/CMakeCache.txt ]]; then without_tests=(-DPADR_TESTS=OFF); fi
   echo "== configuring build/release"
-  if ! cmake --preset release "${without_tests[@]}" >"$out/build.log" 2>&1; then
-    cat "$out/build.log" >&2
+  if ! cmake --preset release "${without_tests[@]}" >"$build_log" 2>&1; then
+    cat "$build_log" >&2
     exit 1
   fi
-  echo "== building"
-  cmake --build build/release --parallel "$jobs" --target padr-peer padr-report padr-monitor
+  local first=(padr-peer)
+  if [[ $page != off ]]; then first+=(padr-monitor); fi
+  steps=$(ninja -C build/release -n "${first[@]}" 2>/dev/null | sed -n 's,^\[[0-9]*/\([0-9]*\)\].*,\1,p' | tail -n 1 || true)
+  echo "== building ${first[*]}$(how_long "${steps:-0}" "$jobs")"
+  NINJA_STATUS='   %f of %t after %e s: ' cmake --build build/release --parallel "$jobs" --target "${first[@]}"
+  # In a session of its own, as peers are: Ctrl-C ends the play and not this.
+  setsid nice -n 19 cmake --build build/release --parallel "$jobs" --target padr-report >"$build_log" 2>&1 </dev/null &
+  building=$!
+}
+# A step takes 2 to 3 s of one processor, unless the compiler cache knows it.
+how_long() { # STEPS JOBS
+  if (($1 < 10)); then return; fi
+  local minutes=$((($1 * 5 / 2 / $2 + 59) / 60))
+  echo ": $1 steps, about $minutes min on $2 processors, or seconds if ccache knows them"
+}
+await_report() {
+  if [[ -z $building ]]; then return; fi
+  if alive "$building"; then echo "== waiting for padr-report to be built"; fi
+  if ! wait "$building"; then
+    cat "$build_log" >&2
+    echo "$me: padr-report could not be built" >&2
+    exit 1
+  fi
+  building=
 }
 
 if [[ $installed == no ]]; then
@@ -210,7 +238,6 @@ free_port() {
 
 pids=()
 monitor=
-alive() { kill -0 "$1" 2>/dev/null; }
 stop_peers() {
   local pid tries
   for pid in "${pids[@]}"; do kill -TERM "$pid" 2>/dev/null || true; done
@@ -222,10 +249,10 @@ stop_peers() {
   done
   for pid in "${pids[@]}"; do kill -KILL "$pid" 2>/dev/null || true; done
   if [[ -n $monitor ]]; then kill -TERM "$monitor" 2>/dev/null || true; fi
-  wait 2>/dev/null || true
+  if ((${#pids[@]} > 0)) || [[ -n $monitor ]]; then wait "${pids[@]}" ${monitor:+"$monitor"} 2>/dev/null || true; fi
   pids=() monitor=
 }
-trap stop_peers EXIT
+trap 'stop_peers; if [[ -n $building ]]; then kill -TERM -- "-$building" 2>/dev/null || true; fi' EXIT
 # With a page the first Ctrl-C ends the play and not the report. Only this script gets it: programs run in sessions of
 # their own.
 enough=no
@@ -367,6 +394,7 @@ fi
 
 traces=()
 for ((i = 0; i < peers; ++i)); do traces+=("$out/peer$i.trace"); done
+await_report
 echo "== report"
 verdict=0
 "$bin/padr-report" "${traces[@]}" --plots "$out/plots" --csv "$out/csv" --json "$out/report.json" || verdict=$?

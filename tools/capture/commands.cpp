@@ -2,18 +2,12 @@
 
 #include <cstdio>
 
+#include "tools/capture/setting.h"
 #include "tools/capture/summary.h"
 #include "tools/support/files.h"
 #include "tools/support/run_main.h"
 
 namespace padr::capture {
-
-void declare_keylogs(CLI::App& app, std::vector<std::string>& keylogs) {
-  app.add_option("--keylog", keylogs,
-                 "What padr-peer --keylog has written: checks who has sent what, and decrypts. May be repeated")
-      ->type_name("FILE")
-      ->allow_extra_args(false);
-}
 
 void declare_captures(CLI::App& app, std::vector<std::string>& files, std::vector<std::string>& keylogs) {
   app.add_option("CAPTURE", files,

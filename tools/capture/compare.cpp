@@ -8,6 +8,7 @@
 #include "tools/capture/comparison.h"
 #include "tools/capture/names.h"
 #include "tools/capture/rebuild.h"
+#include "tools/capture/setting.h"
 #include "tools/support/json.h"
 #include "tools/support/run_main.h"
 #include "tools/support/text.h"

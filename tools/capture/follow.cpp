@@ -5,6 +5,7 @@
 #include "common/capture/frame_reader.h"
 #include "tools/capture/commands.h"
 #include "tools/capture/sentence.h"
+#include "tools/capture/setting.h"
 #include "tools/support/command_line.h"
 
 namespace padr::capture {

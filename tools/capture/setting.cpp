@@ -31,6 +31,13 @@ bool is_built_in(const std::string& name) {
 
 }  // namespace
 
+void declare_keylogs(CLI::App& app, std::vector<std::string>& keylogs) {
+  app.add_option("--keylog", keylogs,
+                 "What padr-peer --keylog has written: checks who has sent what, and decrypts. May be repeated")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+}
+
 CLI::Validator session_number() {
   return {[](std::string& text) -> std::string {
             const bool hex = text.starts_with("0x") || text.starts_with("0X");

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tools/capture/ledger.h"
 #include "tools/capture/rebuild.h"
@@ -11,6 +12,9 @@ namespace padr::capture {
 
 /// For --session: decimal, as everything that we print, or hexadecimal with 0x.
 CLI::Validator session_number();
+
+/// What padr-peer --keylog has written, for sessions with a key.
+void declare_keylogs(CLI::App& app, std::vector<std::string>& keylogs);
 
 /// What the packets may not tell: flags, and how they and a session's Join and Welcome go together.
 class SettingFlags {

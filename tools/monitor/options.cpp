@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "common/model/user_error.h"
-#include "tools/capture/commands.h"
+#include "tools/capture/setting.h"
 #include "tools/support/command_line.h"
 
 namespace padr::monitor {
