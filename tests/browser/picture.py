@@ -8,7 +8,7 @@ from browser import *
 def take():
     monitor = Monitor()
     session = Session(monitor, 4, "--netem", "delay 100ms 50ms loss 10%", own=[["--input", f"wander:{i}"] for i in range(4)])
-    page = Browser(1140, 640)
+    page = Browser(1280, 757)
     try:
         page.open(monitor.address)
         wait(lambda: page.script("return padr.session.scene && padr.session.present().length") == 4, "4 peers")

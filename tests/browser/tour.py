@@ -70,7 +70,7 @@ class Scene(Case):
         self.assertIn("Time after time avatar 0 runs at the ball. It stops just short", said["Stopping short"])
         self.assertIn("Nobody has authority here", said["Stopping short"])
         self.assertIn("look-ahead is blind to a stop short", said["What a predictor sees"])
-        self.assertIn("--scene proxy", said["The chain by proxy"])
+        self.assertIn("the story “Collision by proxy”", said["The chain by proxy"])
         self.check_console(b)
 
 

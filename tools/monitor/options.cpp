@@ -15,7 +15,7 @@ constexpr const char* kDescription =
 
 constexpr const char* kFooter =
     "HOST is a name, an IPv4 address, or an IPv6 address in brackets. The page needs no other server: all of it is in\n"
-    "this program. Open the address that it prints.\n"
+    "this program. Open the address that it prints. While no peer is there, the page lists stories to watch.\n"
     "\n"
     "A session on this machine, to look at and to play with:\n"
     "  padr-monitor &\n"

@@ -8,7 +8,7 @@ const SLOW = "delay 200ms 40ms loss 5%";
 const WITHOUT = "avatar-only"; // the technique without authority: a session keeps to it, or to the others
 const THINGS = { ball: "the ball", dominoes: "the first domino", van: "the van" }; // what the paths of the scenes stop short of
 
-const CLAIMS_NOTHING = "This session is without authority, so nobody claims anything: things stay grey. A session with it: tools/demo.sh --scene proxy.";
+const CLAIMS_NOTHING = "This session is without authority, so nobody claims anything: things stay grey. A session with it is the story “Collision by proxy”.";
 
 // `spot`: the part of the page that a step speaks of besides the pictures; it is shown below them. `set` gets the Orders,
 // the session and which half; it sets all that the step needs, as steps can be gone back too.
@@ -24,7 +24,7 @@ const STEPS = [
   },
   {
     title: "No authority",
-    text: () => "Somebody has to know where a thing is. For two seconds and a half nothing passes between the peers: each plays on by itself, and nobody's word counts for the others. (A whole session without authority: tools/demo.sh --scene stop-short.)",
+    text: () => "Somebody has to know where a thing is. For two seconds and a half nothing passes between the peers: each plays on by itself, and nobody's word counts for the others. (A whole session without authority is the story “Stopping short”.)",
     look: "Avatars walk on in straight lines or stand in the others' pictures, and what they push moves in one picture only. Lines grow, and the inconsistency plot climbs. Press “Again” to see it once more.",
     spot: "plots",
     set: (o, s) => [...begin(o, s, FAST, "fixed"), ...everybody(s).map((slot) => o.cut(slot, "all", 2.5))],
@@ -49,7 +49,7 @@ const STEPS = [
     text: (s) => `${runner(s)} stops just short of it. Only its own picture knows that at once. In the others its model runs on until it is wrong by 0.8 m. `
       + (without(s)
         ? "Nobody has authority here, so the model pushes what it meets: in these pictures moves what nobody has touched, and nothing puts that right."
-        : "The model runs into the thing and moves nothing: it may touch a thing only once its owner has told of a contact. (Without authority it does: tools/demo.sh --scene stop-short.)"),
+        : "The model runs into the thing and moves nothing: it may touch a thing only once its owner has told of a contact. (Without authority it does: see the story “Stopping short”.)"),
     look: (half, s) => (without(s)
       ? "Compare peer 0's picture with the others: lines lead from what they show to where things really are."
       : "In the other pictures the avatar's line grows to 0.8 m and is gone. No thing gets a line."),
@@ -74,7 +74,7 @@ const STEPS = [
         ? "An avatar touches A, A touches B, B touches C. Its owner decides about all three: it claims them, tells them, and tells them again, exactly, when the chain breaks."
         : "Now only what the avatar itself touches is claimed and told. B and C are nobody's: in the other pictures they go where the avatar's model, not the avatar, has sent them."),
     look: (half) => (half === 0
-      ? "Drive an avatar into a thing so that it pushes another (tools/demo.sh --scene proxy has three in a row): all take the avatar's colour."
+      ? "Drive an avatar into a thing so that it pushes another (the story “Collision by proxy” has three in a row): all take the avatar's colour."
       : "Push some things again: only the first takes the avatar's colour, and lines lead from the others."),
     set: (o, s, half) => [...begin(o, s, FAST, "adaptive"), o.knob("all", "proxy-update", half === 0 ? "on" : "off")],
     halves: ["With proxy updates", "Without"],
