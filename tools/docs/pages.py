@@ -14,7 +14,7 @@ import shutil
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-FOLDERS = ["docs", "proto", "tools"]  # besides the top level
+FOLDERS = ["docs", "proto", "tools", "examples"]  # besides the top level
 MARK = ".made-by-tools-docs"  # only a folder with this file is emptied
 EXTRA = ["tools/docs/site.css"]  # what mkdocs.yml names besides pages
 
