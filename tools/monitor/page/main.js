@@ -172,7 +172,7 @@ function introduce() {
 }
 
 function stateInWords(hello) {
-  if (hello.sample) return "a recording that comes along";
+  if (hello.sample) return "recording";
   if (hello.mode !== "live") return `recording: ${hello.source}`;
   const { time } = session.peers;
   if (!session.scene || time === undefined || time === null) return `waiting for peers at ${hello.source}`;

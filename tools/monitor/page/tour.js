@@ -48,7 +48,7 @@ const STEPS = [
     title: "Stopping short",
     text: (s) => `${runner(s)} stops just short of it. Only its own picture knows that at once. In the others its model runs on until it is wrong by 0.8 m. `
       + (without(s)
-        ? "Nobody has authority here, so the model pushes what it meets: in these pictures moves what nobody has touched, and nothing puts that right."
+        ? "Nobody has authority here, so the model pushes what it meets. In the other pictures a thing moves that nobody has touched, and nothing puts that right."
         : "The model runs into the thing and moves nothing: it may touch a thing only once its owner has told of a contact. (Without authority it does: see the story “Stopping short”.)"),
     look: (half, s) => (without(s)
       ? "Compare peer 0's picture with the others: lines lead from what they show to where things really are."

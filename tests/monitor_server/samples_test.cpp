@@ -1,0 +1,66 @@
+#include "tools/monitor/samples.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+#include <string>
+
+namespace padr::monitor {
+namespace {
+
+TEST(Samples, NamesArePlainAndDiffer) {
+  std::set<std::string_view> names;
+  for (const Sample& s : samples()) {
+    EXPECT_TRUE(names.insert(s.name).second) << s.name;
+    EXPECT_TRUE(std::all_of(s.name.begin(), s.name.end(), [](unsigned char c) {
+      return std::islower(c) != 0 || std::isdigit(c) != 0 || c == '-';
+    })) << s.name;
+    EXPECT_EQ(find_sample(s.name), &s);
+  }
+  EXPECT_EQ(find_sample(""), nullptr);
+  EXPECT_EQ(find_sample("nothing"), nullptr);
+}
+
+TEST(Samples, TheCommandSaysAllThatItTakes) {
+  EXPECT_EQ(lab_command(*find_sample("bad-network-full")),
+            "padr-lab run --scenario arena --peers 4 --technique full --input wander --netem \"delay 100ms 50ms loss "
+            "10%\" --seconds 20 --seed 1");
+}
+
+TEST(Samples, AreTheSameEachTime) {
+  for (const Sample& s : samples()) {
+    if (s.peers > 2) continue;  // take long with sanitizers
+    const Film one = film_sample(s);
+    const Film two = film_sample(s);
+    EXPECT_EQ(one.first(), 1) << s.name;
+    EXPECT_EQ(one.last(), s.seconds * kTicksPerSecond) << s.name;
+    ASSERT_EQ(one.moments.size(), two.moments.size()) << s.name;
+    for (std::size_t i = 0; i < one.moments.size(); ++i) {
+      ASSERT_EQ(one.moments[i].pictures.size(), two.moments[i].pictures.size()) << s.name << ", moment " << i;
+      for (std::size_t k = 0; k < one.moments[i].pictures.size(); ++k)
+        ASSERT_EQ(*one.moments[i].pictures[k].bytes, *two.moments[i].pictures[k].bytes) << s.name << ", moment " << i;
+    }
+    // What was recorded replays as it was recorded.
+    for (const SessionEvent& e : one.session->events())
+      EXPECT_EQ(e.event.text.find("differently"), std::string::npos) << s.name << ": " << e.event.text;
+  }
+}
+
+// What a story claims to show is in it.
+TEST(Samples, ShowWhatTheySay) {
+  const auto most_off = [](const char* name, PeerId slot) {
+    float most = 0;
+    for (const SeriesPoint& point : film_sample(*find_sample(name)).series)
+      for (const auto& peer : point.peers)
+        if (peer.slot == slot && peer.inconsistency) most = std::max(most, peer.inconsistency->combined());
+    return most;
+  };
+  EXPECT_GT(most_off("stop-short", 1), 5);
+  EXPECT_LT(most_off("predictor", 1), 1);
+  EXPECT_GT(most_off("bad-network-fixed", 3), 2 * most_off("bad-network-full", 3));
+}
+
+}  // namespace
+}  // namespace padr::monitor
