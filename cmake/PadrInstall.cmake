@@ -17,7 +17,7 @@ install(DIRECTORY tools/wireshark/ DESTINATION "${PADR_WIRESHARK_PLUGINS}" FILES
 install(FILES proto/wire.proto DESTINATION "${CMAKE_INSTALL_DATADIR}/wireshark/protobuf")
 install(FILES tools/wireshark/colorfilters DESTINATION "${data}/wireshark")
 install(FILES proto/WIRE.md proto/wire.proto proto/scenario.proto DESTINATION "${CMAKE_INSTALL_DOCDIR}/proto")
-install(FILES README.md CHANGELOG.md CONTRIBUTING.md TYPE DOC)
+install(FILES README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md CITATION.cff TYPE DOC)
 install(DIRECTORY docs DESTINATION "${CMAKE_INSTALL_DOCDIR}"
   FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png" PATTERN "*.csv")
 

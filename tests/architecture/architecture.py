@@ -5,6 +5,7 @@
   architecture.py symbols --nm NM LIB...    what the pure core's archives would take from outside
   architecture.py paths ROOT                absolute paths of somebody's machine in the repository's files
   architecture.py cases ROOT                tests that docs/cases.md names and nobody has written
+  architecture.py house ROOT                the picture in CONTRIBUTING.md against CORE_ORDER
 """
 
 import argparse
@@ -231,6 +232,20 @@ def cases(root):
     return found
 
 
+def house(root):
+    """The picture has every folder of the core once, from the top down, and an arrow between two of them."""
+    page = "CONTRIBUTING.md"
+    with open(os.path.join(root, page), encoding="utf-8") as file:
+        picture = re.search(r"^## The house\n(.*?)^## ", file.read(), re.S | re.M)
+    if not picture:
+        return [f"{page}: no section 'The house'"]
+    shown = re.findall(r"^ {4}common/(\w+)/ ", picture[1], re.M)
+    if shown != CORE_ORDER[::-1]:
+        return [f"{page}: the picture has {', '.join(shown)}; from the top down it should be {', '.join(CORE_ORDER[::-1])}"]
+    arrows = len(re.findall(r"^ +v$", picture[1], re.M))
+    return [] if arrows == len(shown) else [f"{page}: {arrows} arrows for {len(shown)} folders below the shell"]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     verbs = parser.add_subparsers(dest="verb", required=True)
@@ -240,6 +255,7 @@ def main():
     verb.add_argument("archives", nargs="+")
     verbs.add_parser("paths").add_argument("root")
     verbs.add_parser("cases").add_argument("root")
+    verbs.add_parser("house").add_argument("root")
     args = parser.parse_args()
 
     if args.verb == "includes":
@@ -248,6 +264,8 @@ def main():
         found = symbols(args.nm, args.archives)
     elif args.verb == "cases":
         found = cases(args.root)
+    elif args.verb == "house":
+        found = house(args.root)
     else:
         found = paths(args.root)
     for line in found:

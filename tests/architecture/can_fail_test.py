@@ -154,5 +154,26 @@ class Cases(unittest.TestCase):
                     self.assertIn(complaint, "\n".join(found))
 
 
+class House(unittest.TestCase):
+    def test_house(self):
+        folders = [f"    common/{name}/   what it is\n" for name in architecture.CORE_ORDER[::-1]]
+        arrow = "          |\n          v\n"
+        whole = arrow + arrow.join(folders)
+        for picture, complaint in [
+            (whole, None),
+            (arrow + arrow.join(folders[1:]), "the picture has"),
+            (arrow + arrow.join(folders[::-1]), "from the top down it should be"),
+            (arrow.join(folders), "arrows for"),
+            ("", "the picture has"),
+        ]:
+            page = f"# Contributing\n\n## The house\n\n{picture}\n## Adding\n"
+            with self.subTest(picture=picture), Tree({"CONTRIBUTING.md": page}) as root:
+                found = architecture.house(root)
+                if complaint is None:
+                    self.assertEqual(found, [])
+                else:
+                    self.assertIn(complaint, "\n".join(found))
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/model/user_error.h"
+#include "tools/support/command_line.h"
 
 namespace padr::netem {
 
@@ -80,7 +81,7 @@ void override_specs(const std::vector<std::string>& overrides, const std::string
 
 void declare(CLI::App& app, RawOptions& raw, Options& options) {
   app.footer(kFooter);
-  app.set_version_flag("--version", "padr-netem 0.1.0");
+  support::add_version_flag(app, "padr-netem");
   app.add_option("--link", raw.links, "Relay from LISTEN to TARGET; needed, may be repeated")
       ->type_name("LISTEN=TARGET")
       ->allow_extra_args(false);
