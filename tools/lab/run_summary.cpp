@@ -59,8 +59,8 @@ std::string authority_line(const trace::FlipMeter& m) {
                 static_cast<unsigned long long>(most->second.flips));
 }
 
-/// Whether views show what the players did, and what each avatar's model error cost.
-std::string fidelity_table(const trace::FidelityMeter& m, int peers) {
+/// Whether views, or the one that counts, show what the players did, and what each avatar's model error cost.
+std::string fidelity_table(const trace::FidelityMeter& m, int peers, std::optional<PeerId> watched) {
   std::string out =
       "\n       fidelity error (m)                                         physics-consistency-cost (m)\n";
   out += "peer    mean    own   others  nobody    p95   peak  deeds          mean   peak  bodies  most\n";
@@ -69,13 +69,17 @@ std::string fidelity_table(const trace::FidelityMeter& m, int peers) {
                   f.nobody_mean_m, f.p95_m, f.peak_m);
   };
   for (PeerId p = 0; p < peers; ++p) {
+    if (watched && p != *watched) continue;
     left(std::to_string(p).c_str(), m.result(p));
     const trace::Pcc c = m.pcc().result(p);
     out += format("  %5llu         %5.3f  %5.2f   %5.2f  %4d\n", static_cast<unsigned long long>(m.deeds(p)), c.mean_m,
                   c.peak_m, c.bodies_mean, c.bodies_peak);
   }
-  left("all", m.overall());
-  return out + format("\nbodies that several players had to do with are left out of fidelity: %.1f %% of the time\n",
+  if (!watched) {
+    left("all", m.overall());
+    out += "\n";
+  }
+  return out + format("bodies that several players had to do with are left out of fidelity: %.1f %% of the time\n",
                       100 * m.left_out());
 }
 
@@ -146,7 +150,7 @@ std::string table_summary(const Simulation& s, const RunFacts& f) {
     for (PeerId p = 0; p < s.peers(); ++p) row(std::to_string(p).c_str(), s.meter().result(p), rates_of(s, p, 1));
     row("all", overall(s, f), rates_of(s, 0, s.peers()));
   }
-  if (s.fidelity() != nullptr) out += fidelity_table(*s.fidelity(), s.peers());
+  if (s.fidelity() != nullptr) out += fidelity_table(*s.fidelity(), s.peers(), f.watched);
   out += format("\nconfirmed worlds: %llu ticks compared, %llu differ%s\n",
                 static_cast<unsigned long long>(s.confirmed_ticks()),
                 static_cast<unsigned long long>(s.confirmed_mismatches()),
