@@ -125,6 +125,12 @@ def run_page(page, programs, say=lambda _: None):
         return run_steps(steps, folder, programs, say)
 
 
+def most_like(shown, came):
+    """Which line has the same words as the shown one and most of its numbers; the first of several."""
+    likely = [i for i, line in enumerate(came) if not shape.differs(shown, line, shape.Tolerance())]
+    return max(likely, key=lambda i: sum(a == b for a, b in zip(shown.split(), came[i].split())), default=None)
+
+
 def as_short(shown, came):
     """What came, with its end left out where the page leaves it out."""
     if "..." not in shown:
@@ -150,9 +156,10 @@ def write_page(page, programs):
         for i, shown in enumerate(step.lines):
             if shown == "..." or not shown.strip():
                 continue
-            while rest and shape.differs(shown, rest[0], shape.Tolerance()):
-                rest.pop(0)
-            new = as_short(shown, rest.pop(0).rstrip()) if rest else shown
+            place = most_like(shown, rest)
+            if place is None:
+                continue
+            new, rest = as_short(shown, rest[place].rstrip()), rest[place + 1 :]
             changed += new != shown
             lines[step.line - 1 + i] = indent + new
     with open(page, "w", encoding="utf-8") as file:
