@@ -107,6 +107,23 @@ class Look(Case):
         b.script("padr.driver.release()")
         self.check_console(b)
 
+    def test_recording_on_a_phone(self):
+        b = Browser(390, 844, phone=True)
+        self.addCleanup(b.close)
+        b.open(self.monitor.address + "?sample=bad-network-full")
+        wait(lambda: b.script("return padr.session.timeline && padr.session.present().length") == 4, "the recording")
+        box = "const box = document.querySelector(arguments[0]).getBoundingClientRect(); return [box.top, box.bottom]"
+        wait(lambda: b.script(box, "#views")[1] > 400, "the pictures")
+        top, bottom = b.script(box, "#views")
+        self.assertLess(top, 60)
+        self.assertGreaterEqual(bottom - top, 844 / 2)
+        line = b.script(box, "#replay")
+        self.assertGreater(line[0], bottom, "the time line hides no picture")
+        self.assertLessEqual(line[1], 844)
+        self.assertEqual(b.script(CUT_OFF), [])
+        b.picture("look-phone-recording")
+        self.check_console(b)
+
 
 if __name__ == "__main__":
     main()

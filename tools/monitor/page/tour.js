@@ -32,13 +32,13 @@ const STEPS = [
   },
   {
     title: "Dynamic authority",
-    text: (s) => without(s) ? CLAIMS_NOTHING : "Now who touches a thing decides about it, at once and without asking: it takes that avatar's colour, in every picture. Grey things are nobody's; they lie still or move by physics alone, the same everywhere.",
+    text: (s) => without(s) ? CLAIMS_NOTHING : "Now the peer whose avatar touches a thing decides about it, at once and without asking. The thing takes that avatar's colour in every picture. Nobody decides about grey things: they lie still or move by physics alone, the same everywhere.",
     look: () => `Drive an avatar into some things: ${howToDrive()}. They take its colour, and go grey again once they rest.`,
     set: (o, s) => begin(o, s, FAST, "full"),
   },
   {
     title: "The threshold",
-    text: (s) => "An avatar is not told at every step: the others go on by what they know, and are told again when that is wrong by more than the threshold, the dashed circle. "
+    text: (s) => "A peer does not tell where its avatar is at every step. The others go on by what they know, and the peer tells them again when they are wrong by more than the threshold, the dashed circle. "
       + `It is 1.5 m for ${peersInWords(everybody(s), 0)} now${everybody(s).length > 1 ? `, and 0.1 m for ${peersInWords(everybody(s), 1)}` : ""}.`,
     look: "Wide circles: avatars jump or slide in the other pictures, and few updates are sent. Narrow ones: smooth motion, more updates (the column “updates” of the table). With the adaptive technique the circle shrinks by itself, with a red “!”, when a contact is coming.",
     spot: "table",
