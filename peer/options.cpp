@@ -25,17 +25,16 @@ using support::parse_host_port;
 constexpr int kUsualSlots = 32;
 
 constexpr const char* kDescription =
-    "One participant of a session of shared physics over UDP: its own deterministic world, one avatar, authority over\n"
-    "the bodies it touches, and updates when what the others believe goes too far wrong.";
+    "One peer of a session of shared physics over UDP. It runs its own deterministic world with one avatar. It takes\n"
+    "authority over the bodies that the avatar touches, and sends an update when the guess of the others is too wrong.";
 
 constexpr const char* kFooter =
     "HOST is a name, an IPv4 address, or an IPv6 address in brackets. Peers of a session must have the same scenario,\n"
-    "seed and authority rule (avatar-only or not); every other knob is a peer's own affair.\n"
+    "seed and authority rule (avatar-only or not); each peer may choose all other knobs for itself.\n"
     "\n"
-    "A session needs nobody in particular: peers come and go while it runs, its founder too. Who falls silent is\n"
-    "declared gone after some seconds; who was, or had been cut off, comes back by itself, and takes over the world "
-    "of\n"
-    "those who are there.\n"
+    "A session needs no particular peer: any peer may join and leave while it runs, and the founder may leave too. A\n"
+    "silent peer is declared gone after some seconds. A peer that was declared gone or disconnected joins again by\n"
+    "itself, and takes over the session's world.\n"
     "\n"
     "Two peers on this machine, with a bad network between them, for 20 s:\n"
     "  padr-peer --listen 127.0.0.1:7001 --wait-peers 2 --netem 'delay 100ms 50ms loss 10%' --duration 20\n"
@@ -45,10 +44,10 @@ constexpr const char* kFooter =
     "            --trace peer1.trace --json peer1.json\n"
     "A lossy link to peer 2 alone, and one to an address:\n"
     "  padr-peer --join '[::1]:7001' --netem-to '2=loss 20%' --netem-to '[::1]:7003=delay 300ms'\n"
-    "Two peers of a crowd, of which there may be any number:\n"
+    "Two peers of a crowd (any number can join):\n"
     "  padr-peer --crowd --listen 127.0.0.1:7001 --duration 20\n"
     "  padr-peer --crowd --join 127.0.0.1:7001 --start 40,12 --duration 20\n"
-    "Between machines, with a key that all peers have and nobody else:\n"
+    "Between machines, with a key that only the peers have:\n"
     "  padr-peer keygen session.key\n"
     "  padr-peer --listen 0.0.0.0:7001 --key-file session.key --wait-peers 3\n"
     "\n";
@@ -56,10 +55,10 @@ constexpr const char* kFooter =
 constexpr const char* kFooterEnd =
     "\n"
     "\n"
-    "Messages and the status line go to standard error. SIGINT or SIGTERM leaves the session properly; a second one\n"
-    "quits at once. Exit code: 0 when all went well; 1 if the session could not be joined or did not come about, or "
-    "if\n"
-    "confirmed worlds differed, or if the system refused something; 2 if the command line or a file it names is wrong.";
+    "Messages and the status line go to standard error. SIGINT or SIGTERM leaves the session properly; a second "
+    "signal\n"
+    "ends the program at once. Exit code: 0 on success; 1 if the peer could not join, the session did not start,\n"
+    "confirmed worlds differed, or a system call failed; 2 if the command line or a file that it names is wrong.";
 
 /// What CLI11 fills in, before anything is checked.
 struct Raw {
@@ -79,47 +78,51 @@ struct Raw {
 
 void declare_session(CLI::App& app, Raw& raw, Options& o) {
   const std::string group = "Session";
-  app.add_option("--listen", raw.listen, "Own address; port 0 takes any; default: any port on the loopback address")
+  app.add_option("--listen", raw.listen,
+                 "Own address; port 0 means any free port; default: any free port of the loopback address")
       ->type_name("HOST:PORT")
       ->group(group);
-  app.add_option("--join", raw.join, "Any member of the session to join, running or not; without it one is founded")
+  app.add_option("--join", raw.join,
+                 "Address of any member of the session to join; without --join the peer founds a session")
       ->type_name("HOST:PORT")
       ->group(group);
-  app.add_option("--wait-peers", raw.wait_peers, "Founder: start when so many peers are there, this one included [2]")
+  app.add_option("--wait-peers", raw.wait_peers,
+                 "Founder: start when this number of peers is there, the founder included [2]")
       ->type_name("N")
       ->group(group);
   app.add_option("--slots", raw.slots,
-                 "Founder: avatar slots, the most peers there can be at once; default: as many as the scenario\n"
-                 "has places to start from, or 32 of more, so that others may come while the session runs")
+                 "Founder: avatar slots, so at most this number of peers at once; default: the number of the\n"
+                 "scenario's spawn points, but at most 32 (or --wait-peers, if that is more)")
       ->type_name("N")
       ->group(group);
   app.add_option("--join-timeout", o.join_timeout,
-                 "Seconds until the session must have started, or let us in; 0: no limit")
+                 "Give up if the session has not started, or has not admitted this peer, after S seconds; 0: never")
       ->type_name("S")
       ->check(support::between(0.0, 86400.0, "seconds"))
       ->capture_default_str()
       ->group(group);
   app.add_flag("--insecure", o.insecure,
-               "Without a key: allow addresses that other machines can reach, though nothing proves who sends")
+               "Without a key: allow addresses that other machines can reach; senders are then not authenticated")
       ->group(group);
 }
 
 void declare_crowd(CLI::App& app, Raw& raw) {
   const std::string group = "Crowd";
   app.add_flag("--crowd", raw.crowd,
-               "Play in a crowd, on a plane without end, in place of a session; --join is anybody in it, and without\n"
-               "--join this is its first peer. --seed is of the plane, and all peers of a crowd have the same")
+               "Play in a crowd, on a plane without end, not in a session. --join names any peer of the crowd;\n"
+               "without --join this is its first peer. --seed sets the plane; all peers of a crowd need the same")
       ->group(group);
-  app.add_option("--start", raw.start, "Where the avatar is first, m [drawn in the region 0,0]")
+  app.add_option("--start", raw.start, "Where the avatar starts, m [a random place in the region 0,0]")
       ->delimiter(',')
       ->expected(2)
       ->type_name("X,Y")
       ->group(group);
-  app.add_option("--stroll", raw.stroll, "Side of the square around there that --input wander stays in, m [24]")
+  app.add_option("--stroll", raw.stroll, "--input wander stays in a square around the start; its side, m [24]")
       ->check(support::between(4.0, 10000.0, "metres"))
       ->type_name("M")
       ->group(group);
-  app.add_option("--region-side", raw.region_side, "Of the plane's regions, m; all peers of a crowd the same [24]")
+  app.add_option("--region-side", raw.region_side,
+                 "Side of the plane's regions, m; all peers of a crowd need the same [24]")
       ->check(support::between(16.0, 200.0, "metres"))
       ->type_name("M")
       ->group(group);
@@ -128,8 +131,8 @@ void declare_crowd(CLI::App& app, Raw& raw) {
 void declare_key(CLI::App& app, Raw& raw, Options& o) {
   const std::string group = "Key";
   app.add_option("--key-file", raw.key_file,
-                 "The session's key, as padr-peer keygen makes it, all peers the same; default: PADR_KEY in the\n"
-                 "environment, or else there is none")
+                 "File with the session's key, made by padr-peer keygen; all peers need the same key; default: the\n"
+                 "key in the environment variable PADR_KEY; without both the session has no key")
       ->type_name("FILE")
       ->group(group);
   app.add_option("--seal", raw.seal,
@@ -146,12 +149,12 @@ void declare_key(CLI::App& app, Raw& raw, Options& o) {
 void declare_play(CLI::App& app, Options& o) {
   const std::string group = "Play";
   app.add_option("--input", o.input, support::kInputHelp)->type_name("INPUT")->capture_default_str()->group(group);
-  app.add_option("--duration", o.duration, "Seconds to play from coming in; 0: until a signal")
+  app.add_option("--duration", o.duration, "Seconds to play after joining; 0: until a signal")
       ->type_name("S")
       ->check(support::between(0.0, 1.0e7, "seconds"))
       ->capture_default_str()
       ->group(group);
-  app.add_option("--linger", o.linger, "Seconds after play, at most, to get the last updates to the others")
+  app.add_option("--linger", o.linger, "After play, wait at most S seconds until the others have the last updates")
       ->type_name("S")
       ->check(support::between(0.0, 600.0, "seconds"))
       ->capture_default_str()
@@ -161,19 +164,21 @@ void declare_play(CLI::App& app, Options& o) {
 void declare_output(CLI::App& app, Raw& raw, Options& o) {
   const std::string group = "Output";
   app.add_option("--trace", raw.trace,
-                 "Record everything, for padr-report and padr-lab; who comes back after having been\n"
-                 "declared gone goes on in NAME.2.trace, and so on")
+                 "Record everything, for padr-report and padr-lab; a peer that was declared gone and joins\n"
+                 "again continues in NAME.2.trace, and so on")
       ->type_name("FILE")
       ->group(group);
   app.add_option("--pcap", o.pcap,
-                 "Write every datagram that is sent and received, after --netem, to a packet capture\n"
+                 "Write every datagram that the peer sends (after --netem) and receives to a packet capture\n"
                  "(pcapng), for Wireshark and padr-capture")
       ->type_name("FILE")
       ->group(group);
-  app.add_option("--json", raw.json, "Summary at the end; - is standard output")->type_name("FILE")->group(group);
+  app.add_option("--json", raw.json, "Write a summary at the end; - is standard output")
+      ->type_name("FILE")
+      ->group(group);
   app.add_option("--health", o.health,
-                 "Replaced once a second while the process runs, removed when it ends: JSON that says healthy\n"
-                 "once this peer plays, as long as its confirmed world has advanced in the last 10 s")
+                 "Write a JSON file once a second, and remove it at the end. It says healthy while the peer plays\n"
+                 "and its confirmed world has advanced in the last 10 s")
       ->type_name("FILE")
       ->group(group);
   app.add_option("--status-interval", o.status_interval, "Seconds between status lines; 0: none")
@@ -185,7 +190,8 @@ void declare_output(CLI::App& app, Raw& raw, Options& o) {
       ->type_name("LEVEL")
       ->capture_default_str()
       ->group(group);
-  app.add_option("--log", raw.log, "Per subsystem, such as net=debug,session=info; subsystems: " + subsystem_names())
+  app.add_option("--log", raw.log,
+                 "Levels of single subsystems, such as net=debug,session=info; subsystems: " + subsystem_names())
       ->type_name("NAME=LEVEL,...")
       ->group(group);
 }
@@ -193,23 +199,23 @@ void declare_output(CLI::App& app, Raw& raw, Options& o) {
 void declare_monitor(CLI::App& app, Raw& raw) {
   const std::string group = "Monitor";
   app.add_option("--monitor", raw.monitor,
-                 "Tell a padr-monitor there what this peer sees, by UDP; whether one is there makes no difference")
+                 "Send telemetry to a padr-monitor at this address, by UDP; the peer plays on if there is none")
       ->type_name("HOST:PORT")
       ->group(group);
-  app.add_option("--monitor-rate", raw.monitor_rate, "Views of the world that it is told a second")
+  app.add_option("--monitor-rate", raw.monitor_rate, "Views of the world sent to the monitor in a second")
       ->type_name("HZ")
       ->check(support::between(1, kTicksPerSecond, "a second"))
       ->capture_default_str()
       ->group(group);
   app.add_option("--monitor-detail", raw.monitor_detail,
-                 "Which views: shown (what the user sees), live (and what is simulated, to measure inconsistency), or\n"
-                 "all (and the predicted and the confirmed world)")
+                 "Views sent to the monitor: shown (what the user sees), live (also the simulated state, to measure\n"
+                 "inconsistency), or all (also the predicted and the confirmed world)")
       ->type_name("NAME")
       ->capture_default_str()
       ->group(group);
   app.add_flag("--control", raw.control,
-               "Obey the monitor: it may drive the avatar, turn knobs, impair and cut links, push bodies and pause.\n"
-               "Only if it is on this machine, or with --insecure")
+               "Let the monitor drive the avatar, turn knobs, impair and cut links, push bodies and pause the peer.\n"
+               "The monitor must be on this machine, unless --insecure is given")
       ->group(group);
 }
 
@@ -221,7 +227,7 @@ void take_monitor(const Raw& raw, Options& o) {
   if (found == kDetails.end())
     throw UserError("--monitor-detail: '" + raw.monitor_detail + "' is not allowed; give one of shown, live, all");
   if (raw.monitor.empty()) {
-    if (raw.control) throw UserError("--control: nobody is there to obey; give --monitor, too");
+    if (raw.control) throw UserError("--control: there is no monitor to obey; give --monitor, too");
     return;
   }
   o.monitor =
@@ -273,7 +279,7 @@ void take_key(const Raw& raw, Options& o) {
 void take_sizes(const Raw& raw, Options& o) {
   if (o.join) {
     for (const auto& [flag, value] : {std::pair{"--wait-peers", raw.wait_peers}, std::pair{"--slots", raw.slots}})
-      if (value) o.warnings.push_back(std::string(flag) + " is for the founder to say and is ignored with --join");
+      if (value) o.warnings.push_back(std::string(flag) + " is only for the founder and is ignored with --join");
     return;
   }
   const int most = std::min(kMaxPeers, static_cast<int>(o.scenario.scene.avatar.spawns.size()));
@@ -323,8 +329,9 @@ void take_crowd(const CLI::App& app, const Raw& raw, Options& o) {
     return;
   }
   for (const char* flag : {"--scenario", "--wait-peers", "--slots", "--trace", "--health", "--monitor"})
-    if (app.count(flag) > 0) throw UserError(std::string(flag) + ": is not there in a crowd; leave it or --crowd out");
-  if (o.key) throw UserError("--crowd: sessions with a key are not crowds; leave --key-file and PADR_KEY out");
+    if (app.count(flag) > 0)
+      throw UserError(std::string(flag) + ": cannot be used in a crowd; leave it or --crowd out");
+  if (o.key) throw UserError("--crowd: a crowd cannot have a key; leave --key-file and PADR_KEY out");
   for (const NetemOverride& n : o.netem_to)
     if (n.peer) throw UserError("--netem-to: peers of a crowd have no number; give HOST:PORT=SPEC");
   CrowdOptions& c = o.crowd.emplace();
@@ -337,8 +344,8 @@ void take_crowd(const CLI::App& app, const Raw& raw, Options& o) {
   const double farthest = static_cast<double>(c.plane.side) * crowd::kMostRegion / 2;
   for (const double v : raw.start)
     if (!(std::abs(v) <= farthest))
-      throw UserError("--start: so far out the plane has no regions; give less than " +
-                      std::to_string(std::llround(farthest)) + " metres either way");
+      throw UserError("--start: the plane has no regions so far out; give less than " +
+                      std::to_string(std::llround(farthest)) + " metres in each direction");
   const double x = raw.start.empty() ? draw() : raw.start[0];
   const double y = raw.start.empty() ? draw() : raw.start[1];
   c.start = {static_cast<float>(x), static_cast<float>(y)};
@@ -361,7 +368,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   declare_play(app, o);
   raw.technique.declare(app);
   raw.netem.declare(app);
-  app.add_option("--netem-to", raw.netem_to, "Instead of --netem towards one peer number or address; may be repeated")
+  app.add_option("--netem-to", raw.netem_to,
+                 "Impairment towards one peer (number or address), in place of --netem; may be repeated")
       ->type_name("WHERE=SPEC")
       ->allow_extra_args(false)
       ->group("Network");

@@ -44,7 +44,7 @@ int keygen(int argc, const char* const* argv) {
     if (argc == 3 && file == "--help") {
       std::puts(
           "usage: padr-peer keygen [FILE]\n\n"
-          "Prints a new session key, or writes it to FILE, which must not exist and which only you may read.\n"
+          "Prints a new session key, or writes it to FILE. FILE must not exist yet; only you may read it then.\n"
           "All peers of a session need the same key: --key-file FILE, or the key itself in PADR_KEY.");
       return support::kExitFine;
     }
@@ -69,7 +69,7 @@ std::optional<wire::Key> session_key(const std::string& file, std::vector<std::s
     if (!key) throw UserError("--key-file: '" + file + "' has no key in it; a key is " + std::string(kWanted));
     struct stat s {};
     if (::stat(file.c_str(), &s) == 0 && S_ISREG(s.st_mode) && (s.st_mode & (S_IRWXG | S_IRWXO)) != 0)
-      warnings.push_back("--key-file: others than its owner may read '" + file + "'");
+      warnings.push_back("--key-file: other users than its owner may read '" + file + "'");
     return key;
   }
   // NOLINTNEXTLINE(concurrency-mt-unsafe): before any thread is there, and nobody sets variables

@@ -305,7 +305,7 @@ class Usage(unittest.TestCase):
         return err
 
     def test_what_makes_no_sense_is_refused(self):
-        self.assertIn("--control: nobody is there to obey", self.refused("--control"))
+        self.assertIn("--control: there is no monitor to obey", self.refused("--control"))
         self.assertIn("--monitor", self.refused("--monitor", "here"))
         self.assertIn("--monitor-rate", self.refused("--monitor", "127.0.0.1:1", "--monitor-rate", "0"))
         self.assertIn("--monitor-rate", self.refused("--monitor", "127.0.0.1:1", "--monitor-rate", "61"))

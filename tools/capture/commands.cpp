@@ -11,8 +11,8 @@ namespace padr::capture {
 
 void declare_captures(CLI::App& app, std::vector<std::string>& files, std::vector<std::string>& keylogs) {
   app.add_option("CAPTURE", files,
-                 "pcap or pcapng; - is standard input. Several of one session count as one: in the order of time,\n"
-                 "and what more than one of them has seen counts once")
+                 "pcap or pcapng; - is standard input. Several captures of one session count as one, in the order\n"
+                 "of time; a datagram that is in more than one counts once")
       ->required()
       ->type_name("FILE");
   declare_keylogs(app, keylogs);

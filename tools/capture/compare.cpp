@@ -17,19 +17,17 @@ namespace padr::capture {
 namespace {
 
 constexpr const char* kCompareFooter =
-    "Traces are those of padr-peer --trace; give one or all peers of a session. Each state datagram that a trace says\n"
-    "was sent or received is looked for in the capture, and the other way round. What was sent and is not in the\n"
-    "capture was lost before it came there (by --netem, or on the way); what is in the capture and was not received "
-    "was\n"
-    "lost behind it, or came when its receiver was not there. The confirmed world is rebuilt from the capture and\n"
-    "compared with the traces' at every tick.\n"
+    "Give traces of padr-peer --trace, of one or all peers of a session. The program looks for each state datagram of\n"
+    "a trace in the capture, and for each of the capture in the traces. A datagram that was sent and is not in the\n"
+    "capture was lost before the capture (by --netem, or on the network). A datagram that is in the capture and was\n"
+    "not received was lost behind it, or its receiver was not running. The program also rebuilds the confirmed world\n"
+    "from the capture, and compares it with the world of the traces at every tick.\n"
     "\n"
     "Example:\n"
     "  padr-capture compare lo.pcap out/demo/peer*.trace\n"
     "\n"
-    "Exit code: 0 if capture and traces agree but for what was lost; 1 if not, if the worlds could not be compared, "
-    "or\n"
-    "if a file is damaged; 2 for a wrong command line.";
+    "Exit code: 0 if capture and traces agree, except for lost datagrams; 1 if they do not agree, if the worlds could\n"
+    "not be compared, or if a file is damaged; 2 for a wrong command line.";
 
 struct CompareOptions {
   std::vector<std::string> files;
@@ -247,7 +245,7 @@ int run_compare(const CompareOptions& o) {
 Run declare_compare(CLI::App& app) {
   const auto o = std::make_shared<CompareOptions>();
   app.footer(kCompareFooter);
-  app.add_option("FILE", o->files, "Captures and traces in any order; the files say which they are")
+  app.add_option("FILE", o->files, "Captures and traces in any order; the program recognises each")
       ->required()
       ->type_name("CAPTURE|TRACE");
   declare_keylogs(app, o->keylogs);

@@ -9,14 +9,12 @@ namespace padr::capture {
 namespace {
 
 constexpr const char* kExportFooter =
-    "Fields have the names of the Wireshark dissector, and tshark's for what is around (frame.number, "
-    "frame.time_epoch,\n"
-    "ip.src, udp.srcport, ...). A field that can come several times in a datagram is a list: of what is in updates "
-    "all\n"
-    "are, in the order of the datagram, what is passed on in its place. padr.cause has first the avatar's cause, then\n"
-    "those of the bodies, update by update. hex fields are text without 0x; floats read back exactly. A datagram that\n"
-    "receivers drop has its envelope and padr.drop with the reason; one that the capture cut off ends after the\n"
-    "envelope. In CSV lists are joined by ';'.\n"
+    "Fields have the names of the Wireshark dissector. Fields of the outer layers have the names of tshark\n"
+    "(frame.number, frame.time_epoch, ip.src, udp.srcport, ...). A field that a datagram can have several times is a\n"
+    "list in the order of the datagram; all fields of updates are lists. An update that is passed on stands at its\n"
+    "place. padr.cause has for each update the avatar's cause, then the causes of the bodies. Hexadecimal fields are\n"
+    "text without 0x; floats read back exactly. A datagram that receivers drop has its envelope, and the reason in\n"
+    "padr.drop. A datagram that the capture cut off ends after the envelope. In CSV lists are joined by ';'.\n"
     "\n"
     "Examples:\n"
     "  padr-capture export lo.pcap --json | jq -c 'select(.[\"padr.kind\"] == \"state\") | [.\"padr.tick\", "

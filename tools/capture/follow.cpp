@@ -18,9 +18,8 @@ constexpr const char* kFollowFooter =
     "  padr-capture follow peer0.pcapng\n"
     "  tcpdump -U -i any -w - udp | padr-capture follow -\n"
     "\n"
-    "Standard input is read to its end; a file is watched until the program is stopped, or by --idle. Exit code: 0, "
-    "or\n"
-    "1 if the capture is damaged.";
+    "The program reads standard input to its end. It watches a file until you stop the program, or until --idle ends\n"
+    "it. Exit code: 0, or 1 if the capture is damaged.";
 
 struct FollowOptions {
   std::string file;
@@ -64,7 +63,7 @@ Run declare_follow(CLI::App& app) {
       ->type_name("FILE");
   declare_keylogs(app, o->keylogs);
   app.add_flag("--json", o->json, "Datagrams as padr-capture export --json has them");
-  app.add_option("--idle", o->idle, "Stop after so many seconds without a datagram; 0: never")
+  app.add_option("--idle", o->idle, "Stop after S seconds without a datagram; 0: never")
       ->type_name("S")
       ->check(support::between(0.0, 86400.0, "seconds"))
       ->capture_default_str();

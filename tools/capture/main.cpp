@@ -7,10 +7,9 @@
 namespace {
 
 constexpr const char* kDescription =
-    "The story of a session from its packets alone: pcap and pcapng files of tcpdump, Wireshark or padr-peer --pcap.\n"
-    "Any port; Ethernet with VLAN tags, Linux cooked (-i any), loopback and raw IP; IPv4 and IPv6; files that are "
-    "still\n"
-    "being written.";
+    "Analyses a session from its packets alone, in pcap and pcapng files of tcpdump, Wireshark or padr-peer --pcap.\n"
+    "It reads any port; Ethernet with VLAN tags, Linux cooked (-i any), loopback and raw IP; IPv4 and IPv6; and files\n"
+    "that are still being written.";
 
 constexpr const char* kFooter =
     "Examples:\n"
@@ -20,11 +19,9 @@ constexpr const char* kFooter =
     "  tcpdump -U -i any -w - udp | padr-capture follow -\n"
     "Each command explains itself with --help.\n"
     "\n"
-    "Exit code: 0 if all is well; 1 if a capture is damaged or breaks off, in which case the result is of what could "
-    "be\n"
-    "read and is marked so, or if something that should agree does not; 2 if the command line is wrong or a file "
-    "cannot\n"
-    "be used.";
+    "Exit code: 0 on success; 1 if a capture is damaged or breaks off, or if a comparison fails; 2 if the command "
+    "line\n"
+    "is wrong or a file cannot be used. The result of a damaged capture is about its readable part, and says so.";
 
 int capture(int argc, char** argv) {
   using namespace padr;
@@ -38,13 +35,13 @@ int capture(int argc, char** argv) {
     capture::Run (*declare)(CLI::App&);
   };
   constexpr Command kCommands[] = {
-      {"summary", "peers, links, delays, losses and where the bytes went", capture::declare_summary},
-      {"timeline", "who came, went, touched, owned and repeated what, when", capture::declare_timeline},
-      {"rebuild", "the confirmed world out of the packets, and whether the peers' hashes agree with it",
+      {"summary", "peers, links, delays, losses and the use of the bytes", capture::declare_summary},
+      {"timeline", "joins, leaves, contacts, owners and resends in time", capture::declare_timeline},
+      {"rebuild", "rebuild the confirmed world from the packets, and compare it with the peers' hashes",
        capture::declare_rebuild},
-      {"compare", "a capture against the peers' own traces", capture::declare_compare},
+      {"compare", "compare a capture with the peers' own traces", capture::declare_compare},
       {"export", "every datagram with every field, for programs", capture::declare_export},
-      {"follow", "a sentence for every datagram of a capture that is being written", capture::declare_follow},
+      {"follow", "print a line for every datagram of a capture that is being written", capture::declare_follow},
   };
   std::vector<std::pair<CLI::App*, capture::Run>> runs;
   for (const Command& c : kCommands) {

@@ -9,18 +9,16 @@ namespace padr::capture {
 namespace {
 
 constexpr const char* kRebuildFooter =
-    "Every update that the packets carry is folded into the confirmed world as every peer folds it, and the hashes "
-    "that\n"
-    "peers told are compared with it: proof that the packets alone carry the whole story. It begins with the "
-    "session's\n"
-    "start or, if that is not in the capture or something is missing later on, with the transfer to a newcomer.\n"
+    "The program folds every update in the packets into the confirmed world, as every peer does. It compares this\n"
+    "world with the hashes in the packets. It begins with the start of the session. If the capture does not have the\n"
+    "start, or lacks updates later on, the program begins with a transfer to a joiner.\n"
     "\n"
     "Examples:\n"
     "  padr-capture rebuild peer0.pcapng --csv states.csv --svg world.svg\n"
     "  padr-capture rebuild late.pcap --scenario arena --seed 7 --slots 32\n"
     "\n"
-    "Exit code: 0 if all hashes agree; 1 if one does not, something is missing in between, nothing could be rebuilt, "
-    "or\n"
+    "Exit code: 0 if all hashes agree; 1 if a hash differs, if updates are missing, if nothing could be rebuilt, or "
+    "if\n"
     "a capture is damaged; 2 for a wrong command line.";
 
 struct RebuildOptions {

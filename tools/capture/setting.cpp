@@ -58,10 +58,10 @@ void SettingFlags::declare(CLI::App& app, const std::string& group) {
       ->type_name("N")
       ->transform(session_number())
       ->group(group);
-  app.add_option("--scenario", scenario_, "If the capture has no Join, or was made with a scenario file")
+  app.add_option("--scenario", scenario_, "Scenario, if the capture has no Join or the session used a scenario file")
       ->type_name("NAME|FILE")
       ->group(group);
-  app.add_option("--seed", seed_, "Of the scenario; default: as the Join has it, else 1")
+  app.add_option("--seed", seed_, "Seed of the scenario; default: the one in the Join, else 1")
       ->type_name("N")
       ->check(support::whole_number())
       ->group(group);
@@ -69,11 +69,14 @@ void SettingFlags::declare(CLI::App& app, const std::string& group) {
       ->type_name("N")
       ->check(CLI::Range(1, kMaxPeers))
       ->group(group);
-  app.add_option("--slots", slots_, "Avatar slots, if the capture has no Welcome; default: as many as the scenario has")
+  app.add_option("--slots", slots_,
+                 "Avatar slots, if the capture has no Welcome; default: the number of the scenario's spawn points")
       ->type_name("N")
       ->check(CLI::Range(1, kMaxPeers))
       ->group(group);
-  app.add_flag("--avatar-only", avatar_only_, "Bodies have no owners, if the capture has no Join")->group(group);
+  app.add_flag("--avatar-only", avatar_only_,
+               "The session was avatar-only (bodies have no owners), if the capture has no Join")
+      ->group(group);
 }
 
 Setting SettingFlags::setting(const Ledger& ledger) const {

@@ -7,14 +7,14 @@ namespace padr::capture {
 const char* const kEventsHelp =
     "  join, welcome, refuse, start    before a peer plays; refuse has the reason\n"
     "  heard                           the first state datagram of a peer\n"
-    "  admission, leave, removal       peers come and go; `other` is who comes or is declared gone\n"
-    "  contact_begin, contact_end      of the peer's avatar, with a body (`entity`) or, without one, told of the "
-    "avatar\n"
+    "  admission, leave, removal       peers come and go; `other` is the peer that comes or is removed\n"
+    "  contact_begin, contact_end      the peer's avatar touches or leaves a body (`entity`; empty: told of the "
+    "avatar)\n"
     "  proxy                           a body joins or leaves the chain that the avatar moves\n"
-    "  claim, release                  authority over a body; `other` is who had it\n"
-    "  claim_lost                      a claim that loses against one told earlier\n"
+    "  claim, release                  authority over a body; `other` is the last owner\n"
+    "  claim_lost                      a claim that loses against one seen earlier\n"
     "  resend                          an update that the link to `other` has carried before\n"
-    "  gap                             numbers of datagrams that are left out on the link to `other`";
+    "  gap                             datagram numbers that are missing on the link to `other`";
 
 void Timeline::take(const Datagram& d) {
   wire::SealError error = wire::SealError::kNone;

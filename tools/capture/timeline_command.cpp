@@ -31,7 +31,7 @@ std::pair<std::uint16_t, std::vector<Event>> choose(const Timeline& t, std::opti
       if (number != 0) numbers += (numbers.empty() ? "" : ", ") + std::to_string(number);
     if (session && !numbers.empty())
       throw UserError("--session: " + std::to_string(*session) + " is not in the capture; it has " + numbers);
-    throw UserError("CAPTURE: nothing that happened in a session of PADR is in it");
+    throw UserError("CAPTURE: it has no events of a session of PADR");
   }
   std::vector<Event> events = found->second;
   if (const auto joins = all.find(0); joins != all.end() && all.size() == 2)
@@ -62,16 +62,17 @@ int run_timeline(const TimelineOptions& o) {
 Run declare_timeline(CLI::App& app) {
   const auto o = std::make_shared<TimelineOptions>();
   declare_captures(app, o->files, o->keylogs);
-  app.footer("Events:\n" + std::string(kEventsHelp) +
-             "\n\nThe time is that of the capture, the tick that at which it is true. Without any of --csv, --svg and "
-             "--json\nthe CSV goes to standard output.\n\nExample:\n"
-             "  padr-capture timeline peer0.pcapng --csv events.csv --svg events.svg");
+  app.footer(
+      "Events:\n" + std::string(kEventsHelp) +
+      "\n\nThe time of an event is that of the capture. Its tick is the tick of the update. Without --csv, --svg "
+      "and --json\nthe CSV goes to standard output.\n\nExample:\n"
+      "  padr-capture timeline peer0.pcapng --csv events.csv --svg events.svg");
   app.add_option("--session", o->session, "Number of the session; default: the one with most events")
       ->type_name("N")
       ->transform(session_number());
-  app.add_option("--csv", o->csv, "One row an event; - is standard output")->type_name("FILE|-");
-  app.add_option("--svg", o->svg, "A picture: peers, and who owns which body")->type_name("FILE");
-  app.add_option("--json", o->json, "The events as JSON; - is standard output")->type_name("FILE|-");
+  app.add_option("--csv", o->csv, "Write one row for each event; - is standard output")->type_name("FILE|-");
+  app.add_option("--svg", o->svg, "Draw the peers and the owners of bodies")->type_name("FILE");
+  app.add_option("--json", o->json, "Write the events as JSON; - is standard output")->type_name("FILE|-");
   return [o](const std::vector<std::string>&) { return run_timeline(*o); };
 }
 

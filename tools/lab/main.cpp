@@ -52,7 +52,7 @@ struct Commands {
 
 int lab(int argc, char** argv) {
   CLI::App app{
-      "padr-lab: the core of padr-peer, N times in lock step on a virtual clock and network.\n"
+      "The lab runs the core of N peers in lock step, on a virtual clock and a virtual network.\n"
       "The same seed gives the same run, to the bit."};
   padr::support::add_version_flag(app, "padr-lab");
   app.require_subcommand(1);
@@ -69,17 +69,17 @@ int lab(int argc, char** argv) {
   padr::lab::CompareCommand compare;
   commands.add("compare", "techniques, ours and others, on the same inputs and links", compare);
   padr::lab::ConvergenceCommand convergence;
-  commands.add("convergence", "one session as every method of convergence shows it, with a film", convergence);
+  commands.add("convergence", "one session, shown with each method of convergence, with a film", convergence);
   padr::lab::SweepCommand sweep;
-  commands.add("sweep", "a grid of runs into one CSV, resumable, in shards if you like", sweep);
+  commands.add("sweep", "a grid of runs into one CSV; can be resumed and split into shards", sweep);
   padr::lab::ChaosCommand chaos;
-  commands.add("chaos", "peers that come, go, crash and lose one another: what must hold", chaos);
+  commands.add("chaos", "random scripts of peers that join, leave and crash, with checks", chaos);
   padr::lab::CrowdCommand crowd;
-  commands.add("crowd", "crowds on a plane of regions: what a peer costs, by their size", crowd);
+  commands.add("crowd", "crowds on a plane of regions: the cost of a peer, by crowd size", crowd);
   padr::lab::MergeCommand merge;
-  commands.add("merge", "the shards of a sweep into one CSV", merge);
+  commands.add("merge", "join the shards of a sweep into one CSV", merge);
   padr::lab::PathCommand path;
-  commands.add("path", "recorded motion in pixels and milliseconds fitted to a scenario", path);
+  commands.add("path", "fit recorded motion in pixels and milliseconds to a scenario", path);
 
   if (!padr::support::parse(app, argc, argv)) return padr::support::kExitFine;
   return commands.given();

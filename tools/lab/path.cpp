@@ -34,23 +34,23 @@ void PathCommand::declare(CLI::App& app) {
   CLI::Option* in = app.add_option("--in", in_, "A path to convert: CSV with the columns t,x,y")->type_name("FILE");
   app.add_option(
          "--units", units_,
-         "Of --in, length and time: m or px, and s or ms. Pixels are fitted: scaled alike in x and y, moved into\n"
-         "the middle of the world, and turned around, as y grows downwards on a screen")
+         "Units of --in: m or px for length, s or ms for time. Pixels are fitted to the world: scaled by the same\n"
+         "factor in x and y, moved into its middle, and flipped in y, because y grows downwards on a screen")
       ->type_name("LENGTH,TIME")
       ->check(units())
       ->capture_default_str()
       ->needs(in);
   CLI::Option* stretch =
-      app.add_option("--stretch", stretch_, "Make all times of --in so much longer: for paths that are too fast")
+      app.add_option("--stretch", stretch_, "Multiply all times of --in by this, for paths that are too fast")
           ->type_name("FACTOR")
           ->check(support::between(0.001, 1000, ""))
           ->capture_default_str()
           ->needs(in);
-  CLI::Option* input = app.add_option("--input", input_, "Or made-up motion to write down: wander[:SEED] or rest")
+  CLI::Option* input = app.add_option("--input", input_, "In place of --in: made-up motion, wander[:SEED] or rest")
                            ->type_name("SPEC")
                            ->excludes(in)
                            ->excludes(stretch);
-  app.add_option("--seconds", seconds_, "Of --input")
+  app.add_option("--seconds", seconds_, "Length of --input, s")
       ->check(support::between(0.1, kMostSeconds, "s"))
       ->capture_default_str()
       ->needs(input);
@@ -62,12 +62,12 @@ void PathCommand::declare(CLI::App& app) {
       ->type_name("FILE|-")
       ->required();
   app.footer(
-      "What the path asks for, and what the scenario's world and avatars have, is said on standard error.\n"
+      "Standard error gets the extent and speed of the path, and those of the scenario's world and avatars.\n"
       "\n"
       "Examples:\n"
       "  padr-lab path --in mouse.csv --units px,ms --scenario arena --out mouse-arena.csv\n"
       "  padr-lab path --input wander:7 --scenario arena --seconds 20 --out sample.csv\n"
-      "Exit: 0 done, 2 usage or a file that is no path.");
+      "Exit: 0 done, 2 usage or a file that is not a path.");
 }
 
 scenarios::Path PathCommand::converted(const Scene& scene) const {

@@ -66,29 +66,29 @@ void write_text(const std::string& flag, const std::string& path, const std::str
 
 void RunCommand::declare(CLI::App& app) {
   scenario_.declare(app);
-  app.add_option("--peers", peers_, "Participants, each with a world and an avatar of its own")
+  app.add_option("--peers", peers_, "Peers, each with its own world and avatar")
       ->check(CLI::Range(1, kMaxPeers))
       ->capture_default_str();
-  app.add_option("--slots", slots_, "Avatar slots of the session; default as many as peers")
+  app.add_option("--slots", slots_, "Avatar slots of the session; default: the number of peers")
       ->check(CLI::Range(1, kMaxPeers));
   app.add_option("--seconds", seconds_, "Virtual time with input")->check(CLI::Range(0.1, kMaxSeconds));
-  app.add_option("--settle", settle_seconds_, "Virtual seconds afterwards with hands off")
+  app.add_option("--settle", settle_seconds_, "Virtual seconds without input after that")
       ->check(CLI::Range(0.0, kMaxSeconds))
       ->capture_default_str();
-  app.add_option("--input", inputs_, std::string(support::kInputHelp) + "; repeat to deal round to the peers")
+  app.add_option("--input", inputs_, std::string(support::kInputHelp) + "; repeat for more peers, in turn")
       ->type_name("SPEC");
   netem_.declare(app);
   technique_.declare(app);
   app.add_option("--fidelity", fidelity_,
-                 "Whether to measure fidelity and physics-consistency-cost, which docs/metrics.md defines: on or off")
+                 "Measure fidelity and physics-consistency-cost (docs/metrics.md defines them): on or off")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
-  app.add_option("--watch", watch_, "Count only what this peer sees, and only while there is input")
+  app.add_option("--watch", watch_, "Measure only the view of this peer, and only while there is input")
       ->type_name("PEER")
       ->check(CLI::Range(0, kMaxPeers - 1));
-  app.add_option("--json", json_, "Summary as JSON to a file, or - for standard output in place of the table")
+  app.add_option("--json", json_, "Write the summary as JSON to a file, or - for standard output in place of the table")
       ->type_name("FILE|-");
-  app.add_option("--csv", series_, "Inconsistency and fidelity of every peer at every tick as CSV")
+  app.add_option("--csv", series_, "Write inconsistency and fidelity of every peer at every tick as CSV")
       ->type_name("FILE|-");
   app.add_option("--trace", trace_dir_, "Write one trace per peer into this folder, for padr-report and replay")
       ->type_name("DIR");

@@ -10,30 +10,31 @@ namespace padr::monitor {
 namespace {
 
 constexpr const char* kDescription =
-    "One web page for a whole session: every peer's view side by side, inconsistency and traffic as they happen, and,\n"
-    "where peers allow it, their avatars to drive and their knobs to turn. Also plays recordings.";
+    "Serves one web page for a whole session. The page shows every peer's view side by side, and live inconsistency\n"
+    "and traffic. It can drive the avatars and turn the knobs of peers with --control. It also plays recordings.";
 
 constexpr const char* kFooter =
-    "HOST is a name, an IPv4 address, or an IPv6 address in brackets. The page needs no other server: all of it is in\n"
-    "this program. Open the address that it prints. While no peer is there, the page lists stories to watch.\n"
+    "HOST is a name, an IPv4 address, or an IPv6 address in brackets. The whole page is in this program and needs no\n"
+    "other server. Open the address that the program prints. While no peer is there, the page lists stories to watch.\n"
     "\n"
     "A session on this machine, to look at and to play with:\n"
     "  padr-monitor &\n"
     "  padr-peer --listen 127.0.0.1:7001 --monitor 127.0.0.1:9200 --control &\n"
     "  padr-peer --join 127.0.0.1:7001 --monitor 127.0.0.1:9200 --control\n"
-    "What peers recorded, or what went over the wire:\n"
+    "A recording by peers, or a packet capture:\n"
     "  padr-monitor --trace out/demo\n"
     "  padr-monitor --capture peer0.pcapng\n"
-    "From other machines too, in a network that you trust; pages control the peers with the token:\n"
+    "Pages on other machines too, in a network that you trust; they control the peers with the token:\n"
     "  PADR_CONTROL_TOKEN=... padr-monitor --listen 0.0.0.0:8080 --peers-listen 0.0.0.0:9200 --insecure\n"
     "\n"
-    "A page may control if it is open on the monitor's own machine, or has the token, behind '#token=' in its "
-    "address.\n"
-    "Only addresses and the names localhost, HOST and --allow-host are served, and only pages that come from here may\n"
-    "connect. Besides the page: /metrics for Prometheus, /api/session as JSON, /api/path?peer=N as CSV.\n"
+    "A page may control peers if it is open on the monitor's own machine, or if its address ends in '#token=' and the\n"
+    "token. The program answers only requests to an IP address or to the names localhost, HOST and --allow-host. Only\n"
+    "its own pages may connect. It also serves /metrics for Prometheus, /api/session as JSON and /api/path?peer=N as\n"
+    "CSV.\n"
     "\n"
-    "Messages go to standard error, the address to standard output. SIGINT or SIGTERM ends it. Exit code: 0 when it\n"
-    "was ended; 1 if an address cannot be used; 2 if the command line or a file it names is wrong.";
+    "Messages go to standard error, the address to standard output. SIGINT or SIGTERM ends the program. Exit code: 0\n"
+    "after a signal or --duration; 1 if an address cannot be used; 2 if the command line or a file that it names is\n"
+    "wrong.";
 
 struct Raw {
   std::string listen = "127.0.0.1:8080";
@@ -41,24 +42,25 @@ struct Raw {
 };
 
 void declare(CLI::App& app, Raw& raw, Options& o) {
-  app.add_option("--listen", raw.listen, "Where pages come to; port 0 takes any")
+  app.add_option("--listen", raw.listen, "Address for browsers; port 0 means any free port")
       ->type_name("HOST:PORT")
       ->capture_default_str();
-  app.add_option("--peers-listen", raw.peers, "Where peers send to (UDP), their --monitor; port 0 takes any")
+  app.add_option("--peers-listen", raw.peers, "Address for peers (UDP), their --monitor; port 0 means any free port")
       ->type_name("HOST:PORT")
       ->capture_default_str();
   app.add_option("--trace", o.traces, "Play traces of one session: files, and folders of NAME.trace")
       ->type_name("FILE|FOLDER");
   app.add_option("--capture", o.captures, "Play the agreed world, rebuilt from packet captures of one session")
       ->type_name("FILE");
-  app.add_flag("--insecure", o.insecure, "Allow addresses that other machines can reach: nothing proves who sends");
+  app.add_flag("--insecure", o.insecure,
+               "Allow addresses that other machines can reach; senders are not authenticated");
   app.add_flag("--view-only", o.view_only, "No page may control anything");
   app.add_option("--control-token", o.token,
-                 "Pages on other machines may control if they have it; 8 to 200 characters; better given in the\n"
-                 "environment, where other users do not see it")
+                 "Token with which pages on other machines may control peers, 8 to 200 characters; other users can\n"
+                 "see a command line, so better give it in the environment")
       ->type_name("TOKEN")
       ->envname("PADR_CONTROL_TOKEN");
-  app.add_option("--allow-host", o.names, "Serve pages under this name, too; may be repeated")
+  app.add_option("--allow-host", o.names, "Also serve the page under this host name; may be repeated")
       ->type_name("NAME")
       ->allow_extra_args(false);
   app.add_option("--duration", o.duration, "Seconds to run; 0: until a signal")

@@ -13,9 +13,9 @@ namespace padr::netem {
 namespace {
 
 constexpr const char* kDescription =
-    "UDP relay that treats datagrams as tc-netem does, without root and with a seed.\n"
-    "It listens on each LISTEN, passes what arrives on to TARGET, and passes replies back to the client they belong\n"
-    "to. Each client and direction has its own queue and random stream.";
+    "UDP relay that impairs datagrams as tc-netem does, without root and with a seed.\n"
+    "It listens on each LISTEN and relays datagrams to TARGET. It relays each reply back to its client.\n"
+    "Each client and each direction has its own queue and random stream.";
 
 constexpr const char* kFooter =
     "LISTEN and TARGET are HOST:PORT, HOST a name, an IPv4 address or an IPv6 address in brackets.\n"
@@ -27,9 +27,8 @@ constexpr const char* kFooter =
     "  reorder PERCENT [CORRELATION] [gap N]    rate RATE [OVERHEAD [CELL [CELLOVERHEAD]]]\n"
     "  slot MIN [MAX] [packets N] [bytes B] | slot distribution NAME DELAY JITTER [packets N] [bytes B]\n"
     "  seed N\n"
-    "TIME is in s, ms, us or ns; jitter makes datagrams overtake one another unless there is a rate. corrupt flips "
-    "one\n"
-    "bit of the payload; the relay sends it with a valid checksum, so the receiver does see it.\n"
+    "TIME is in s, ms, us or ns. With jitter datagrams overtake each other, unless there is a rate. corrupt flips one\n"
+    "bit of the payload; the relay sends the datagram with a valid checksum, so the receiver gets it.\n"
     "\n"
     "Example: 100 ms +- 20 ms and bursts of losses towards a peer on port 7001, 50 ms back, for one minute:\n"
     "  padr-netem --link 127.0.0.1:6001=127.0.0.1:7001 --netem 'delay 100ms 20ms loss gemodel 1% 30%' \\\n"
@@ -82,18 +81,20 @@ void override_specs(const std::vector<std::string>& overrides, const std::string
 void declare(CLI::App& app, RawOptions& raw, Options& options) {
   app.footer(kFooter);
   support::add_version_flag(app, "padr-netem");
-  app.add_option("--link", raw.links, "Relay from LISTEN to TARGET; needed, may be repeated")
+  app.add_option("--link", raw.links, "Relay from LISTEN to TARGET; required, may be repeated")
       ->type_name("LISTEN=TARGET")
       ->allow_extra_args(false);
-  app.add_option("--netem", raw.netem, "What happens on the way to TARGET; default: nothing")->type_name("SPEC");
-  app.add_option("--netem-back", raw.netem_back, "What happens on the way back; default: nothing")->type_name("SPEC");
-  app.add_option("--netem-for", raw.netem_for, "Instead of --netem, for one link; may be repeated")
+  app.add_option("--netem", raw.netem, "Impairment on the way to TARGET; default: none")->type_name("SPEC");
+  app.add_option("--netem-back", raw.netem_back, "Impairment on the way back; default: none")->type_name("SPEC");
+  app.add_option("--netem-for", raw.netem_for, "Impairment of one link, in place of --netem; may be repeated")
       ->type_name("LISTEN=SPEC")
       ->allow_extra_args(false);
-  app.add_option("--netem-back-for", raw.netem_back_for, "Instead of --netem-back, for one link; may be repeated")
+  app.add_option("--netem-back-for", raw.netem_back_for,
+                 "Impairment of one link, in place of --netem-back; may be repeated")
       ->type_name("LISTEN=SPEC")
       ->allow_extra_args(false);
-  app.add_option("--seed", options.seed, "Same seed, same arrivals: same outcome")->capture_default_str();
+  app.add_option("--seed", options.seed, "Random seed; the same seed impairs the same arrivals alike")
+      ->capture_default_str();
   app.add_option("--stats-interval", options.stats_interval, "Seconds between statistics; 0: only at the end")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();

@@ -8,23 +8,22 @@ namespace padr::report {
 namespace {
 
 constexpr const char* kDescription =
-    "How consistent the peers of a session were and what it cost, from their traces: inconsistency, traffic by cause,\n"
-    "links, and whether every confirmed world was the same on all peers.";
+    "Reports from the traces of a session: inconsistency of the peers, traffic by cause, links, and whether every\n"
+    "confirmed world was the same on all peers.";
 
 constexpr const char* kFooter =
-    "Traces are what padr-peer --trace FILE and padr-lab run --trace DIR write. Give those of all peers of a session:\n"
-    "what a peer owns is measured against that peer's own view. A trace that breaks off is used as far as it goes.\n"
+    "padr-peer --trace FILE and padr-lab run --trace DIR write traces. Give the traces of all peers of a session,\n"
+    "because the truth of an entity is in its owner's trace. A trace that breaks off is used as far as it goes.\n"
     "\n"
-    "Inconsistency: per tick, the sum over all entities of the distance between a peer's view and the view of the\n"
-    "entity's owner at the same session tick. For a body that nobody owns it is the distance to the agreed world, or,\n"
-    "with --unowned live, the mean distance to all other peers' views. Below about 5 mm (Box2D's slop) it is noise.\n"
-    "A peer is measured until it says goodbye.\n"
+    "Inconsistency is a sum over all entities at a tick: the distance between the entity in a peer's view and in its\n"
+    "owner's view at the same session tick. For a body that nobody owns the truth is the agreed world; with --unowned\n"
+    "live its term is the mean distance to all other peers' views. Inconsistency below about 5 mm is noise, because\n"
+    "Box2D lets bodies overlap by so much. A peer is measured until it leaves.\n"
     "\n"
-    "Fidelity error: how far bodies are from where the players' deeds alone put them: each player's live world is "
-    "copied\n"
-    "and stepped for a second with what the player really did. Physics-consistency-cost: by how much others' views "
-    "differ\n"
-    "in the bodies that an avatar disturbed. docs/metrics.md defines both.\n"
+    "Fidelity error is the distance between bodies in a view and the same bodies after the players' deeds alone. For\n"
+    "this each player's live world is copied and stepped for a second with the player's real input.\n"
+    "Physics-consistency-cost is the difference between others' views and the player's own view, in the bodies that\n"
+    "the player's avatar disturbed. docs/metrics.md defines both.\n"
     "\n"
     "Examples:\n"
     "  padr-report out/demo/peer*.trace\n"
@@ -45,9 +44,10 @@ std::optional<Options> parse_options(int argc, char** argv) {
   app.add_option("--json", o.json, "Write everything as JSON; - for standard output, in place of the table")
       ->type_name("FILE|-");
   app.add_option("--csv", o.csv,
-                 "Write inconsistency.csv, fidelity.csv, traffic.csv, links.csv and authority.csv there")
+                 "Write inconsistency.csv, fidelity.csv, traffic.csv, links.csv and authority.csv to this folder")
       ->type_name("DIR");
-  app.add_option("--plots", o.plots, "Draw inconsistency, traffic and authority as SVG and PNG there (gnuplot)")
+  app.add_option("--plots", o.plots,
+                 "Draw inconsistency, traffic and authority as SVG and PNG in this folder (needs gnuplot)")
       ->type_name("DIR");
   if (!support::parse(app, argc, argv)) return std::nullopt;
   return o;

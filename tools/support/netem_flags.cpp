@@ -33,10 +33,11 @@ std::string describe(const link::NetemSpec& spec) {
 
 void NetemFlags::declare(CLI::App& app) {
   const std::string group = "Network";
-  app.add_option("--netem", text_, "What outgoing datagrams suffer, in tc-netem's words; default: nothing")
+  app.add_option("--netem", text_, "Impairment of outgoing datagrams, in the grammar of tc-netem; default: none")
       ->type_name("SPEC")
       ->group(group);
-  app.add_option("--netem-seed", seed_, "Same seed, same datagrams at the same times: same outcome; default: --seed")
+  app.add_option("--netem-seed", seed_,
+                 "Seed of the impairments; the same seed impairs the same datagrams alike; default: --seed")
       ->type_name("N")
       ->check(whole_number())
       ->group(group);

@@ -26,7 +26,7 @@ void ScenarioFlags::declare(CLI::App& app) {
       ->type_name("NAME|FILE")
       ->capture_default_str()
       ->group(group);
-  app.add_option("--seed", seed_, "Of what is random in the scenario, and of generated input that names no seed")
+  app.add_option("--seed", seed_, "Seed of the scenario, and of generated input without a seed of its own")
       ->type_name("N")
       ->check(whole_number())
       ->capture_default_str()

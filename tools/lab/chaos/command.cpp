@@ -35,33 +35,34 @@ std::string seconds(double s) {
 }  // namespace
 
 void ChaosCommand::declare(CLI::App& app) {
-  app.add_option("--seed", seed_, "Of the first run; the next ones have the seeds after it")->capture_default_str();
-  app.add_option("--runs", runs_, "Scripts to play, one a seed")->check(CLI::Range(1, 1000000))->capture_default_str();
+  app.add_option("--seed", seed_, "Seed of the first run; the others have the following seeds")->capture_default_str();
+  app.add_option("--runs", runs_, "Scripts to play, one for each seed")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
   app.add_option("--minutes", minutes_, "Virtual length of a script; 20 s of quiet follow")
       ->check(CLI::Range(0.1, 600.0))
       ->capture_default_str();
-  app.add_option("--peers", peers_, "At once at most")->check(CLI::Range(2, kMaxPeers))->capture_default_str();
+  app.add_option("--peers", peers_, "Most peers at once")->check(CLI::Range(2, kMaxPeers))->capture_default_str();
   app.add_option("--scenario", scenario_, "Built-in name or file")->type_name("NAME|FILE")->capture_default_str();
-  app.add_option("--bodies", bodies_, "Of the scenario")->check(CLI::Range(1, 5000))->capture_default_str();
+  app.add_option("--bodies", bodies_, "Bodies of the scenario")->check(CLI::Range(1, 5000))->capture_default_str();
   technique_.declare(app);
   app.add_flag_callback(
       "--sealed", [this] { how_.seal = wire::SealMode::kAuth; }, "Sessions have a key");
   app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
-  app.add_flag("--story", story_, "Also print every script, and what the peers noted");
+  app.add_flag("--story", story_, "Also print every script and the events at each peer");
   app.add_option("--json", json_, "Results to a file, or - for standard output in place of the table")
       ->type_name("FILE|-");
   app.footer(
-      "Peers found a session, and then, by a random script, others join, leave, vanish, stand still, are cut off from\n"
-      "one another, meet other links, and all rush to one place. Their clocks run up to 200 ppm off and are steered.\n"
-      "Held at every tick: who takes one another for members have confirmed the same worlds, bit by bit; a body has "
-      "one\n"
-      "owner, who is there; all numbers are finite; what is kept is bounded. After the script and 20 s of quiet all "
-      "who\n"
-      "run are in one session and know one another. If something does not hold, the shortest script is printed that\n"
-      "still shows it.\n"
+      "Peers found a session. By a random script other peers then join, leave, crash and pause; the network splits,\n"
+      "links change, and all avatars move to one place. Clocks run wrong by up to 200 ppm, and the peers steer them.\n"
+      "Checks at every tick: peers that are members to each other have confirmed the same worlds, bit by bit; a body\n"
+      "has at most one owner, and that owner is there; all numbers are finite; memory is bounded. After the script "
+      "and\n"
+      "20 s of quiet all running peers must be in one session and know each other. If a check fails, the program\n"
+      "prints the shortest script that still shows the failure.\n"
       "Example:\n"
       "  padr-lab chaos --seed 1 --runs 20 --minutes 2\n"
-      "Exit: 0 all held, 1 something did not, 2 usage.");
+      "Exit: 0 all checks passed, 1 a check failed, 2 usage.");
 }
 
 // Of the run's own seed, so that a run by itself is the same as among many.

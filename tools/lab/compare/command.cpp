@@ -49,43 +49,47 @@ std::string help_on_contestants() {
 
 void CompareCommand::declare(CLI::App& app) {
   app.add_option("--scenario", scenario_, "Built-in name, or a file")->type_name("NAME|FILE")->capture_default_str();
-  app.add_option("--peers", peers_, "Participants")->check(CLI::Range(1, kMaxPeers))->capture_default_str();
-  app.add_option("--seconds", seconds_, "Virtual time of every run")
+  app.add_option("--peers", peers_, "Peers")->check(CLI::Range(1, kMaxPeers))->capture_default_str();
+  app.add_option("--seconds", seconds_, "Virtual time of every run, s")
       ->check(support::between(0.1, kMaxSeconds, "seconds"))
       ->capture_default_str();
-  app.add_option("--seeds", seeds_, "Runs that are averaged, with seeds 1, 2, ... of scenario, input and network")
+  app.add_option("--seeds", seeds_, "Average N runs, with the seeds 1, 2, ... for scenario, input and network")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   app.add_option("--netem", netem_,
-                 "What datagrams suffer, in tc-netem's words; repeat for several networks; default:\n"
-                 "delay 0ms, 50ms, 100ms and 250ms")
+                 "Impairment of datagrams, in the grammar of tc-netem; repeat for several networks;\n"
+                 "default: delay 0ms, 50ms, 100ms and 250ms")
       ->type_name("SPEC")
       ->allow_extra_args(false);
-  app.add_option("--input", inputs_, std::string(support::kInputHelp) + "; repeat to deal round to the peers")
+  app.add_option("--input", inputs_, std::string(support::kInputHelp) + "; repeat for more peers, in turn")
       ->type_name("SPEC")
       ->allow_extra_args(false);
   app.add_option("--techniques", techniques_,
                  "Some of: paper, ours, ablations, alternatives, all; or names of those below")
       ->type_name("LIST")
       ->capture_default_str();
-  app.add_option("--add", added_, "One more, by its knobs, such as 'full --lead 0.2'; may be repeated")
+  app.add_option("--add", added_, "A further technique, with its knobs, such as 'full --lead 0.2'; may be repeated")
       ->type_name("TECHNIQUE")
       ->allow_extra_args(false);
   app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
-  app.add_option("--json", json_, "All figures, to a file or in place of the table")->type_name("FILE|-");
-  app.add_option("--csv", csv_, "One line for each run, to a file or in place of the table")->type_name("FILE|-");
+  app.add_option("--json", json_, "Write all figures to a file, or - for standard output in place of the table")
+      ->type_name("FILE|-");
+  app.add_option("--csv", csv_, "Write one line for each run to a file, or - for standard output in place of the table")
+      ->type_name("FILE|-");
   app.add_option("--out", out_, "Folder for pictures of inconsistency against traffic, and for table, JSON and CSV")
       ->type_name("DIR");
-  app.footer(
-      help_on_contestants() +
-      "snapshot, state-sync and dis are implemented as their authors describe them and given what they did not\n"
-      "have: agreeing clocks, PADR's own rule of authority by contact, sealed datagrams of 1,200 bytes at most.\n"
-      "Truth of a body is its place in the world of whoever has made the best claim by then, known to all or not.\n"
-      "Example:\n"
-      "  padr-lab compare --out out/compare\n"
-      "  padr-lab compare --techniques paper,full --add 'full --lead 0.2' --add 'fixed --unowned agreed'\n"
-      "  padr-lab compare --techniques full,dis --netem \"delay 100ms 50ms loss 10%\" --seeds 10 --csv -\n"
-      "Exit: 0 done, 1 confirmed worlds differed, 2 usage.");
+  app.footer(help_on_contestants() +
+             "snapshot, state-sync and dis follow the descriptions of their authors. They also get what those lack: "
+             "clocks that\n"
+             "agree, PADR's rule of authority by contact, and sealed datagrams of 1,200 bytes at most. The truth of a "
+             "body is\n"
+             "its place in the world of the peer with the best claim at that tick; other peers may not know of the "
+             "claim yet.\n"
+             "Example:\n"
+             "  padr-lab compare --out out/compare\n"
+             "  padr-lab compare --techniques paper,full --add 'full --lead 0.2' --add 'fixed --unowned agreed'\n"
+             "  padr-lab compare --techniques full,dis --netem \"delay 100ms 50ms loss 10%\" --seeds 10 --csv -\n"
+             "Exit: 0 done, 1 confirmed worlds differed, 2 usage.");
 }
 
 compare::Plan CompareCommand::plan() const {

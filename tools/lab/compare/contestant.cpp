@@ -31,14 +31,14 @@ void add_paper(std::vector<Contestant>& all) {
     all.push_back({id, series, mark, Group::kPaper, what, support::technique_of(text)});
   };
   add("avatar-only", "avatar-only", "", "avatar-only --threshold 0.5",
-      "the paper's failure case: dead-reckoned avatars, 0.5 m, bodies are nobody's");
+      "the paper's failure case: dead-reckoned avatars, 0.5 m, nobody owns bodies");
   add("fixed-0.8", "fixed (m)", "0.8", "fixed --threshold 0.8",
       "the paper's: dynamic authority, one threshold of 0.8 m, updates applied on arrival");
   add("fixed-0.5", "fixed (m)", "0.5", "fixed --threshold 0.5", "the same with 0.5 m");
   add("fixed-0.3", "fixed (m)", "0.3", "fixed --threshold 0.3", "the same with 0.3 m");
   add("fixed-0.5-stamped", "fixed, time stamps", "0.5", "fixed --threshold 0.5 --time-stamps on",
-      "the same with 0.5 m and time stamps: an update is moved on by its age, as DIS practice has it");
-  add("adaptive", "adaptive", "", "adaptive", "the paper's: the same, 0.8 m, or 0.3 m when interaction is predicted");
+      "the same with 0.5 m and time stamps: an update is extrapolated by its age, as in DIS");
+  add("adaptive", "adaptive", "", "adaptive", "the paper's: the same with 0.8 m, or 0.3 m when a contact is predicted");
 }
 
 void add_ours(std::vector<Contestant>& all) {
@@ -46,11 +46,12 @@ void add_ours(std::vector<Contestant>& all) {
   const Technique late = changed(everything, [](Technique& t) { t.replay = false; });
   const Technique first = changed(everything, [](Technique& t) { t.model = Model::kFirst; });
   all.push_back({"full", "full", "", Group::kOurs,
-                 "PADR's own: 0.8 m, or 0.3 m when interaction is predicted; bodies 0.1 m", technique_by_name("full")});
+                 "PADR's own: 0.8 m, or 0.3 m when a contact is predicted; bodies 0.1 m", technique_by_name("full")});
   all.push_back({"full-tight", "full", "tight", Group::kOurs, "full with 0.3 m, or 0.1 m; bodies 0.05 m",
                  support::technique_of("full --threshold 0.3:0.1 --body-threshold 0.05")});
   all.push_back({"everything", "everything", "", Group::kOurs,
-                 "own avatar and every awake own body at every tick, replayed: the limit of full", everything});
+                 "sends own avatar and every awake own body at every tick, with replay: the limit of full",
+                 everything});
   all.push_back(
       {"everything-first", "everything", "first order", Group::kOurs, "the same with the first-order model", first});
   all.push_back({"everything-no-replay", "everything-no-replay", "", Group::kOurs,
@@ -66,18 +67,20 @@ void add_ablations(std::vector<Contestant>& all) {
       [](Technique& t) { t.replay = false; });
   add("full-no-body-threshold", "body threshold", "full without body threshold",
       [](Technique& t) { t.body_threshold = 0; });
-  add("full-no-end-update", "end update", "full, the end of a contact told without states",
+  add("full-no-end-update", "end update", "full, the end of a contact is sent without states",
       [](Technique& t) { t.end_update = false; });
   add("full-no-proxy-update", "proxy update", "full without updates for collisions by proxy",
       [](Technique& t) { t.proxy_update = false; });
   add("full-first", "input model", "full with the first-order model in place of the input model",
       [](Technique& t) { t.model = Model::kFirst; });
-  add("full-no-lead", "lead", "full, the input model's target told where it is, not where it is heading",
+  add("full-no-lead", "lead", "full, the input model's target is sent as it is now, not as it will be",
       [](Technique& t) { t.lead = 0; });
-  add("full-no-time-space", "time-space law", "full, an avatar's error told only when it exceeds the threshold",
+  add("full-no-time-space", "time-space law", "full, an avatar's error counts only when it exceeds the threshold",
       [](Technique& t) { t.time_space = 0; });
-  add("full-exact", "rounding", "full, states told to the bit", [](Technique& t) { t.precision = Precision::kExact; });
-  add("full-no-rest-state", "rest state", "full, rest told without states", [](Technique& t) { t.rest_state = false; });
+  add("full-exact", "rounding", "full, states are sent to the bit",
+      [](Technique& t) { t.precision = Precision::kExact; });
+  add("full-no-rest-state", "rest state", "full, a body at rest is released without its state",
+      [](Technique& t) { t.rest_state = false; });
 }
 
 void add_alternatives(std::vector<Contestant>& all) {
@@ -94,7 +97,7 @@ void add_alternatives(std::vector<Contestant>& all) {
                    Spec{.kind = Kind::kStateSync, .hz = hz}});
   }
   all.push_back({"dis", "dis 1 m", "", Group::kAlternative,
-                 "DIS practice: dead reckoning per entity, 1 m and 3 degrees, heartbeats of 5 s",
+                 "as in DIS: dead reckoning of each entity, 1 m and 3 degrees, heartbeats of 5 s",
                  Spec{.kind = Kind::kDis, .position_threshold = 1}});
   all.push_back({"dis-0.3m", "dis 0.3 m", "", Group::kAlternative, "the same with 0.3 m in place of 1 m",
                  Spec{.kind = Kind::kDis, .position_threshold = 0.3F}});

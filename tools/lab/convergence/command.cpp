@@ -52,16 +52,19 @@ std::string csv(const Takes& takes) {
 void ConvergenceCommand::declare(CLI::App& app) {
   constexpr double kMaxSeconds = 600;
   scenario_.declare(app);
-  app.add_option("--peers", peers_, "Participants")->check(CLI::Range(2, kMaxPeers))->capture_default_str();
-  app.add_option("--seconds", seconds_, "Virtual time")->check(CLI::Range(1.0, kMaxSeconds))->capture_default_str();
+  app.add_option("--peers", peers_, "Peers")->check(CLI::Range(2, kMaxPeers))->capture_default_str();
+  app.add_option("--seconds", seconds_, "Virtual length, s")
+      ->check(CLI::Range(1.0, kMaxSeconds))
+      ->capture_default_str();
   netem_.declare(app);
   app.add_option("--out", out_, "Folder for convergence.csv, film-convergence.svg and .png")
       ->type_name("DIR")
       ->required();
   app.footer(
-      "One session of technique full, whose avatars wander, three times: the simulations are the same to the bit, and\n"
-      "only what is shown of them differs. The film has the largest correction of up to 1.2 m of an avatar and of a\n"
-      "body in the view of peer 1.\n"
+      "Plays one session of technique full with wandering avatars three times. The simulations are the same to the "
+      "bit;\n"
+      "only the shown positions differ. The film has the largest correction of an avatar and of a body in the view of\n"
+      "peer 1, up to 1.2 m.\n"
       "Example:\n"
       "  padr-lab convergence --netem \"delay 100ms 30ms loss 2%\" --out out/convergence\n"
       "Exit: 0 done, 2 usage.");

@@ -130,34 +130,33 @@ void CrowdCommand::declare(CLI::App& app) {
       ->check(CLI::Range(1, kMostPeers))
       ->type_name("N,N,...")
       ->capture_default_str();
-  app.add_option("--seconds", seconds_, "Virtual length of what is measured")
+  app.add_option("--seconds", seconds_, "Virtual length of the measurement")
       ->check(CLI::Range(1.0, 3600.0))
       ->capture_default_str();
-  app.add_option("--warm-up", warm_up_, "Before that, s, besides the time that it takes all to come")
+  app.add_option("--warm-up", warm_up_, "Virtual time between the last arrival and the measurement, s")
       ->check(CLI::Range(2.0, 600.0))
       ->capture_default_str();
-  app.add_option("--seed", seed_, "Of everything drawn")->capture_default_str();
-  app.add_option("--netem", netem_, "Every directed link")->type_name("SPEC")->capture_default_str();
-  app.add_option("--arrivals", arrivals_, "Peers that come in a second, one after another")
+  app.add_option("--seed", seed_, "Seed of everything random")->capture_default_str();
+  app.add_option("--netem", netem_, "Impairment of every directed link")->type_name("SPEC")->capture_default_str();
+  app.add_option("--arrivals", arrivals_, "Peers that join in a second, one after another")
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
-  app.add_option("--room", room_, "m^2 of the plane for every peer")
+  app.add_option("--room", room_, "Area of the plane for every peer, m^2")
       ->check(CLI::Range(10.0, 10000.0))
       ->capture_default_str();
-  app.add_option("--near", near_, "Inconsistency counts what is so near to one's avatar, m")
+  app.add_option("--near", near_, "Inconsistency counts entities up to this distance from the peer's avatar, m")
       ->check(CLI::Range(1.0, 16.0))
       ->capture_default_str();
-  app.add_option("--side", plane_.side, "Of a region, m")->check(CLI::Range(16.0, 200.0))->capture_default_str();
-  app.add_option("--reach", plane_.reach, "Beyond a border, m, that avatars are guests")
+  app.add_option("--side", plane_.side, "Side of a region, m")->check(CLI::Range(16.0, 200.0))->capture_default_str();
+  app.add_option("--reach", plane_.reach, "An avatar is a guest beyond a border up to this distance, m")
       ->check(CLI::Range(2.0, 12.0))
       ->capture_default_str();
-  app.add_flag("--uniform", uniform_, "No relevance: the same thresholds however far others are");
-  app.add_option("--shoves", shoves_, "Everybody pushes a body near it so often, 1/s")
+  app.add_flag("--uniform", uniform_, "No relevance: the same thresholds at every distance");
+  app.add_option("--shoves", shoves_, "How often every avatar pushes a body near it, 1/s")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
   technique_.declare(app);
-  app.add_option("--fill", fill_,
-                 "Crowds of each size in turn until they are so many peers, with seeds one after another")
+  app.add_option("--fill", fill_, "Repeat crowds of each size, with successive seeds, until they have N peers in all")
       ->check(CLI::Range(0, kMostPeers))
       ->capture_default_str();
   app.add_option("--jobs", jobs_, "Threads; the results are the same with any number")
@@ -166,18 +165,22 @@ void CrowdCommand::declare(CLI::App& app) {
   app.add_option("--json", json_, "Results to a file, or - for standard output in place of the table")
       ->type_name("FILE|-");
   app.footer(
-      "A plane without end, in square regions that agree on a world each; docs/crowds.md has the design. Every peer\n"
-      "strolls about a square of 24 m, runs into bodies and others, and is in the regions that it is near. Who is in\n"
-      "a region they find out from one another; a region that two found at once has several sides, which agree with\n"
-      "themselves, until they come together. CPU is thread time of a peer's tick, and its ratio to the first run's.\n"
-      "At the edge of a crowd peers have fewer neighbours, and more of a small crowd are there: what those take and\n"
-      "send who stroll 12 m or more from it is told apart. All sizes are played in turns and measured at the same\n"
-      "time, so that processor and caches are as busy for each; 1,000 peers take 7 GB of memory. With --fill a small\n"
-      "crowd is played several times, and what is told is the mean of them, or their sum if it is a number.\n"
-      "Inconsistency is what a peer has wrong of what is near it, summed, and that of one avatar.\n"
+      "A plane without end has square regions, and each region has its own agreed world; docs/crowds.md has the\n"
+      "design. Every avatar wanders in a square of 24 m and meets bodies and other avatars. Its peer is in the "
+      "regions\n"
+      "near it. Peers find each other by asking. If two peers found one region at once, it has several sides; each\n"
+      "side agrees with itself, and later the sides merge.\n"
+      "\n"
+      "CPU is the thread time of a peer's tick, and its ratio to that of the first size. Peers at the edge of a crowd\n"
+      "have fewer neighbours, and a small crowd has more of them. So the cost of peers 12 m or more from the edge has\n"
+      "rows of its own. Crowds of all sizes play in turns in one process, so processor and caches are equally busy "
+      "for\n"
+      "each. 1,000 peers take 7 GB of memory. With --fill small crowds play several times; the table has the mean of\n"
+      "measurements and the sum of counts. Inconsistency is the error of the entities near a peer, summed, and the\n"
+      "error of one avatar.\n"
       "Example:\n"
       "  padr-lab crowd --peers 4,50,200 --seconds 20 --seed 1\n"
-      "Exit: 0 all who were on one side confirmed the same worlds, 1 some differed, 2 usage.");
+      "Exit: 0 all peers on one side confirmed the same worlds, 1 some differed, 2 usage.");
 }
 
 CrowdRunConfig CrowdCommand::config_of(int peers, std::uint64_t seed) const {

@@ -47,30 +47,30 @@ std::string draw_pictures(const std::string& dir, const Plan& plan, const Result
 void ExamplesCommand::declare(CLI::App& app) {
   app.add_option("--out", out_, "Folder for tables, films and plots")->type_name("DIR")->required();
   app.add_option("--stories", stories_,
-                 "Some of the default, with commas between them; -missed: the avatar touches, its\n"
-                 "model misses")
+                 "Stories to play, with commas between them; in a story with -missed the avatar\n"
+                 "touches the body and its model misses it")
       ->type_name("LIST")
       ->capture_default_str();
-  app.add_option("--takes", takes_, "Variations of each story's path that are averaged; the first one is on film")
+  app.add_option("--takes", takes_,
+                 "Play each story along N slightly different paths and average; the film shows the first")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app.add_option("--netem", netem_,
-                 "What datagrams suffer, in tc-netem's words; default: nothing, as it is model\n"
-                 "errors that are measured")
+                 "Impairment of datagrams, in the grammar of tc-netem; default: none, so that only\n"
+                 "model errors count")
       ->type_name("SPEC");
   app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
-  app.add_option("--json", json_, "Summary to a file, or - for standard output in place of the table")
+  app.add_option("--json", json_, "Write the summary to a file, or - for standard output in place of the table")
       ->type_name("FILE|-");
   app.add_flag("--no-pictures", no_pictures_, "Tables only");
   app.footer(
-      "ball, dominoes, van and carton are told as the paper tells them: peer 0's avatar stops just short of a body, "
-      "and\n"
-      "its model at peer 1 runs on into it. The others are stories of true touches: proxy, and those with -missed, in\n"
-      "which the model misses the touch. What that does to bodies is the physics-consistency cost. Written to DIR:\n"
-      "examples.csv (means), takes.csv (every run), predictors.csv (what each predictor avoided), summary.json,\n"
-      "path-STORY.csv (the avatar's way on film, for --input path:FILE), film-STORY.svg and .png (what both peers "
-      "see),\n"
-      "dominoes.* (cost by number of dominoes). The same flags write the same files.\n"
+      "In ball, dominoes, van and carton, as in the paper, the avatar of peer 0 stops just short of a body, and its\n"
+      "model at peer 1 runs on into the body. In proxy and in the stories with -missed the avatar does touch a body; "
+      "in\n"
+      "the latter the model misses it. The error of the bodies is the physics-consistency cost. Written to DIR:\n"
+      "examples.csv (means), takes.csv (every run), predictors.csv (the cost that each predictor avoided),\n"
+      "summary.json, path-STORY.csv (the avatar's path on film, for --input path:FILE), film-STORY.svg and .png (the\n"
+      "views of both peers), dominoes.* (cost by number of dominoes). The same flags write the same files.\n"
       "Example:\n"
       "  padr-lab examples --out out/examples\n"
       "  padr-lab examples --out out/late --stories proxy --netem \"delay 100ms\" --takes 32\n"

@@ -60,17 +60,18 @@ void add_case(std::vector<Case>& cases, Case c) {
 void FiguresCommand::declare(CLI::App& app) {
   app.add_option("--out", out_, "Folder for data, pictures and report.html")->type_name("DIR")->required();
   scenario_.declare(app);
-  app.add_option("--seeds", seeds_, "How many seeds, from --seed on; every input is played in the world of each")
+  app.add_option("--seeds", seeds_, "Number of seeds, from --seed on; every input is played with each seed")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   app.add_option("--input", inputs_,
                  std::string("What drives the avatar: ") + support::kInputHelp +
-                     ";\nrepeat for several; default wander, another one for each seed")
+                     ";\nrepeat for several inputs; default: wander, a different one for each seed")
       ->type_name("SPEC");
-  app.add_option("--seconds", seconds_, "Virtual length of a run")
+  app.add_option("--seconds", seconds_, "Virtual length of a run, s")
       ->check(support::between(kLeastSeconds, kMostSeconds, "seconds"))
       ->capture_default_str();
-  app.add_option("--netem", netem_, "What datagrams suffer, in tc-netem's words; default nothing, as in the paper")
+  app.add_option("--netem", netem_,
+                 "Impairment of datagrams, in the grammar of tc-netem; default: none, as in the paper")
       ->type_name("SPEC");
   knobs_.resize(support::knobs().size());
   for (std::size_t k = 0; k < knobs_.size(); ++k) {
@@ -78,26 +79,27 @@ void FiguresCommand::declare(CLI::App& app) {
     if (is_the_settings_own(knob.flag)) continue;
     app.add_option(knob.flag, knobs_[k], knob.help)->type_name(knob.type)->group("Technique (of every setting)");
   }
-  app.add_option("--add", added_, "One more setting, by its knobs, such as 'full --lead 0.2'; may be repeated")
+  app.add_option("--add", added_, "A further setting, with its knobs, such as 'full --lead 0.2'; may be repeated")
       ->type_name("TECHNIQUE")
       ->allow_extra_args(false);
   app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
-  app.add_flag("--no-pictures", no_pictures_, "Data only: nothing is drawn, and report.html has numbers only");
+  app.add_flag("--no-pictures", no_pictures_, "Write data only; report.html then has no pictures");
   app.footer(
-      "The paper's experiments: two peers, one avatar is driven, the other rests, and what the resting one sees is "
-      "held\n"
-      "against the truth. Each case (input and seed) is run avatar-only and with fixed thresholds of 0.8, 0.5 and 0.3 "
-      "m,\n"
-      "with the adaptive threshold 0.8:0.3 m by each predictor, and with full. Written to DIR:\n"
-      "  report.html                 everything on one page, to be opened anywhere\n"
+      "The paper's experiments: of two peers one has a driven avatar, and the other one's avatar rests. The view of "
+      "the\n"
+      "resting one is compared with the truth. Each case (input and seed) runs with each technique: avatar-only, "
+      "fixed\n"
+      "thresholds of 0.8, 0.5 and 0.3 m, the adaptive threshold 0.8:0.3 m with each predictor, and full.\n"
+      "Written to DIR:\n"
+      "  report.html                 everything on one page that needs no other file\n"
       "  figure6-CASE .. figure9-CASE, drift, peaks, prediction   each as .svg, .png, .csv and .gp\n"
-      "  summary.json, runs.csv, predictors.csv, series-CASE.csv  what was measured\n"
+      "  summary.json, runs.csv, predictors.csv, series-CASE.csv  the measurements\n"
       "The same flags write the same data, to the byte.\n"
       "Example:\n"
       "  padr-lab figures --out out/figures\n"
       "  padr-lab figures --out out/agreed --unowned agreed --add 'full --lead 0.2'\n"
       "  padr-lab figures --out out/mine --input path:mouse.csv,loop --input wander --seeds 2 --seconds 120\n"
-      "Exit: 0 done (whether or not the claims hold), 1 nothing could be drawn, 2 usage.");
+      "Exit: 0 done (also if a claim does not hold), 1 the pictures could not be drawn, 2 usage.");
 }
 
 std::string FiguresCommand::canonical() const {

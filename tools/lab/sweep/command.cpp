@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kMaxSeconds = 24 * 3600;
 constexpr const char* kSummaryHelp =
-    "A CSV of means over seeds, a row for every combination;\nX_interval is half of the 95 % interval of X";
+    "Write means over seeds to a CSV, one row for each combination;\nX_interval is half of the 95 % interval of X";
 
 /// The table on standard output, and the summary's file if there is to be one.
 void sum_up(const std::string& flag, const std::string& csv, const std::string& summary) {
@@ -29,13 +29,14 @@ void declare_network(CLI::App& app, sweep::GridText& grid) {
   app.add_option("--delay", grid.delay, "One-way delays, 0 to 60 s, such as 0,50,100ms")
       ->type_name("TIMES")
       ->group(group);
-  app.add_option("--jitter", grid.jitter, "What delays vary by, either way, 0 to 60 s")
+  app.add_option("--jitter", grid.jitter, "Delays vary by this much up and down, 0 to 60 s")
       ->type_name("TIMES")
       ->group(group);
   app.add_option("--loss", grid.loss, "Datagrams lost, 0 to 100 %, such as 0,5,10%")
       ->type_name("PERCENTS")
       ->group(group);
-  app.add_option("--netem", grid.netem, "Further words in tc-netem's grammar for every run, such as 'duplicate 1%'")
+  app.add_option("--netem", grid.netem,
+                 "Further impairments of every run, in the grammar of tc-netem, such as 'duplicate 1%'")
       ->type_name("SPEC")
       ->group(group);
 }
@@ -43,8 +44,7 @@ void declare_network(CLI::App& app, sweep::GridText& grid) {
 void declare_technique(CLI::App& app, sweep::GridText& grid) {
   const std::string group = "Technique";
   app.add_option("--technique", grid.techniques,
-                 "Names, as padr-lab run takes them, each with knobs of its own if need be,\nsuch as 'fixed "
-                 "--threshold 0.8,adaptive'")
+                 "Names, as for padr-lab run; each may set its own knobs,\nsuch as 'fixed --threshold 0.8,adaptive'")
       ->type_name("NAMES")
       ->capture_default_str()
       ->group(group);
@@ -66,43 +66,45 @@ void SweepCommand::declare(CLI::App& app) {
       ->type_name("NAMES")
       ->capture_default_str()
       ->group(world);
-  app.add_option("--bodies", grid_.bodies, "Bodies in all, 1 to 5000: another count for the scenario's scatter or row")
+  app.add_option("--bodies", grid_.bodies, "Numbers of bodies, 1 to 5000: change the scenario's scatter or row")
       ->type_name("COUNTS")
       ->group(world);
-  app.add_option("--peers", grid_.peers, "Participants, 1 to 64 and as many as the scenario has room for")
+  app.add_option("--peers", grid_.peers,
+                 "Numbers of peers, 1 to 64, and at most as many as the scenario has spawn points")
       ->type_name("COUNTS")
       ->capture_default_str()
       ->group(world);
-  app.add_option("--seeds", grid_.seeds, "Of scenario, network and generated input, such as 1-20")
+  app.add_option("--seeds", grid_.seeds, "Seeds of scenario, network and generated input, such as 1-20")
       ->type_name("NUMBERS")
       ->capture_default_str()
       ->group(world);
-  app.add_option("--input", grid_.inputs, std::string(support::kInputHelp) + "; repeat to deal round to the peers")
+  app.add_option("--input", grid_.inputs, std::string(support::kInputHelp) + "; repeat for more peers, in turn")
       ->type_name("SPEC")
       ->group(world);
   declare_network(app, grid_);
   declare_technique(app, grid_);
-  app.add_option("--seconds", grid_.seconds, "Virtual time with input, of every run")
+  app.add_option("--seconds", grid_.seconds, "Virtual time with input in every run, s")
       ->check(support::between(0.1, kMaxSeconds, "seconds"))
       ->capture_default_str();
-  app.add_option("--settle", grid_.settle_seconds, "Virtual seconds afterwards with hands off")
+  app.add_option("--settle", grid_.settle_seconds, "Virtual seconds without input after that")
       ->check(support::between(0, kMaxSeconds, "seconds"))
       ->capture_default_str();
-  app.add_option("--watch", grid_.watch, "Count only what this peer sees, and only while there is input")
+  app.add_option("--watch", grid_.watch, "Measure only the view of this peer, and only while there is input")
       ->type_name("PEER");
-  app.add_option("--csv", csv_, "Where rows go; those that are there already are not run again")->type_name("FILE");
+  app.add_option("--csv", csv_, "File for the rows; runs that have a row there already are skipped")->type_name("FILE");
   app.add_option("--summary", summary_, kSummaryHelp)->type_name("FILE");
-  app.add_option("--shard", shard_, "Only part I of N of the runs, I from 1 to N; put together by padr-lab merge")
+  app.add_option("--shard", shard_, "Run only part I of N, I from 1 to N; padr-lab merge joins the parts")
       ->type_name("I/N");
   app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
   app.add_flag("--dry-run", dry_, "Check the grid and say how many runs it has; run nothing");
   app.footer(
-      "Lists have commas between their values; every combination is run, one row each. The same grid gives the same\n"
-      "file to the byte, however often it was interrupted and in how many shards it was run.\n"
+      "Lists have commas between their values. Every combination is one run and gives one row. The same grid gives "
+      "the\n"
+      "same file to the byte, with any interruptions and any number of shards.\n"
       "Example:\n"
       "  padr-lab sweep --delay 0,50,100ms --loss 0,5,10% --threshold 0.8,0.3:0.1 --peers 2,4 --bodies 20,60 \\\n"
       "    --seeds 1-5 --seconds 30 --csv out/grid.csv --summary out/means.csv\n"
-      "  padr-lab sweep ... --shard 2/8 --csv out/part2.csv      and seven more, anywhere; then\n"
+      "  padr-lab sweep ... --shard 2/8 --csv out/part2.csv      and the seven others, on any machine; then\n"
       "  padr-lab merge out/part*.csv --out out/grid.csv\n"
       "Exit: 0 done, 1 confirmed worlds differed, 2 usage.");
 }
@@ -115,9 +117,9 @@ int SweepCommand::run() {
     std::printf("grid %s: %zu runs\n", grid.id().c_str(), grid.size());
     return support::kExitFine;
   }
-  if (csv_.empty()) throw UserError("--csv is required: the file that rows go to (or --dry-run)");
+  if (csv_.empty()) throw UserError("--csv is required: the file for the rows (or give --dry-run)");
   if (!summary_.empty() && shard.count > 1)
-    throw UserError("--summary with --shard: a shard has not all seeds; give it to padr-lab merge");
+    throw UserError("--summary with --shard: a shard does not have all seeds; give --summary to padr-lab merge");
   ParallelOptions parallel;
   parallel.threads = jobs_;
   const sweep::SweepResult r = sweep::run_sweep(grid, shard, csv_, parallel);
@@ -131,14 +133,14 @@ int SweepCommand::run() {
 
 void MergeCommand::declare(CLI::App& app) {
   app.add_option("SHARD", shards_, "The files of all shards of one sweep, in any order")->required();
-  app.add_option("--out", out_, "The whole")->type_name("FILE")->required();
+  app.add_option("--out", out_, "File for the joined rows")->type_name("FILE")->required();
   app.add_option("--summary", summary_, kSummaryHelp)->type_name("FILE");
   app.footer(
-      "Refuses files of different grids, runs that are there twice, and holes; then writes the same bytes that one\n"
-      "padr-lab sweep without --shard would have written.\n"
+      "Refuses files of different grids, double runs and missing runs. Otherwise it writes the same bytes as one\n"
+      "padr-lab sweep without --shard.\n"
       "Example:\n"
       "  padr-lab merge out/part*.csv --out out/grid.csv\n"
-      "Exit: 0 done, 2 usage, or the shards are no whole.");
+      "Exit: 0 done, 2 usage, or the shards are not complete.");
 }
 
 int MergeCommand::run() {
