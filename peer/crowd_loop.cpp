@@ -95,7 +95,7 @@ void CrowdLoop::end_if_over(Micros now) {
   if (!peer_->finder().failure().empty()) return end(support::kExitFailure, peer_->finder().failure());
   if (options_.join_timeout > 0 && now >= in_micros(options_.join_timeout))
     end(support::kExitFailure, fmt::format("{} within {} s",
-                                           peer_->finder().met() ? "could not come into the region of --start"
+                                           peer_->finder().met() ? "could not enter the region of --start"
                                                                  : "no answer from " + options_.join->text,
                                            options_.join_timeout));
 }

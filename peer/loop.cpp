@@ -77,7 +77,7 @@ void Loop::finish() {
   if (packets_) {
     packets_->close();
     if (packets_->dropped() > 0)
-      log_.net->error("--pcap: {} datagrams are not in it, the disk was too slow", packets_->dropped());
+      log_.net->error("--pcap: the file lacks {} datagrams, because the disk was too slow", packets_->dropped());
   }
   write_summary();
 }

@@ -45,7 +45,7 @@ std::optional<node::RecordedNode::Recording> Recordings::of(int life) {
     try {
       files_[n] = std::make_unique<support::OutputFile>("--trace", trace_file(options_.trace, life));
     } catch (const UserError& e) {
-      log_.play->error("{}: this life is not recorded", e.what());
+      log_.play->error("{}: the peer has joined again, and this is not recorded", e.what());
       return std::nullopt;
     }
   }

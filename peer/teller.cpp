@@ -52,7 +52,7 @@ Teller::Teller(asio::io_context& io, const Options& options, Log& log, const sup
   try {
     where = support::resolve(io, "--monitor", options.monitor->where);
   } catch (const UserError& e) {
-    log_.net->warn("{}; asking again from time to time", e.what());
+    log_.net->warn("{}; trying again from time to time", e.what());
   }
   if (where) found(*where);
 }
@@ -65,7 +65,7 @@ void Teller::found(const support::Udp::endpoint& where) {
                     " is not on this machine, and nothing proves who sends orders; give a loopback address to "
                     "--monitor, or --insecure if you trust the network");
   socket_ = std::make_unique<support::UdpSocket>(io_, any_towards(where));
-  log_.net->info("telling the monitor at {}{}", to_string(*to_), obeys_ ? ", and obeying it" : "");
+  log_.net->info("sending telemetry to the monitor at {}{}", to_string(*to_), obeys_ ? ", and obeying it" : "");
 }
 
 // By a thread of Asio's: a name server that does not answer holds nobody up.

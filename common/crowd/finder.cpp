@@ -157,8 +157,7 @@ void Finder::take(const Endpoint& from, const wire::Tell& tell, Micros local) {
   if (tell.crowd != crowd_) {
     ++stats_.strange;
     book_.forget(from);
-    if (!met_)
-      failure_ = "the crowd that " + to_string(from) + " is in is another one: its plane or its seed is not the same";
+    if (!met_) failure_ = "peer at " + to_string(from) + " is in another crowd: its plane or its seed differs";
     return;
   }
   met_ = true;

@@ -62,7 +62,7 @@ void Entrant::advance(Micros local) {
   lost_ = lost_ || local - heard_ > kPatience;
   if (lost_)
     return desk_.fail("peer at " + to_string(by_) +
-                      " has ended, fallen silent, or sends us elsewhere while letting us in");
+                      " has ended, is silent, or names another peer, before this peer was admitted");
   // With the clock agreed it is only to hear whether who lets us in is still there, until its word is all we wait for.
   const bool measures = offset_.samples() < OffsetEstimator::kKept;
   if (local - pinged_ >= (measures ? kPing : kIdlePing) && (measures || !entering_)) {

@@ -23,13 +23,13 @@ std::string first_difference(const sync::FoldState& ours, const sync::FoldState&
   }
   for (std::size_t b = 0; b < bodies; ++b) {
     if (ours.authority[b] != theirs.authority[b]) return where + " in body " + std::to_string(b) + "'s authority";
-    if (ours.holds[b] != theirs.holds[b]) return where + " in who holds body " + std::to_string(b);
+    if (ours.holds[b] != theirs.holds[b]) return where + " in the holders of body " + std::to_string(b);
   }
   for (std::size_t b = 0; b < ours.residents.slots.size(); ++b)
     if (ours.residents.slots[b] != theirs.residents.slots[b])
-      return where + " in who is in body slot " + std::to_string(b);
-  if (ours.residents != theirs.residents) return where + " in which bodies have gone";
-  if (ours.members != theirs.members) return where + " in who is there";
+      return where + " in the content of body slot " + std::to_string(b);
+  if (ours.residents != theirs.residents) return where + " in the bodies that have gone";
+  if (ours.members != theirs.members) return where + " in the members";
   if (ours.avatars != theirs.avatars) return where + " in an avatar's model";
   if (ours.world.contacts != theirs.world.contacts) return where + " in the contacts' memory";
   return "";

@@ -158,7 +158,7 @@ void Guard::on_drop(PeerId p, DropReason why, RecordedNode& node, const Removals
   Watch& w = watch(p, n);
   tell(p, why, w, local);
   if (!desk_.config.sealed || (why != DropReason::kRight && !is_nonsense(why))) return;
-  if (is_too_much(p, why, n)) cut_off(p, w, "keeps sending what makes no sense", node, removals);
+  if (is_too_much(p, why, n)) cut_off(p, w, "keeps sending invalid datagrams", node, removals);
 }
 
 bool Guard::is_too_much(PeerId p, DropReason why, const Node& node) {
@@ -199,12 +199,12 @@ void Guard::advance(RecordedNode& node, const Removals& removals) {
     Watch& w = watch(p, n);
     const PeerId coordinator = removals.coordinator(n);
     if (w.deaf_until == kForGood || (coordinator != n.self() && coordinator != p)) continue;
-    const std::string what = tells ? "acknowledged nothing" : "kept back what it promised";
+    const std::string what = tells ? "acknowledged no updates" : "not sent the updates that it promised";
     cut_off(p, w, "has " + what + " for " + std::to_string(kArrears / kTicksPerSecond) + " s", node, removals);
   }
   for (const PeerId p : removals.withholding(n))
     if (Watch& w = watch(p, n); w.deaf_until != kForGood)
-      cut_off(p, w, "keeps back what it has of who is lost", node, removals);
+      cut_off(p, w, "does not send its updates of a lost peer", node, removals);
 }
 
 void Guard::bar(PeerId p, bool for_good, const Node& node) {
@@ -245,7 +245,7 @@ void Guard::cut_off(PeerId p, Watch& w, const std::string& why, RecordedNode& no
   w.unlawful.reset();
   w.deaf_until = for_good ? kForGood : n.now() + kMuted;
   desk_.note("peer " + std::to_string(p) + " " + why + ": " +
-                 (for_good ? "cut off" : "not listened to for " + std::to_string(kMuted / kTicksPerSecond) + " s"),
+                 (for_good ? "cut off" : "ignored for " + std::to_string(kMuted / kTicksPerSecond) + " s"),
              true);
   node.cut_off(p, for_good, why);
 }

@@ -114,10 +114,10 @@ void Membership::follow_changes() {
     const std::string who = "peer " + std::to_string(c.slot);
     if (c.kind == MemberChange::Kind::kAdmitted && c.slot != desk_.self) {
       desk_.roster[c.slot] = c.at;
-      desk_.note(who + " at " + to_string(c.at) + " comes in at tick " + std::to_string(c.tick));
+      desk_.note(who + " at " + to_string(c.at) + " joins at tick " + std::to_string(c.tick));
     }
     if (c.kind == MemberChange::Kind::kAdmitted && c.slot == desk_.self)
-      desk_.note("in at tick " + std::to_string(c.tick) + " as " + who);
+      desk_.note("admitted at tick " + std::to_string(c.tick) + " as " + who);
     if (c.kind == MemberChange::Kind::kLeft) desk_.note(who + " has left");
     if (c.kind == MemberChange::Kind::kRemoved)
       desk_.note(who + " is lost: out from tick " + std::to_string(c.tick), true);

@@ -101,7 +101,7 @@ void Participant::warn_of_drops(const Endpoint& place, Micros local) {
 void Participant::warn_of_last_key() {
   if (!gate_->has_told_all_keys() || std::exchange(last_key_told_, true)) return;
   notes_.push_back({true, "the keys of " + std::to_string(config_.gate->most_keys) +
-                              " peers have been logged: no further ones will be"});
+                              " peers have been logged, and no more will be"});
 }
 
 void Participant::post(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes) {
@@ -236,19 +236,19 @@ void Participant::begin_later(Micros local) {
   Session& s = *coming_.session;
   auto transfer = wire::decode_transfer(s.transfer(), scene_, s.slots());
   if (!transfer || transfer->slots.size() <= s.doorkeeper_number()) {
-    s.desk().fail("what " + to_string(s.doorkeeper()) + " sent as the agreed world does not decode");
+    s.desk().fail("the transfer of " + to_string(s.doorkeeper()) + " does not decode");
     return;
   }
   const Tick now = static_cast<Tick>(s.session_now(local) * kTicksPerSecond / kMicrosPerSecond);
   const Tick then = transfer->state.tick;
   if (then > now + kMostAhead || then < now - kMostBehind) {
-    s.desk().fail("what " + to_string(s.doorkeeper()) + " sent as the agreed world is of tick " + std::to_string(then) +
+    s.desk().fail("the transfer of " + to_string(s.doorkeeper()) + " is of tick " + std::to_string(then) +
                   ", but the session is at " + std::to_string(now));
     return;
   }
   transfer->slots[s.doorkeeper_number()].at = s.doorkeeper();
   if (gate_ && !said(*transfer, s.number())) {
-    s.desk().fail("what " + to_string(s.doorkeeper()) + " sent as the agreed world has updates that nobody signed");
+    s.desk().fail("the transfer of " + to_string(s.doorkeeper()) + " has updates without a valid signature");
     return;
   }
   for (sync::Transfer::Slot& slot : transfer->slots) {

@@ -165,7 +165,7 @@ void Removals::notice(RecordedNode& node) {
     asked_ = n.now() - kAskAgain;
     moved_ = n.now();
     desk_.note("peer " + std::to_string(p) + " has been silent for " + std::to_string(kSilence / kTicksPerSecond) +
-                   " s: asking the others what they have of it",
+                   " s: asking the others for its updates",
                true);
   }
 }

@@ -60,7 +60,7 @@ void Joiner::on_welcome(const Endpoint& from, const wire::Header& header, const 
   heard_ = local;
   if (welcome.running) {
     desk_.phase = SessionPhase::kEntering;
-    desk_.note("the session runs; comes in as peer " + std::to_string(desk_.self) + " by " + to_string(target_));
+    desk_.note("the session is running; joining as peer " + std::to_string(desk_.self) + " by " + to_string(target_));
     return;
   }
   desk_.phase = SessionPhase::kGathering;
@@ -85,7 +85,8 @@ void Joiner::on_unreachable(const Endpoint& at, Micros local) {
 
 void Joiner::on_redirect(const Endpoint& from, const wire::Redirect& redirect, Micros local) {
   if (desk_.phase != SessionPhase::kJoining || !is_target(from) || redirect.nonce != nonce_) return;
-  if (++redirects_ > kMostRedirects) return desk_.fail("passed on from member to member, last by " + to_string(from));
+  if (++redirects_ > kMostRedirects)
+    return desk_.fail("too many redirects from member to member, the last by " + to_string(from));
   redirected_ = local;
   target_ = as_seen_from(redirect.founder, from);
   desk_.note(to_string(from) + " passes us on to the founder at " + to_string(target_));

@@ -35,7 +35,7 @@ TEST_F(Examples, WriteThePathsThatComeWithTheScenarios) {
 
 TEST_F(Examples, TellEachPredictorsWorthAndWriteThePathOnFilm) {
   ASSERT_EQ(examples("--out here --stories ball --takes 1 --no-pictures").status, 0);
-  EXPECT_NE(read("out").find("\n  lookahead: It steps a copy from where the avatar truly is"), std::string::npos);
+  EXPECT_NE(read("out").find("\n  lookahead: It steps a copy from the avatar's true state"), std::string::npos);
   EXPECT_EQ(read("here/predictors.csv").find("story,predictor,takes,warned,"), 0U);
   EXPECT_NE(read("here/summary.json").find("\"avoided_m\""), std::string::npos);
   EXPECT_EQ(read("here/path-ball.csv").find("t,x,y\n"), 0U);

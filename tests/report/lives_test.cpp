@@ -61,7 +61,7 @@ TEST(ReportOfLives, EveryLifeIsMeasuredWhileItLasts) {
 TEST(ReportOfLives, TheTableSaysWhoCameAndWentWhen) {
   const std::string table = report::table(report::analyse(all_traces()));
   for (const char* expected : {"3 peers at the start, 3 traces of who came later", "Who came and went.", "broke off",
-                               "began anew", "left", "person2.2.trace", "in lives given up later"})
+                               "began anew", "left", "person2.2.trace", "that were declared gone later"})
     EXPECT_NE(table.find(expected), std::string::npos) << expected << " in\n" << table;
 }
 

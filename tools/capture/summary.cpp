@@ -116,14 +116,15 @@ std::string links_text(const Tally& t, std::uint16_t session, const SessionTally
                link.acks.count() == 0 ? "-" : support::fixed_or_dash(link.acks.mean_us() / 1000, 1)});
   }
   std::string out =
-      "\nLinks. Lost: of the datagrams' numbers from the first to the last in the capture (of), those that are not in\n"
-      "it. Told: the same by the receiver, which tells it in whole per cent, rounded down. Delay: from the begin of "
-      "the\n"
-      "tick of sending, by ";
+      "\nLinks. Of: datagram numbers from the first to the last in the capture. Lost: those of them that are not in "
+      "it.\n"
+      "Told: loss as the receiver tells it, in whole per cent, rounded down. Delay: from the begin of the tick of\n"
+      "sending, by ";
   out +=
       s.tick0().second ? "the session's clock as Pings and Pongs tell it" : "the fastest datagram, which counts as 0";
   out +=
-      ",\nto the capture; peers' least: to the receiver, as it tells itself. Ack: until an update is acknowledged.\n";
+      ",\nto the capture. Peers' least: the delay to the receiver, as it tells it. Ack: until an update is "
+      "acknowledged.\n";
   return out + table.text();
 }
 

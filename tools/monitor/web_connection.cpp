@@ -77,7 +77,7 @@ void WebConnection::on_read(const error_code& error) {
   refuse(request,
          long_header ? http::status::request_header_fields_too_large
                      : (has_body ? http::status::payload_too_large : http::status::bad_request),
-         "no request that is taken here: " + error.message());
+         "this request is not supported: " + error.message());
 }
 
 void WebConnection::answer(const HttpRequest& request) {

@@ -33,14 +33,14 @@ void note_missing(Report& r) {
   }
   if (missing.empty()) return;
   r.notes.push_back("no trace of peer" + missing +
-                    ": what is theirs is measured against the agreed world, and their links are left out");
+                    ": its entities are measured against the agreed world, and its links are left out");
 }
 
 void note_ends(Report& r) {
   for (const Peer& p : r.peers)
     if (!p.clean)
       r.notes.push_back(p.label + " breaks off at tick " + std::to_string(p.last_tick) +
-                        ": its program crashed, or is still running");
+                        ": the program crashed or is still running");
 }
 
 // What the trace's header says of the technique and the network is then true of its begin only.
@@ -49,8 +49,8 @@ void note_interference(Report& r) {
     if (p.retunes + p.pushes + p.remarks > 0)
       r.notes.push_back("peer " + p.name + " was interfered with while it played: knobs turned " +
                         std::to_string(p.retunes) + " times, bodies pushed " + std::to_string(p.pushes) +
-                        ", links impaired or cut or itself paused " + std::to_string(p.remarks) +
-                        "; technique and network are those of its begin, figures those of all of it");
+                        ", links impaired or cut or the peer paused " + std::to_string(p.remarks) +
+                        "; the report names technique and network as they were at the beginning");
 }
 
 void note_confirmed(Report& r) {

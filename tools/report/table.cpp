@@ -108,15 +108,12 @@ std::string fidelity_table(const Report& r) {
   for (const Peer& p : r.peers)
     c.row({"avatar " + p.name, fixed(p.pcc.mean_m, 3), fixed(p.pcc.peak_m, 3), fixed(p.pcc.bodies_mean, 2),
            std::to_string(p.pcc.bodies_peak), count(p.deeds)});
-  return "\nFidelity error: how far bodies are from where the players' deeds alone put them, all bodies summed, by "
-         "whose "
-         "deeds;\n" +
-         fixed(100 * r.left_out, 1) +
-         " % of the time that bodies were somebody's, several players shared them, which is left out "
-         "(docs/metrics.md).\n" +
-         f.text() +
-         "\nPhysics-consistency-cost: bodies that the avatar disturbed, in others' views against its own player's; "
-         "bodies: off by over 5 cm.\n" +
+  return "\nFidelity error: distance between bodies and the result of the players' deeds alone, summed, by whose "
+         "deeds.\n"
+         "Left out are bodies that several players shared: " +
+         fixed(100 * r.left_out, 1) + " % of body time (docs/metrics.md).\n" + f.text() +
+         "\nPhysics-consistency-cost: error of the bodies that the avatar disturbed, in others' views; bodies: off by "
+         "over 5 cm.\n" +
          c.text();
 }
 
@@ -138,9 +135,8 @@ std::string links_table(const Report& r) {
            fixed(l.loss_percent(), 2), count(l.duplicates), fixed(l.reordered_percent(), 2), fixed(l.delay_mean_ms, 1),
            fixed(l.delay_p50_ms, 1), fixed(l.delay_p95_ms, 1), fixed(l.jitter_ms, 1)});
   return "\n" + which +
-         ". Lost: of the datagrams sent a second or more before the receiver's trace ends (of), those that it does "
-         "not\n"
-         "have. Delay: one way, from the start of the tick of sending to reception, by both session clocks.\n" +
+         ". Of: datagrams sent a second or more before the receiver's trace ends. Lost: those of them that are not in\n"
+         "that trace. Delay: one way, from the start of the tick of sending to reception, by both session clocks.\n" +
          g.text();
 }
 
@@ -180,7 +176,7 @@ std::string drops_table(const Report& r) {
       g.row({"peer " + p.name, "slot " + std::to_string(d.of), d.cut_offs == 0 ? "-" : count(d.cut_offs),
              reasons.empty() ? "not told" : reasons});
     }
-  return any ? "\nDropped for what it said, and who was cut off, for good or for a while.\n" + g.text() : "";
+  return any ? "\nDatagrams dropped for their content, and peers cut off, for ever or for a while.\n" + g.text() : "";
 }
 
 std::string lives_table(const Report& r) {
@@ -204,8 +200,8 @@ std::string verdict(const Report& r) {
   if (r.peers.size() < 2) return "";
   std::string given_up;
   if (c.given_up > 0)
-    given_up = " Of " + count(c.given_up) + " confirmed in lives given up later, " + count(c.given_up_unlike) +
-               " were unlike what the others went on with.";
+    given_up = " Of " + count(c.given_up) + " worlds of peers that were declared gone later, " +
+               count(c.given_up_unlike) + " differ from the session's.";
   if (c.mismatches == 0)
     return "\nConfirmed worlds: identical at all " + count(c.ticks) + " ticks compared." + given_up + "\n";
   return "\nCONFIRMED WORLDS DIFFER at " + count(c.mismatches) + " of " + count(c.ticks) + " ticks, first at tick " +
@@ -228,9 +224,10 @@ std::string table(const Report& r) {
   causes.emplace_back("repeats");
   Table traffic(causes);
   rows(traffic, r, [](const std::string& name, const Group& g) { return traffic_row(name, g.traffic, g.seconds); });
-  s += "\nTraffic until goodbye. Rates per peer, IPv4 and UDP headers included; then entity updates by cause, each "
-       "counted once.\n" +
-       traffic.text();
+  s +=
+      "\nTraffic until the peer leaves. Rates of a peer, with IPv4 and UDP headers; then entity updates by cause, each "
+      "counted once.\n" +
+      traffic.text();
   s += links_table(r) + peers_table(r) + drops_table(r) + lives_table(r) + hand_overs_line(r);
   for (const std::string& n : r.notes) s += "\nNote: " + n + "\n";
   return s + verdict(r);

@@ -122,13 +122,11 @@ std::string table(const std::vector<Row>& rows, const Plan& plan) {
       if (r.network == n.text) t += line_of(r, rows, width);
     if (full_of(rows, n.text) != nullptr) t += better_than_full(rows, n.text);
   }
-  t += "\n+-: standard error of the mean over the seeds; ~: not told apart from full, run by run with the same seeds, "
-       "by "
-       "two\nstandard errors. Peak: mean of the seeds' peaks; highest: of any. kbit/s: sent to all others together, 28 "
-       "bytes of IP and\nUDP headers per datagram included. Of the past: of a technique that shows the past, against "
-       "that "
-       "past. Below 5 mm it is noise.\n"
-       "Fidelity error: how far bodies are from where the players' deeds alone put them (docs/metrics.md).\n\n";
+  t += "\n+-: standard error of the mean over the seeds. ~: the difference from full, run by run with the same seeds, "
+       "is below\ntwo standard errors. Peak: mean of the seeds' peaks; highest: the highest of all seeds. kbit/s: sent "
+       "to all others\ntogether, with 28 bytes of IP and UDP headers in each datagram. Of the past: error against the "
+       "past that the\ntechnique shows. Below 5 mm it is noise.\n"
+       "Fidelity error: distance between bodies and the result of the players' deeds alone (docs/metrics.md).\n\n";
   for (const Contestant& c : plan.contestants) t += format("  %-*s ", width, c.id.c_str()) + c.setting() + "\n";
   return t;
 }

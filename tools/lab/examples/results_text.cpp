@@ -109,8 +109,8 @@ void put(Json& j, const Verdict& v) {
 
 std::string table(const Results& r, const Plan& plan) {
   std::string s = format(
-      "Physics-consistency cost: what the model errors of one avatar do to bodies in the other\n"
-      "peer's view. %d takes of each story, means; netem \"%s\".\n",
+      "Physics-consistency cost: error of bodies in the other peer's view, caused by the model of\n"
+      "one avatar. Means of %d takes of each story; netem \"%s\".\n",
       plan.takes, plan.netem_text.c_str());
   const std::size_t variants = r.results.empty() ? 1 : r.results.size() / plan.stories.size();
   for (std::size_t i = 0; i < r.results.size(); ++i) {
@@ -127,9 +127,9 @@ std::string table(const Results& r, const Plan& plan) {
   }
   if (!r.rows.empty()) s += table_of_rows(r.rows);
   return s +
-         "\navoided: of what bodies would have been off in the end without that predictor.\nuntrue: against what the "
-         "same input does with nobody else there; two views can agree on what never\n"
-         "would have happened. Below 5 mm everything is noise.\n";
+         "\navoided: the part of the cost without a predictor that this predictor avoided.\n"
+         "untrue: error against a run in which the same input plays alone, because two views can agree on an event\n"
+         "that never would have happened. Below 5 mm everything is noise.\n";
 }
 
 std::string csv(const Results& r) {

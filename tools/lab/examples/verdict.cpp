@@ -20,10 +20,10 @@ std::string reason(const Verdict& v, const Technique& t) {
       return {};
     case Predictor::kLookahead:
       if (v.contacts == 0)
-        return warned ? "It steps a copy from where the avatar truly is, and expected a contact that never came."
-                      : "It steps a copy from where the avatar truly is, which touches nothing: it is blind to this.";
-      return warned ? "It steps a copy from where the avatar truly is, and that avatar does touch."
-                    : "It steps a copy from where the avatar truly is, and saw the contact only when it was there.";
+        return warned ? "It steps a copy from the avatar's true state. It expected a contact that never came."
+                      : "It steps a copy from the avatar's true state. That copy touches nothing, so it cannot warn.";
+      return warned ? "It steps a copy from the avatar's true state. That copy does touch a body."
+                    : "It steps a copy from the avatar's true state. It saw the contact only when it was there.";
     case Predictor::kPcc:
       if (!warned)
         return format(
@@ -31,16 +31,16 @@ std::string reason(const Verdict& v, const Technique& t) {
             "more than %g m before.",
             static_cast<double>(t.pcc_bound));
       return v.contacts == 0 ? "It steps one copy from the avatar's true state and one from its model's: only the "
-                               "model's ran into something."
+                               "model's copy hit a body."
                              : "It steps one copy from the avatar's true state and one from its model's: they did "
                                "different things to bodies.";
     case Predictor::kDensity:
       return format("It counts bodies within %g m: %s %d of them were there.", static_cast<double>(t.radius),
                     warned ? "at least" : "never", t.count);
     case Predictor::kPathDensity:
-      return warned ? "It looks for bodies beside the straight way to where the avatar is driven; when it warned, "
+      return warned ? "It looks for bodies beside the straight way to the avatar's target; when it warned, "
                       "there was one."
-                    : "It looks for bodies beside the straight way to where the avatar is driven: there was none.";
+                    : "It looks for bodies beside the straight way to the avatar's target: there was none.";
   }
   return {};
 }
@@ -59,7 +59,7 @@ std::string sentence(const Verdict& v, const Technique& t) {
   if (v.avoided_m <= kNoise) return s + " It avoided nothing.";
   s += format(" %.2f of %.2f m avoided", v.avoided_m, v.cost_m);
   if (v.warned > 0) return s + ".";
-  return s + ", by the low threshold that applies during a contact, whatever was predicted.";
+  return s + ", by the low threshold during a contact, without any prediction.";
 }
 
 }  // namespace
