@@ -33,7 +33,7 @@ bool is_built_in(const std::string& name) {
 
 void declare_keylogs(CLI::App& app, std::vector<std::string>& keylogs) {
   app.add_option("--keylog", keylogs,
-                 "What padr-peer --keylog has written: checks who has sent what, and decrypts. May be repeated")
+                 "File of padr-peer --keylog, to check the senders of datagrams and to decrypt. May be repeated")
       ->type_name("FILE")
       ->allow_extra_args(false);
 }
