@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""clang-tidy over a build by clang, several files at once. What was clean is remembered by its preprocessed text, comments
-included, so that only what has changed since is read again. Prints each finding once; exit status 1 if there are any.
+"""clang-tidy over a build by clang, several files at once. It remembers the preprocessed text of clean files,
+with comments, and checks only files that have changed since. Prints each finding once; exit status 1 if there are any.
 
 Usage: tidy.py CLANG_TIDY CLANG BUILD_FOLDER JOBS
 """

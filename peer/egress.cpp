@@ -9,7 +9,7 @@
 namespace padr::peer {
 namespace {
 
-/// Anybody can make us answer; more addresses than this at a time are answered without impairment.
+/// A stranger can make the peer answer. Answers to more addresses than this at a time are not impaired.
 constexpr std::size_t kMostEarlyLinks = 256;
 
 /// A seed that depends on the address alone, in a stream that no pair of peers has.

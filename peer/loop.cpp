@@ -11,7 +11,7 @@
 namespace padr::peer {
 namespace {
 
-/// What is still in the links when all is over may take so long to leave.
+/// After the end, datagrams that wait in the impaired links get this long to leave.
 constexpr Micros kDrain = 300'000;
 
 }  // namespace

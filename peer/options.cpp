@@ -21,7 +21,7 @@ namespace {
 
 using support::parse_host_port;
 
-/// Of a scenario with room for more: every slot costs each peer something, taken or not.
+/// Slots by default, if the scenario has room for more. Every slot costs each peer something, also an empty one.
 constexpr int kUsualSlots = 32;
 
 constexpr const char* kDescription =

@@ -12,7 +12,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kFlush = 500ms;
-/// Some minutes of a busy session, should the disk stand still.
+/// Bytes that may wait for a slow disk: some minutes of a busy session.
 constexpr std::size_t kMostWaiting = 64U << 20U;
 constexpr std::size_t kMostAddresses = 4096;
 

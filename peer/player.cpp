@@ -10,7 +10,7 @@
 namespace padr::peer {
 namespace {
 
-/// Where all are stopped at once, so many say goodbye in one tick: everybody answers everybody's.
+/// When all peers are stopped at once, this many leave in one tick, because every peer answers every goodbye.
 constexpr int kFarewells = 4;
 /// Steps in one go at most when late: datagrams must get their turn, or catching up makes everything worse.
 constexpr int kStepsPerTurn = 8;

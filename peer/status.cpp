@@ -13,7 +13,7 @@ std::uint64_t updates_told(const node::NodeStats& stats) {
 
 namespace {
 
-/// Datagrams that were dropped for what they said; what the network does to them is no news.
+/// Datagrams that were dropped for their content. Damage and duplicates by the network are not counted here.
 std::uint64_t refused(const node::NodeStats& stats) {
   using enum sync::DropReason;
   std::uint64_t sum = 0;

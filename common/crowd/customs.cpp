@@ -19,7 +19,7 @@ bool is_member(const node::Node& n, const Endpoint& at) {
   return false;
 }
 
-/// How many of those who are in both regions come before this peer: the body's owner, then the lowest slots of `a`.
+/// How many members of both regions come before this peer in the order: the body's owner, then the lowest slots of `a`.
 int place_in_line(const node::Node& a, const node::Node& b, EntityId body) {
   const PeerId owner = a.agreed().predicted_state().authority[body].holder();
   if (owner == a.self()) return 0;

@@ -15,7 +15,7 @@ void Search::note_told(const Endpoint& by, Micros sent, Micros local) {
   told_[by] = sent;
 }
 
-// As long as somebody nearer turns up, there may be somebody there.
+// As long as the search finds nearer peers, a peer may be in the region.
 void Search::note_nearest(const std::vector<Acquaintance*>& nearest, Micros local) {
   std::set<Endpoint> now;
   for (const Acquaintance* a : nearest) now.insert(a->at);

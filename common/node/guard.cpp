@@ -13,7 +13,7 @@ namespace {
 using sync::Bundle;
 using sync::DropReason;
 
-/// Orders that a coordinator had in hand when a lower peer came in still go out.
+/// A coordinator may still send orders that it was preparing when a lower peer came in.
 constexpr Tick kHandOver = 10 * kTicksPerSecond;
 constexpr Tick kForGood = std::numeric_limits<Tick>::max();
 

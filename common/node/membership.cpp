@@ -6,7 +6,7 @@
 namespace padr::node {
 namespace {
 
-/// Confirmed may wait for somebody to be declared gone, and then some.
+/// The confirmed world may wait until a peer is declared gone; only a longer wait means that this peer is stuck.
 constexpr Tick kStuck = 12 * kTicksPerSecond;
 /// That nobody listens there has to be said for so long, and nothing heard meanwhile.
 constexpr Tick kRefused = kTicksPerSecond / 10;

@@ -1,4 +1,4 @@
-// A Node's part in who is there: coming in, and what is known of others' coming and going.
+// A Node's part in membership: its own admission, and the admissions and removals of others.
 #include <algorithm>
 #include <utility>
 

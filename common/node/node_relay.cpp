@@ -1,4 +1,4 @@
-// A Node's part in links that fail: who answers, what others relay of who is not heard, and what they can relay of us.
+// A Node's part in links that fail: which peers answer, which updates others relay to it, and which it offers to relay.
 #include <algorithm>
 
 #include "common/node/node.h"

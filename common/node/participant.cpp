@@ -16,7 +16,7 @@
 namespace padr::node {
 namespace {
 
-/// A step that is later than this: the process was held up, and nobody was heard because nobody listened.
+/// A step that is later than this means that the process was held up. It heard no peer because it did not listen.
 constexpr Micros kHeldUp = 400'000;
 /// A transfer's tick against the session's by our clock: what lies further off is not of this session, or would take us
 /// for ever to step up to. Ticks.

@@ -18,7 +18,7 @@ Founder::Founder(SessionDesk& desk, Micros local) : desk_(desk) {
   advance(local);
 }
 
-// Nobody is waited for: who comes later comes into a session that runs.
+// The founder waits for no peer: a later peer joins a session that runs.
 void Founder::begin_now(Micros session, Micros local) {
   desk_.roster.assign(1, Endpoint{});
   Rng rng(desk_.config.seed);

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that a program was built with what makes mistakes hard to use, and that the check can fail.
+"""Checks that a program was built with the hardening of PADR_HARDEN, and that the check can fail.
 
   hardened.py READELF PROGRAM...          one line per thing that is missing, and exit status 1 if there is any
   hardened.py READELF --can-fail CXX      builds samples that lack one thing each, and wants each to be found

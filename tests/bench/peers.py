@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What real peers cost: processes of padr-peer over UDP on this machine, each time twice as many.
+"""The cost of real peers: processes of padr-peer over UDP on this machine, in sessions of doubling size.
 
 Usage: peers.py PADR_PEER_COUNTED PADR_BENCH [--peers 4,8,16,32,64] [--seconds S] [--warm-up S] [--scenario NAME] [--input INPUT]
                 [--paths FOLDER] [--json FILE] [--no-strace]

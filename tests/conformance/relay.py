@@ -1,7 +1,7 @@
-"""Every datagram of a session passes through here: one socket per peer stands for it towards the others.
+"""A relay for every datagram of a session: it has one socket for each peer, and the other peers send to that socket.
 
-A peer knows the others only by the addresses their datagrams come from, and the founder tells those on. So all it takes is
-that what arrives at the socket of X from peer Y is sent on to X from the socket of Y. The relay is the bad network as well:
+A peer knows the others only by the addresses their datagrams come from, and the founder tells those on. So the relay takes a
+datagram that peer Y sent to the socket of X, and sends it on to X from the socket of Y. The relay is the bad network as well:
 it sees every datagram before anything happens to it.
 """
 import heapq

@@ -1,4 +1,4 @@
-"""What both the decoding of updates and that of messages are made of."""
+"""Rules that the decoder of updates and the decoder of messages share."""
 import math
 
 from protobuf import Malformed

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Many padr-peer processes, one killed every few seconds and another started, for a while; then what they believe.
+"""Many padr-peer processes: every few seconds one is killed and another one started; then their confirmed worlds are compared.
 
 Usage: crowd.py PATH_TO_PADR_PEER [--seconds S] [--peers N] [--netem SPEC] [--kill-every S] [--seed N] [--scenario NAME]
 

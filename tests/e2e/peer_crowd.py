@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A crowd of real processes: they come one after another, cross borders, one is killed; then what they believe of the regions.
+"""A crowd of real processes: they join one after another and cross borders, one is killed, and then all must agree on the regions.
 
 Usage: peer_crowd.py PATH_TO_PADR_PEER [unittest arguments]
 """

@@ -1,4 +1,4 @@
-"""Sessions with a key: who has it plays, who has not stays out, and nothing forged, replayed or reflected gets in.
+"""Sessions with a key: a peer with the key plays, one without it stays out; forged, replayed and reflected datagrams are dropped.
 
 Usage: peer_sealed.py PADR_PEER [--datagrams N]: so many are forged, 20,000 if not said.
 """

@@ -1,4 +1,4 @@
-"""padr-monitor with real peers: what it shows is so, and what a page wants is done."""
+"""padr-monitor with real peers: it shows the truth, and peers obey the page's orders."""
 
 import csv
 import io

@@ -1,4 +1,4 @@
-"""padr-monitor's web server: what it serves, and whom it does not let harm it."""
+"""padr-monitor's web server: the files that it serves, and the requests that it refuses."""
 
 import os
 import signal

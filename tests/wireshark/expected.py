@@ -1,4 +1,4 @@
-"""What of a datagram the second decoder (tests/conformance) reads, as the list of (field, value) that Wireshark must show.
+"""A datagram as the second decoder (tests/conformance) reads it: the list of (field, value) that Wireshark must show.
 
 Depth first and in the order of the datagram; nodes, which only group, stand in it with the value None. What hangs on other
 datagrams is not in it.

@@ -1,4 +1,4 @@
-"""What the plugin finds out about one datagram from others, on captures written by hand: in one pass and in two.
+"""Fields of one datagram that depend on others: the plugin on captures written by hand, in one pass and in two.
 
 Usage: history_test.py
 """

@@ -1,4 +1,4 @@
-"""Captures as files: what tcpdump has written, and what is made up here."""
+"""Captures as files: reads those of tcpdump, and writes made-up ones."""
 import struct
 
 ETHERNET = 1

@@ -1,4 +1,4 @@
-"""What tshark shows of a capture with the plugin, as lists of (field, value) by frame; and whether it is what is expected."""
+"""Reads a capture with tshark and the plugin as lists of (field, value) by frame, and compares it with the expected lists."""
 import atexit
 import ipaddress
 import json

@@ -6,7 +6,7 @@ namespace {
 constexpr Tick kMinute = 60 * kTicksPerSecond;
 constexpr std::size_t kEvery = 64;  // points between two times of thinning
 
-/// Ticks that points of this age have between them at least; below 0: they go.
+/// The least distance in ticks between two points of this age; below 0: the points are removed.
 Tick spacing(Tick age) {
   if (age > 60 * kMinute) return -1;
   if (age > 20 * kMinute) return 4 * kTicksPerSecond;

@@ -6,7 +6,7 @@
 namespace padr::monitor {
 namespace {
 
-/// Ticks with frames of some, that others may still tell of.
+/// The latest ticks of which some peers have sent frames and others may still do so.
 constexpr std::size_t kRecentTicks = 6;
 constexpr Vec2 kNowhere{std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::quiet_NaN()};
 

@@ -11,7 +11,7 @@ namespace {
 namespace websocket = boost::beast::websocket;
 using boost::system::error_code;
 
-/// Messages that may wait before those that may be missed are.
+/// When this many messages wait, messages that a page may miss are left out.
 constexpr std::size_t kFew = 4;
 constexpr std::chrono::seconds kPatience{2};
 

@@ -18,7 +18,7 @@ std::string_view view(beast::string_view s) {
   return {s.data(), s.size()};
 }
 
-/// Nothing but what comes from here, and no page of somebody else's around it.
+/// The page may load only files of this server, and no other site may embed it.
 std::string content_policy(std::string_view host) {
   return "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; font-src 'self'; "
          "manifest-src 'self'; connect-src 'self' ws://" +

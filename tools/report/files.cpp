@@ -7,7 +7,7 @@
 namespace padr::report {
 namespace {
 
-// Hours of a busy session; more would not fit in memory beside its figures.
+// The largest trace: hours of a busy session. A larger one and its figures would not fit in memory.
 constexpr std::size_t kMostBytes = std::size_t{4} << 30U;
 
 }  // namespace

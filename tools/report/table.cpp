@@ -11,7 +11,7 @@ namespace {
 using support::fixed;
 using support::Table;
 
-// More links than this are not read but searched.
+// Nobody reads a longer table of links.
 constexpr std::size_t kMostLinks = 30;
 
 std::string count(std::uint64_t n) {

@@ -21,7 +21,7 @@ namespace padr::lab {
 namespace {
 
 constexpr int kShrinkTries = 200;
-/// Violations that are looked into.
+/// Violations for which the shortest script is searched.
 constexpr int kMostShrunk = 3;
 /// Of as many scripts or fewer each gets its line.
 constexpr int kMostLines = 40;

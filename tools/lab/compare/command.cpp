@@ -19,7 +19,7 @@ using namespace compare;
 
 constexpr double kMaxSeconds = 24 * 3600;
 
-/// Where results go; opened before the runs, so that nobody waits for them in vain.
+/// A file for results. It is opened before the runs, so that a wrong path shows at once.
 class Sink {
  public:
   Sink(const std::string& flag, const std::string& path) : to_terminal_(path == "-") {

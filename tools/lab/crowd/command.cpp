@@ -22,7 +22,7 @@ namespace padr::lab {
 namespace {
 
 constexpr int kMostPeers = 10000;
-/// Ticks between two looks at who has what where.
+/// Ticks between two measurements of the peers' views.
 constexpr Tick kLook = 6;
 
 template <typename... Args>
