@@ -171,7 +171,8 @@ build_programs() {
   # What has to be compiled is preprocessed once and not twice.
   export CCACHE_DEPEND=1
   echo "== installing packages that are missing (about a minute on a bare system)"
-  tools/deps.sh build run
+  # What only the report draws with can wait, unless somebody has to be asked for a password.
+  if ((EUID == 0)); then tools/deps.sh build; else tools/deps.sh build run; fi
   mkdir -p "$out"
   build_log=$out/build.log
   if [[ ! -e build/release/CMakeCache.txt ]]; then without_tests=(-DPADR_TESTS=OFF); fi
@@ -186,7 +187,9 @@ build_programs() {
   echo "== building ${first[*]}$(how_long "${steps:-0}" "$jobs")"
   NINJA_STATUS='   %f of %t after %e s: ' cmake --build build/release --parallel "$jobs" --target "${first[@]}"
   # In a session of its own, as peers are: Ctrl-C ends the play and not this.
-  setsid nice -n 19 cmake --build build/release --parallel "$jobs" --target padr-report >"$build_log" 2>&1 </dev/null &
+  # shellcheck disable=SC2016  # it is the inner shell that expands
+  setsid nice -n 19 bash -c 'tools/deps.sh build run && cmake --build build/release --parallel "$1" --target padr-report' \
+    bash "$jobs" >"$build_log" 2>&1 </dev/null &
   building=$!
 }
 # A step takes 2 to 3 s of one processor, unless the compiler cache knows it.
@@ -197,10 +200,10 @@ how_long() { # STEPS JOBS
 }
 await_report() {
   if [[ -z $building ]]; then return; fi
-  if alive "$building"; then echo "== waiting for padr-report to be built"; fi
+  if alive "$building"; then echo "== waiting for the report's program and packages"; fi
   if ! wait "$building"; then
     cat "$build_log" >&2
-    echo "$me: padr-report could not be built" >&2
+    echo "$me: padr-report could not be built, or its packages not be installed" >&2
     exit 1
   fi
   building=
