@@ -37,6 +37,13 @@ TEST_F(SweepProgram, GoesOnAfterItWasKilled) {
   EXPECT_EQ(read("killed.csv"), read("whole.csv"));
 }
 
+TEST_F(SweepProgram, MakesTheFolderOfItsFile) {
+  const auto r = lab("sweep --seeds 1-2 --seconds 0.5 --csv rows/here/grid.csv --summary means/there/means.csv");
+  ASSERT_EQ(r.status, 0) << r.err;
+  EXPECT_EQ(std::ranges::count(read("rows/here/grid.csv"), '\n'), 3);
+  EXPECT_EQ(std::ranges::count(read("means/there/means.csv"), '\n'), 2);
+}
+
 TEST_F(SweepProgram, ADryRunCountsAndRunsNothing) {
   const auto r = lab("sweep --seeds 1-20 --loss 0,5,10% --threshold 0.8,0.3:0.1 --seconds 3600 --dry-run");
   EXPECT_EQ(r.status, 0);

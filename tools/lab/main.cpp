@@ -39,7 +39,8 @@ struct Commands {
     CLI::App& sub = *app.add_subcommand(name, description);
     command.declare(sub);
     sub.callback([this, &command] {
-      given = [this, &command] {
+      given = [&line = line, &command] {
+        static_cast<void>(line);  // not every command wants it
         if constexpr (requires { command.run(line); }) {
           return command.run(line);
         } else {

@@ -59,7 +59,7 @@ plot::Axis metres(const Plan& plan, const Results& r, std::size_t of_case) {
   highest =
       std::max(highest, r.measures[of_case][setting_index(plan.settings, adaptive_id(kPredictors[0]))].combined.peak_m);
   // A sawtooth of 0.3 m is to be seen beside a peak of 5 m.
-  return {.label = "combined (m), square-root scale", .root = true, .from = 0, .to = highest * 1.05};
+  return {.label = "combined (m), root scale", .root = true, .from = 0, .to = highest * 1.05};
 }
 
 /// The sawtooth of the paper's figures, which bodies that are off hide.

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <filesystem>
 #include <optional>
+#include <system_error>
 
 #include "common/model/user_error.h"
 #include "tools/support/files.h"
@@ -93,6 +94,9 @@ std::string canonical(const std::string& heading, const std::map<std::size_t, st
 
 void replace_file(std::string_view flag, const std::string& file, const std::string& text) {
   const std::string part = file + ".part";
+  std::error_code why;  // if the folder cannot be made, opening the file says so
+  if (const auto folder = std::filesystem::path(file).parent_path(); !folder.empty())
+    std::filesystem::create_directories(folder, why);
   support::OutputFile out(flag, part);
   out.write(text);
   out.close();

@@ -35,6 +35,7 @@ std::string quoted_field(const std::string& text);
 std::string canonical(const std::string& heading, const std::map<std::size_t, std::string>& rows);
 
 /// Puts `text` in the place of the file's content at once: whoever is stopped meanwhile leaves the old or the new.
+/// Makes the folder if there is none. Throws UserError.
 void replace_file(std::string_view flag, const std::string& file, const std::string& text);
 
 }  // namespace padr::lab::sweep
