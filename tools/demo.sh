@@ -166,7 +166,7 @@ alive() { kill -0 "$1" 2>/dev/null; }
 build_log=
 building=
 build_programs() {
-  local jobs=${PADR_JOBS:-$(nproc)} without_tests=() steps
+  local jobs=${PADR_JOBS:-$(nproc)} without_tests=()
   if ! [[ $jobs =~ ^[1-9][0-9]*$ ]]; then fail_usage "PADR_JOBS is '$jobs', must be a number from 1"; fi
   # What has to be compiled is preprocessed once and not twice.
   export CCACHE_DEPEND=1
@@ -183,8 +183,7 @@ build_programs() {
   fi
   local first=(padr-peer)
   if [[ $page != off ]]; then first+=(padr-monitor); fi
-  steps=$(ninja -C build/release -n "${first[@]}" 2>/dev/null | sed -n 's,^\[[0-9]*/\([0-9]*\)\].*,\1,p' | tail -n 1 || true)
-  echo "== building ${first[*]}$(how_long "${steps:-0}" "$jobs")"
+  echo "== building ${first[*]}$(how_long "$jobs")"
   NINJA_STATUS='   %f of %t after %e s: ' cmake --build build/release --parallel "$jobs" --target "${first[@]}"
   # In a session of its own, as peers are: Ctrl-C ends the play and not this.
   # shellcheck disable=SC2016  # it is the inner shell that expands
@@ -192,11 +191,10 @@ build_programs() {
     bash "$jobs" >"$build_log" 2>&1 </dev/null &
   building=$!
 }
-# A step takes 2 to 3 s of one processor, unless the compiler cache knows it.
-how_long() { # STEPS JOBS
-  if (($1 < 10)); then return; fi
-  local minutes=$((($1 * 5 / 2 / $2 + 59) / 60))
-  echo ": $1 steps, about $minutes min on $2 processors, or seconds if ccache knows them"
+# From nothing it takes about 280 s of one processor.
+how_long() { # JOBS
+  if [[ -x build/release/bin/padr-peer ]]; then return; fi
+  echo ": about $(((280 / $1 + 59) / 60)) min on $1 processors, less where ccache knows the files"
 }
 await_report() {
   if [[ -z $building ]]; then return; fi
