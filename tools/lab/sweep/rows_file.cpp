@@ -92,11 +92,15 @@ std::string canonical(const std::string& heading, const std::map<std::size_t, st
   return text;
 }
 
-void replace_file(std::string_view flag, const std::string& file, const std::string& text) {
-  const std::string part = file + ".part";
-  std::error_code why;  // if the folder cannot be made, opening the file says so
+void make_folder_of(const std::string& file) {
+  std::error_code why;  // if it cannot be made, opening the file says so
   if (const auto folder = std::filesystem::path(file).parent_path(); !folder.empty())
     std::filesystem::create_directories(folder, why);
+}
+
+void replace_file(std::string_view flag, const std::string& file, const std::string& text) {
+  const std::string part = file + ".part";
+  make_folder_of(file);
   support::OutputFile out(flag, part);
   out.write(text);
   out.close();

@@ -34,8 +34,11 @@ std::string quoted_field(const std::string& text);
 /// The file with all these rows in the order of their runs: its canonical form.
 std::string canonical(const std::string& heading, const std::map<std::size_t, std::string>& rows);
 
+/// Makes the folder that the file is to be in, if there is none.
+void make_folder_of(const std::string& file);
+
 /// Puts `text` in the place of the file's content at once: whoever is stopped meanwhile leaves the old or the new.
-/// Makes the folder if there is none. Throws UserError.
+/// Throws UserError.
 void replace_file(std::string_view flag, const std::string& file, const std::string& text);
 
 }  // namespace padr::lab::sweep

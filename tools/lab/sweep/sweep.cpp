@@ -70,6 +70,7 @@ SweepResult run_sweep(const Grid& grid, const Shard& shard, const std::string& f
 
   // The file is written anew beside the old one, which stays until the new one has all its rows.
   const std::string part = file + ".part";
+  make_folder_of(file);
   support::OutputFile out("--csv", part);
   out.write(canonical(heading_of(grid), rows));
   out.flush();
