@@ -33,6 +33,20 @@ std::string share(std::size_t part, std::size_t whole) {
   return std::to_string(part) + " of its " + std::to_string(whole) + " points";
 }
 
+/// The least factor, to a tenth, by which the path's times have to grow for an avatar to keep up. Its speed over a
+/// second does not fall in proportion.
+double slow_enough(const Path& path, const Scene& scene) {
+  const auto most = static_cast<double>(scene.avatar.max_speed);
+  double factor = 1;
+  for (double fastest = survey_path(path, scene).fastest; fastest > most;) {
+    factor = std::ceil(std::max(factor * fastest / most, factor + 0.05) * 10) / 10;
+    std::vector<PathPoint> points = path.points();
+    for (PathPoint& p : points) p.seconds *= factor;
+    fastest = survey_path(Path(std::move(points)), scene).fastest;
+  }
+  return factor;
+}
+
 }  // namespace
 
 PathSurvey survey_path(const Path& path, const Scene& scene) {
@@ -71,8 +85,8 @@ PathNotes notes_on_path(const Path& path, std::string_view label, const Scene& s
   if (s.too_fast > 0)
     notes.warnings.push_back(name + ": at " + share(s.too_fast, s.points) +
                              " it asks for more than an avatar can do: up to " + measure(s.fastest) + " m/s of " +
-                             measure(most) + " m/s; padr-lab path --stretch " +
-                             rough_text(std::ceil(s.fastest / most * 10) / 10) + " makes it slow enough");
+                             measure(most) + " m/s; padr-lab path --stretch " + rough_text(slow_enough(path, scene)) +
+                             " makes it slow enough");
   if (s.fastest < kIdle * most)
     notes.warnings.push_back(name + ": it hardly moves, at most " + measure(s.fastest) +
                              " m/s; are its times milliseconds?" + hint);

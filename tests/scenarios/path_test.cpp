@@ -116,6 +116,19 @@ TEST(PathSurvey, SaysWhatThePathAsksForAndWarnsOfOtherUnits) {
                                       "6.1 m/s of 6 m/s; padr-lab path --stretch 1.1 makes it slow enough"}));
 }
 
+// Two rushes with a rest between them: a second holds more of a rush that takes longer.
+TEST(PathSurvey, TheStretchThatItNamesIsEnough) {
+  const std::vector<PathPoint> rushes{{0, {1, 1}}, {0.5, {7, 1}}, {1.2, {7, 1}}, {1.7, {14, 1}}, {3, {14, 1}}};
+  const std::string warning = notes_on_path(Path(rushes), "p.csv", room()).warnings.at(0);
+  const std::size_t at = warning.find("--stretch ");
+  ASSERT_NE(at, std::string::npos) << warning;
+  const double stretch = std::stod(warning.substr(at + 10));
+  EXPECT_GT(stretch, 1.1);
+  std::vector<PathPoint> slow = rushes;
+  for (PathPoint& p : slow) p.seconds *= stretch;
+  EXPECT_TRUE(notes_on_path(Path(slow), "p.csv", room()).warnings.empty()) << warning;
+}
+
 TEST(PathSurvey, TrembleIsNoSpeed) {
   std::vector<PathPoint> points;
   for (int i = 0; i <= 400; ++i)

@@ -81,7 +81,7 @@ scenarios::Path PathCommand::converted(const Scene& scene) const {
   if (pixels) path = scenarios::fit_path(path, "--in: " + in_, scene, true);
   std::vector<scenarios::PathPoint> points = path.points();
   const double begin = points.front().seconds;
-  for (scenarios::PathPoint& p : points) p.seconds = (p.seconds - begin) * stretch_;
+  for (scenarios::PathPoint& p : points) p.seconds = std::round((p.seconds - begin) * stretch_ * 1e6) / 1e6;
   return scenarios::Path(std::move(points));
 }
 
