@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <boost/asio.hpp>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -14,6 +15,7 @@
 #include <random>
 #include <string>
 
+#include "common/model/user_error.h"
 #include "common/node/participant.h"
 #include "common/scenarios/scenarios.h"
 
@@ -23,15 +25,24 @@ using std::chrono::steady_clock;
 
 const padr::Tick kEnd = 10 * padr::kTicksPerSecond;
 
+std::uint16_t port_of(const std::string& text) {
+  unsigned port = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+  if (error != std::errc() || *end != '\0' || port < 1 || port > 65535)
+    throw padr::UserError("PORT '" + text + "' is not allowed; give 1 to 65535");
+  return static_cast<std::uint16_t>(port);
+}
+
 // 1. What you choose: the session that you found or join, and the technique.
 padr::node::ParticipantConfig configure(const char* join_port) {
   padr::node::ParticipantConfig config;
   config.node.technique = padr::technique_by_name("full");
   config.session.slots = 4;
+  config.session.scenario = "arena seed 1";  // for messages to people
   std::random_device random;
   config.session.seed = random();
   config.session.secret = std::uint64_t{random()} << 32U | random();
-  if (join_port) config.session.join = padr::ipv4({127, 0, 0, 1}, static_cast<std::uint16_t>(std::stoi(join_port)));
+  if (join_port) config.session.join = padr::ipv4({127, 0, 0, 1}, port_of(join_port));
   config.on_confirmed = [](int, const padr::sync::FoldState& world, std::uint64_t hash) {
     if (world.tick % 60 == 0) std::printf("confirmed %d %016llx\n", int(world.tick), (unsigned long long)hash);
   };
@@ -44,10 +55,14 @@ padr::Vec2 input(const padr::node::Node& node) {
   return {10 + 5 * std::cos(angle), 7.5F + 5 * std::sin(angle)};
 }
 void draw(const padr::node::Node& node) {
-  const std::vector<padr::Vec2>& at = node.shown().positions();  // of the bodies, then of the avatars; m
-  const padr::Vec2 avatar = at[node.live().avatar()];
-  if (node.now() % 60 == 0)
-    std::printf("tick %d: avatar %.2f %.2f, body 0 %.2f %.2f\n", int(node.now()), avatar.x, avatar.y, at[0].x, at[0].y);
+  if (node.now() % 60 != 0) return;
+  const std::vector<padr::Vec2>& at = node.shown().positions();  // of the bodies, then of the avatars by slot; m
+  const auto& world = node.live().world();                       // has angles and velocities: world.state(id)
+  std::printf("tick %d: body 0 at %.2f %.2f", int(node.now()), at[0].x, at[0].y);
+  for (padr::EntityId id = 0; id < at.size(); ++id)
+    if (world.is_avatar(id) && world.present(id))  // a slot may be empty
+      std::printf(", %s avatar at %.2f %.2f", id == node.live().avatar() ? "my" : "another", at[id].x, at[id].y);
+  std::puts("");
 }
 
 void send(udp::socket& socket, const padr::node::Parcel& parcel) {
@@ -64,7 +79,7 @@ int main(int argc, char** argv) try {
   const auto now = [&] { return std::chrono::duration_cast<microseconds>(steady_clock::now() - start).count(); };
   padr::node::Participant peer(padr::scenarios::load_embedded("arena", 1), configure(argv[2]), now());
   boost::asio::io_context io;
-  udp::socket socket(io, {boost::asio::ip::address_v4::loopback(), static_cast<std::uint16_t>(std::stoi(argv[1]))});
+  udp::socket socket(io, {boost::asio::ip::address_v4::loopback(), port_of(argv[1])});
   std::array<std::byte, 2048> in{};
   udp::endpoint from;
   const std::function<void()> listen = [&] {
@@ -87,6 +102,7 @@ int main(int argc, char** argv) try {
       over = peer.node().now() > kEnd && (peer.node().delivered() || peer.node().now() > kEnd + 180);
     }
     for (const padr::node::Parcel& parcel : peer.take_outgoing()) send(socket, parcel);
+    for (const padr::node::SessionNote& note : peer.take_notes()) std::printf("%s\n", note.text.c_str());
     if (peer.failed()) return std::fprintf(stderr, "own_game: %s\n", peer.session().failure().c_str()), 1;
   }
   return peer.node().stats().hash_mismatches == 0 ? 0 : 1;

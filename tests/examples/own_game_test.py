@@ -51,7 +51,10 @@ def main(repository, folder):
     assert len(both) >= 10, said
     assert all(ours[tick] == theirs[tick] for tick in both), said
     assert len(set(ours.values())) > 5, "nothing moved"
-    assert "tick 300: avatar " in said[0], said
+    assert "tick 300: body 0 at " in said[0] and ", another avatar at " in said[0], said
+    for wrong in (["abc"], ["0"], [free_ports(1)[0], "99999"]):
+        done = subprocess.run([os.path.join(folder, "own_game"), *wrong], capture_output=True, text=True, timeout=20)
+        assert done.returncode == 1 and done.stderr.startswith(f"own_game: PORT '{wrong[-1]}' is not allowed"), done
     print(f"two games agree on {len(both)} confirmed worlds, the last of tick {both[-1]}")
 
 
