@@ -220,7 +220,7 @@ TEST(Finder, AnotherCrowdIsToldOf) {
   other.sought = {{0, 0}};
   net.run(2);
   EXPECT_TRUE(other.found.empty());
-  EXPECT_NE(other.finder->failure().find("another one"), std::string::npos);
+  EXPECT_NE(other.finder->failure().find("another crowd"), std::string::npos);
   EXPECT_EQ(net[0].finder->acquaintances(), 0U);
 }
 

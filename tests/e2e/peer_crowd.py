@@ -100,7 +100,7 @@ class Crowd(Case):
         first.wait_for("in the crowd: at home")
         code, _, err = run("--crowd", "--seed", 2, "--join", f"127.0.0.1:{port}")
         self.assertEqual(code, 1, err)
-        self.assertIn("another one", err)
+        self.assertIn("another crowd", err)
 
     def test_a_signal_while_a_neighbouring_region_lingers_spoils_nothing(self):
         def stands(x, *arguments):

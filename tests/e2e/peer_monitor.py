@@ -104,7 +104,7 @@ class Telling(MonitorCase):
 
     def test_a_name_that_nobody_knows_does_not_matter(self):
         peers = self.session(2, *QUIET, "--duration", 3, "--monitor", "nobody.invalid:9200")
-        peers[0].wait_for(r"nobody.invalid.*asking again")
+        peers[0].wait_for(r"nobody.invalid.*trying again")
         self.assertEqual([p.end() for p in peers], [0, 0])
 
 

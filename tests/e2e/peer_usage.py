@@ -168,7 +168,7 @@ class Usage(Case):
         self.assertRegex(err, r"warning .*--netem: .*microseconds")
         code, _, err = run(*JOIN, "--wait-peers", 3, "--join-timeout", 0.3)
         self.assertEqual(code, 1)
-        self.assertRegex(err, "--wait-peers is for the founder")
+        self.assertRegex(err, "--wait-peers is only for the founder")
 
 
 if __name__ == "__main__":

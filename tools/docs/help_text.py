@@ -109,7 +109,9 @@ def rows(block):
 def columns(line):
     text = line[2:]
     names = line[2:NAMES_AT].rstrip()
-    if text.startswith("-") and line[NAMES_AT - 1 : NAMES_AT] == " " and not WIDE.search(names):
+    # A range such as [1 - 600] may happen to have a space there.
+    whole = names.count("[") == names.count("]")
+    if text.startswith("-") and whole and line[NAMES_AT - 1 : NAMES_AT] == " " and not WIDE.search(names):
         return names, line[NAMES_AT:]
     parts = WIDE.split(text, maxsplit=1)
     return (parts[0], parts[1]) if len(parts) == 2 else (parts[0], None)
