@@ -98,6 +98,15 @@ class Stories(Case):
         other.picture("shared")
         self.check_console(other)
 
+    def test_it_says_that_the_program_has_ended(self):
+        monitor = self.start(Monitor())
+        b = self.browser
+        b.open(monitor.address + "?sample=stop-short")
+        wait(lambda: b.script("return padr.session.timeline?.playing"), "the story to play")
+        monitor.end()
+        wait(lambda: "has ended, so the recording stands still" in b.text("#error"), "the page to say so")
+        self.assertFalse(b.script("return padr.session.timeline.playing"))
+
     def test_an_unknown_story_is_named(self):
         b = self.open("?sample=nothing")
         wait(lambda: "“nothing”" in b.text("#error"), "the page to say so")

@@ -5,6 +5,8 @@ from browser import *
 
 PEERS = 4
 STEPS = 9
+TOO_WIDE = """return [...document.querySelectorAll('#plots .chart')].map((box) => [box.clientWidth, box.querySelector('canvas')?.clientWidth])
+  .filter(([box, canvas]) => Math.abs(box - canvas) > 1)"""
 HOW = """return padr.session.controllable().map((p) => [p.slot, p.technique, p.knobs, p.links.map((l) => [l.to, l.netem ?? ""])])"""
 
 
@@ -30,6 +32,10 @@ class Tour(Case):
             b.picture(f"tour-{step}")
             print(f"{b.text('#tour .title')}: combined inconsistency of all views {b.script(inconsistency):.2f} m")
             self.assertEqual(b.text("#tour .status"), "")
+            if step == 2:
+                b.find("#tour .again").click()
+                wait(lambda: b.script("return padr.session.present().every((p) => p.links.some((l) => l.cut))"), "the links to be cut")
+                wait(lambda: b.script("return padr.session.present().every((p) => p.links.every((l) => !l.cut))"), "the links to heal")
             if not b.script("return document.querySelector('#tour .half').hidden"):
                 b.find("#tour .half").click()
                 time.sleep(3.5)
@@ -41,6 +47,9 @@ class Tour(Case):
             b.find("#tour .next").click()
         self.assertTrue(b.script("return document.querySelector('#tour').hidden"))
         wait(lambda: same(b.script(HOW), before), f"everything as before: {before}")
+        b.script("document.querySelector('#plots').scrollIntoView()")
+        wait(lambda: b.script(TOO_WIDE) == [], "every plot to fit its card")
+        b.picture("tour-after")
         self.check_console(b)
 
 
@@ -72,6 +81,20 @@ class Scene(Case):
         self.assertIn("look-ahead is blind to a stop short", said["What a predictor sees"])
         self.assertIn("the story “Collision by proxy”", said["The chain by proxy"])
         self.check_console(b)
+
+
+    def test_the_end_of_the_session_ends_the_tour(self):
+        b = self.browser
+        self.wait_for_peers(b, 2)
+        b.find("#tour-button").click()
+        for peer in self.session.peers:
+            peer.end(signal.SIGINT)
+        wait(lambda: b.script("return document.querySelector('#tour').hidden"), "the tour to end")
+        wait(lambda: "The session is over." in b.text("#empty"), "word that the session is over")
+        self.monitor.end()
+        wait(lambda: "The session is over." in b.text("#error"), "the same word without padr-monitor")
+        self.assertNotIn("undefined", b.script("return document.body.innerText"))
+        b.picture("session-over")
 
 
 def same(now, before):

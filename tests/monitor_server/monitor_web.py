@@ -71,10 +71,12 @@ class Ending(MonitorCase):
         m = self.monitor()
         code, said = refused("--listen", f"127.0.0.1:{m.port}", "--peers-listen", "127.0.0.1:0")
         self.assertEqual(code, 1)
-        self.assertEqual(said.splitlines()[-1], f"padr-monitor: cannot listen on 127.0.0.1:{m.port}: Address already in use")
+        self.assertEqual(said.splitlines()[-1], f"padr-monitor: cannot listen on 127.0.0.1:{m.port}: Address already in use; "
+                         "give another port with --listen (0: any free port)")  # fmt: skip
         code, said = refused("--listen", "127.0.0.1:0", "--peers-listen", m.heard_at())
         self.assertEqual(code, 1)
         self.assertIn(f"cannot listen on {m.heard_at()}", said)
+        self.assertIn("--peers-listen", said)
 
     def test_a_restart_gets_the_port_back_at_once(self):
         m = self.monitor()

@@ -48,6 +48,13 @@ TEST(Samples, AreTheSameEachTime) {
   }
 }
 
+// Peers at rest say little: while nothing new is confirmed, the last inconsistency stands.
+TEST(Samples, HaveAnInconsistencyFromTheFirstSecondOn) {
+  for (const SeriesPoint& point : film_sample(*find_sample("stop-short")).series)
+    for (const auto& peer : point.peers)
+      EXPECT_TRUE(peer.inconsistency || point.tick < kTicksPerSecond) << "tick " << point.tick;
+}
+
 // What a story claims to show is in it.
 TEST(Samples, ShowWhatTheySay) {
   const auto most_off = [](const char* name, PeerId slot) {

@@ -11,6 +11,8 @@
 #include <csignal>
 #include <cstdio>
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <system_error>
 
 #include "common/model/user_error.h"
@@ -43,6 +45,17 @@ asio::ip::udp::endpoint address(asio::io_context& io, const char* flag, const su
                     "' can be reached from other machines, and nothing proves who sends; give a loopback address, or "
                     "--insecure if you trust the network");
   return found;
+}
+
+/// Opens what listens; says which flag changes a port that is taken.
+template <typename Open>
+auto open_at(const char* flag, const Open& open) {
+  try {
+    return open();
+  } catch (const std::system_error& e) {
+    if (e.code() != std::errc::address_in_use) throw;
+    throw std::runtime_error(std::string(e.what()) + "; give another port with " + flag + " (0: any free port)");
+  }
 }
 
 /// The loop around everything: sockets, timers, signals.
@@ -84,7 +97,7 @@ class Program {
 
  private:
   void open_peers(const support::Udp::endpoint& where) {
-    peers_ = std::make_unique<support::UdpSocket>(io_, where);
+    peers_ = open_at("--peers-listen", [&] { return std::make_unique<support::UdpSocket>(io_, where); });
     const Endpoint at = support::to_endpoint(peers_->local());
     auto live = std::make_unique<Live>(
         options_, to_string(at), support::unpredictable() | 1U,
@@ -111,7 +124,8 @@ class Program {
   }
 
   void open_web(const WebServer::Tcp::endpoint& where) {
-    web_ = std::make_shared<WebServer>(io_, where, options_.names, WebLimits{}, *lobby_);
+    web_ = open_at("--listen",
+                   [&] { return std::make_shared<WebServer>(io_, where, options_.names, WebLimits{}, *lobby_); });
     lobby_->connect(web_.get());
     web_->start();
     const auto local = web_->local();

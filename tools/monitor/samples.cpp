@@ -23,8 +23,9 @@ constexpr std::array<Sample, 5> kSamples{{
     {"stop-short",
      "Stopping short",
      "Avatar 0 stops just short of a ball. Nobody has authority here, so in the picture of peer 1 the avatar's model "
-     "runs "
-     "on and pushes the ball, which nobody has touched.",
+     "runs on and pushes the ball, which nobody has touched. Both peers show nearly the same distance off: without "
+     "authority no view is the right one, so the distance is the one between the two views. The confirmed worlds are "
+     "identical all the same: they are made of what the peers told each other, and nobody has told of the ball.",
      "tools/demo.sh --scene stop-short",
      "ball",
      "avatar-only --threshold 0.8",
@@ -46,8 +47,8 @@ constexpr std::array<Sample, 5> kSamples{{
      10},
     {"proxy",
      "Collision by proxy",
-     "Avatar 0 pushes one thing into another and that into a third. Its owner decides about all three, and tells them "
-     "exactly when the chain breaks.",
+     "Avatar 0 pushes one thing into another and that into a third. The owner of the avatar decides about all "
+     "three, and sends their exact states when the chain breaks.",
      "tools/demo.sh --scene proxy",
      "proxy",
      "adaptive",

@@ -15,7 +15,8 @@ namespace padr::monitor {
 /// One moment of one peer, for plots. What is not known is not there.
 struct PeerPoint {
   PeerId slot = kNoPeer;
-  std::optional<trace::InconsistencyPoint> inconsistency;  ///< mean since the last moment; its tick is the newest
+  std::optional<trace::InconsistencyPoint>
+      inconsistency;                ///< mean since the last moment, else held; its tick is the newest
   std::optional<float> fidelity_m;  ///< mean fidelity error since the last moment; of recordings only
   std::optional<float> pcc_m;       ///< mean physics-consistency-cost of its avatar since the last moment; likewise
   std::optional<std::array<float, sync::kCauses>> updates_per_s;

@@ -8,6 +8,8 @@ namespace {
 
 /// The latest ticks of which some peers have sent frames and others may still do so.
 constexpr std::size_t kRecentTicks = 6;
+/// An inconsistency is repeated so long while nothing newer is confirmed.
+constexpr Tick kHeldFor = 2 * kTicksPerSecond;
 constexpr Vec2 kNowhere{std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::quiet_NaN()};
 
 }  // namespace
@@ -300,18 +302,23 @@ const SeriesPoint& Session::sample(Micros now) {
     if (p->presence(now) == PeerRecord::Presence::kGone) continue;
     PeerPoint point;
     point.slot = p->origin.slot;
-    if (const auto found = measured_.find(point.slot); found != measured_.end() && found->second.n > 0) {
+    const auto found = measured_.find(point.slot);
+    if (found != measured_.end() && found->second.n > 0) {
       Sum& s = found->second;
       const auto n = static_cast<float>(s.n);
-      point.inconsistency = {s.last.tick, s.sum.avatars_m / n, s.sum.bodies_m / n, s.sum.shown_m / n};
+      s.told = {s.last.tick, s.sum.avatars_m / n, s.sum.bodies_m / n, s.sum.shown_m / n};
+      point.inconsistency = s.told;
       s.n = 0;
       s.sum = {};
+    } else if (found != measured_.end() && tick_ - found->second.told.tick <= kHeldFor) {
+      // Peers at rest say little, so nothing may have been confirmed since the last point.
+      point.inconsistency = found->second.told;
     }
-    if (const auto found = deeds_.find(point.slot); found != deeds_.end()) {
-      const auto n = static_cast<float>(found->second.n);
-      point.fidelity_m = found->second.fidelity_m / n;
-      point.pcc_m = found->second.pcc_m / n;
-      deeds_.erase(found);
+    if (const auto deeds = deeds_.find(point.slot); deeds != deeds_.end()) {
+      const auto n = static_cast<float>(deeds->second.n);
+      point.fidelity_m = deeds->second.fidelity_m / n;
+      point.pcc_m = deeds->second.pcc_m / n;
+      deeds_.erase(deeds);
     }
     if (const auto& rates = p->rates.rates()) {
       point.updates_per_s.emplace();

@@ -125,6 +125,7 @@ class Session : public ViewSource {
     int n = 0;
     trace::InconsistencyPoint sum;
     trace::InconsistencyPoint last;
+    trace::InconsistencyPoint told;  ///< mean in the newest point that had any
   };
   std::map<PeerId, Sum> measured_;  ///< since the last point
   struct Deeds {

@@ -3,6 +3,7 @@
 const FIRST_WAIT = 500; // ms until the first new attempt
 const LONGEST_WAIT = 5000;
 const PER_SECOND = 100; // messages sent at most; the program allows 200
+const GOING_AWAY = 1001; // RFC 6455, section 7.4.1
 const PATIENCE = 4000; // ms until an answer counts as missing
 
 export class Connection {
@@ -28,14 +29,15 @@ export class Connection {
       this.tell("open");
     };
     this.socket.onmessage = (event) => this.receive(event.data);
-    this.socket.onclose = () => this.lost();
+    this.socket.onclose = (event) => this.lost(event.code === GOING_AWAY);
   }
 
-  lost() {
+  /** `ended`: the program has said goodbye. */
+  lost(ended) {
     for (const { done } of this.asked.values()) done({ ok: false, text: "the connection was lost" });
     this.asked.clear();
     this.queue = [];
-    this.tell("lost", this.wait);
+    this.tell("lost", ended);
     setTimeout(() => this.open(), this.wait);
     this.wait = Math.min(this.wait * 1.6, LONGEST_WAIT);
   }

@@ -20,6 +20,7 @@ import { Theme } from "./theme.js";
 import { Tour } from "./tour.js";
 import { Views } from "./views.js";
 
+const OVER = "The session is over. The terminal of the demo has the report.";
 const RATE = 20; // views a second that are asked for
 const $ = (selector) => document.querySelector(selector);
 
@@ -33,16 +34,26 @@ const tables = new Tables($("#peers"), $("#links"), $("#verdict"));
 const meter = new Meter($("#frame-time"));
 const stories = new Stories($("#stories"));
 
+let ended = false; // the program has said goodbye and is not back
 const connection = new Connection({
   open() {
-    $("#error").hidden = true;
+    ended = false;
+    complain(null);
     token();
     subscribe();
   },
-  lost() {
+  lost(saidGoodbye) {
+    ended ||= saidGoodbye;
     driver.forget(null);
-    complain("The connection to padr-monitor was lost. Trying again …");
-    setText($("#state"), "not connected");
+    session.stand();
+    replay.update();
+    if (ended) {
+      tour.forget();
+      complain(endInWords(), true);
+    } else {
+      complain("The connection to padr-monitor was lost. Trying again …");
+    }
+    setText($("#state"), ended ? "padr-monitor has ended" : "not connected");
   },
   hello(hello) {
     session.hello = hello;
@@ -133,13 +144,28 @@ function subscribe() {
   connection.send({ type: "subscribe", views: wanted, rate: RATE });
 }
 
-function complain(text) {
+/** `calm`: nothing has gone wrong. */
+function complain(text, calm = false) {
   $("#error").hidden = !text;
+  $("#error").classList.toggle("calm", calm);
   setText($("#error"), text ?? "");
+}
+
+function endInWords() {
+  if (session.replayed()) return "padr-monitor, the program that plays this recording, has ended, so the recording stands still. Start it again at the same port to go on.";
+  return session.played ? OVER : "padr-monitor has ended. Start it again at the same port to go on.";
+}
+
+/** The tour needs somebody who takes its orders. */
+function endTourWithoutPeers() {
+  if (tour.step === null || session.controllable().length > 0) return;
+  tour.forget();
+  if (session.present().length > 0) complain("The tour has ended, because no peer takes orders any more.");
 }
 
 /** Everything that is not drawn for each frame. */
 function refresh() {
+  endTourWithoutPeers();
   views.update();
   tables.update(session);
   knobs.update();
@@ -149,7 +175,7 @@ function refresh() {
   const there = session.present().length;
   const nobody = !(scene && (there > 0 || hello?.mode === "capture"));
   // The stories stand in for peers until there are some.
-  const alone = nobody && hello?.mode === "live";
+  const alone = nobody && hello?.mode === "live" && !session.over();
   if (alone !== document.body.classList.contains("empty")) $("#stories").open = alone;
   document.body.classList.toggle("empty", alone);
   $("#empty").hidden = !nobody;
@@ -181,6 +207,7 @@ function stateInWords(hello) {
 }
 
 function emptyInWords(hello) {
+  if (session.over()) return OVER;
   if (hello.mode !== "live") return "Reading the recording …";
   return `This page shows every peer of a session side by side. No peer is here yet.\nStart four with tools/demo.sh, or one by one: padr-peer --monitor ${hello.source} --control …\nOr watch a story, which needs no peer.`;
 }
@@ -274,7 +301,6 @@ tour.onMove = () => {
   document.body.classList.toggle("touring", tour.step !== null);
   document.body.dataset.spot = tour.spot();
   scrollTo(0, 0);
-  plots.resize();
   views.layOut();
 };
 // What a step of the tour speaks of stands below the pictures.

@@ -92,14 +92,21 @@ export class Plots {
     this.charts = PLOTS.map((plot) => new Chart(plot, folder, this));
     this.shown = true;
     new IntersectionObserver((e) => { this.shown = e.at(-1).isIntersecting; }).observe(folder);
+    // A hidden card has no width; a chart keeps the size that it had.
+    this.resized = new ResizeObserver((entries) => {
+      for (const e of entries) if (e.contentRect.width > 0) e.target.chart.graph?.resize();
+    });
+    for (const chart of this.charts) this.resized.observe(chart.box);
     setInterval(() => this.redraw(), REDRAW);
   }
 
   begin() {
     this.history.clear();
     this.selected = null;
-    if (this.session.replayed() && this.charts.every((chart) => chart.plot !== OF_RECORDINGS))
+    if (this.session.replayed() && this.charts.every((chart) => chart.plot !== OF_RECORDINGS)) {
       this.charts.push(new Chart(OF_RECORDINGS, this.folder, this));
+      this.resized.observe(this.charts.at(-1).box);
+    }
   }
 
   add(series) {
@@ -135,12 +142,6 @@ export class Plots {
     for (const chart of this.charts) chart.draw(window);
   }
 
-  /** The space for the plots has changed. */
-  resize() {
-    for (const chart of this.charts) chart.graph?.resize();
-    this.redraw();
-  }
-
   hover(row, chart) {
     for (const c of this.charts) {
       if (c !== chart && row !== null) c.graph?.setSelection(row);
@@ -169,6 +170,7 @@ class Chart {
     title.append(strong, ` ${plot.help}`);
     this.box = document.createElement("div");
     this.box.className = "chart";
+    this.box.chart = this;
     this.box.setAttribute("role", "img");
     this.box.setAttribute("aria-label", `${plot.title}. Its values are below.`);
     this.values = document.createElement("p");

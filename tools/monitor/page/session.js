@@ -15,6 +15,7 @@ export class Session {
   begin(scene) {
     this.scene = scene && filledIn(scene);
     this.peers = { peers: [], agreement: { state: "unknown" } };
+    this.played = false; // somebody was there
     this.points = new Map(); // newest series point by slot
     this.samples.begin(scene ? scene.bodies.length + scene.slots : 0);
   }
@@ -40,10 +41,16 @@ export class Session {
     return this.mayControl() ? this.present().filter((p) => p.controllable) : [];
   }
 
+  /** Of live sessions: peers were there, and all have gone. */
+  over() {
+    return !this.replayed() && this.played && this.present().length === 0;
+  }
+
   takePeers(message) {
     const unknown = { state: "unknown", tick: null, hash: null, lag_ms: null };
     const peers = message.peers.map((p) => ({ ...p, confirmed: p.confirmed ?? unknown, links: p.links ?? [] }));
     this.peers = { ...message, peers, agreement: message.agreement ?? { state: "unknown" } };
+    this.played ||= this.present().length > 0;
   }
 
   takePoint(point) {
@@ -54,6 +61,11 @@ export class Session {
   speed() {
     if (!this.replayed()) return 1;
     return this.timeline && this.timeline.playing ? this.timeline.speed : 0;
+  }
+
+  /** A recording stands still: nobody plays it any more. */
+  stand() {
+    if (this.timeline) this.timeline = { ...this.timeline, playing: false };
   }
 
   takeTimeline(timeline) {

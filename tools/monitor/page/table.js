@@ -7,7 +7,7 @@ const VERDICTS = { identical: "✓ identical", differs: "✗ differs", unknown: 
 
 const COLUMNS = [
   { head: "peer", cell: (p) => String(p.slot), paint: (td, p) => dot(td, p.slot) },
-  { head: "is", cell: (p) => (p.paused ? "paused" : p.state), title: "here, silent for a second, or gone" },
+  { head: "is", cell: (p) => (p.paused ? "paused" : p.state), title: "here; silent: its program has told nothing for a second; or gone" },
   {
     head: "confirmed world",
     title: "The newest state that this peer knows to be final: a hash over every bit of it, compared with the other peers' at the same tick",
@@ -16,7 +16,7 @@ const COLUMNS = [
   },
   { head: "it trails by", title: "How far the confirmed world is behind the live one", cell: (p) => number(p.confirmed.lag_ms, 0, " ms") },
   { head: "off by", title: "Inconsistency: distance to where the authority has it, all entities summed", cell: (p, point) => number(point?.combined_m, 2, " m") },
-  { head: "deeds off by", title: "Fidelity error: distance of bodies to where the players' deeds alone put them, all summed; of recordings only", cell: (p, point) => number(point?.fidelity_m, 2, " m") },
+  { head: "fidelity error", title: "Distance of bodies to where the players' deeds alone put them, all summed; of recordings only", cell: (p, point) => number(point?.fidelity_m, 2, " m") },
   { head: "updates", title: "Entity state updates sent", cell: (p) => number(sum(p.rates?.updates_per_s), 1, " /s") },
   { head: "traffic", title: "Sent, with IP and UDP headers", cell: (p) => number(p.rates?.kbit_per_s, 1, " kbit/s") },
   { head: "replayed", title: "Steps played again because something came late, for each tick", cell: (p) => number(p.rates?.replayed_per_tick, 1, " /tick") },

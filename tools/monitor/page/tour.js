@@ -20,20 +20,25 @@ const STEPS = [
       + "The pictures should be the same. Where one is wrong, a line leads from what it shows to where the thing really is.",
     look: "Pick one thing and find it in every picture. The figure under each picture says how wrong it is, all things together.",
     spot: "plots",
+    technique: "full",
     set: (o, s) => begin(o, s, FAST, "full"),
   },
   {
     title: "No authority",
-    text: () => "Somebody has to know where a thing is. For two seconds and a half nothing passes between the peers: each plays on by itself, and nobody's word counts for the others. (A whole session without authority is the story “Stopping short”.)",
-    look: "Avatars walk on in straight lines or stand in the others' pictures, and what they push moves in one picture only. Lines grow, and the inconsistency plot climbs. Press “Again” to see it once more.",
+    text: () => "Somebody has to know where a thing is. The button cuts all links for two seconds and a half. Meanwhile each peer plays on by itself, and nobody's word counts for the others. (A whole session without authority is the story “Stopping short”.)",
+    look: "Avatars walk on in straight lines or stand in the others' pictures, and what they push moves in one picture only. Lines grow, and the inconsistency plot climbs.",
     spot: "plots",
-    set: (o, s) => [...begin(o, s, FAST, "fixed"), ...everybody(s).map((slot) => o.cut(slot, "all", 2.5))],
-    again: true,
+    technique: "fixed",
+    set: (o, s) => begin(o, s, FAST, "fixed"),
+    // Somebody reads five lines first, and peers that are cut off for 3 s give each other up.
+    sign: "Cut all links for 2.5 s",
+    act: (o, s) => everybody(s).map((slot) => o.cut(slot, "all", 2.5)),
   },
   {
     title: "Dynamic authority",
     text: (s) => without(s) ? CLAIMS_NOTHING : "Now the peer whose avatar touches a thing decides about it, at once and without asking. The thing takes that avatar's colour in every picture. Nobody decides about grey things: they lie still or move by physics alone, the same everywhere.",
     look: () => `Drive an avatar into some things: ${howToDrive()}. They take its colour, and go grey again once they rest.`,
+    technique: "full",
     set: (o, s) => begin(o, s, FAST, "full"),
   },
   {
@@ -42,6 +47,7 @@ const STEPS = [
       + `It is 1.5 m for ${peersInWords(everybody(s), 0)} now${everybody(s).length > 1 ? `, and 0.1 m for ${peersInWords(everybody(s), 1)}` : ""}.`,
     look: "Wide circles: avatars jump or slide in the other pictures, and few updates are sent. Narrow ones: smooth motion, more updates (the column “updates” of the table). With the adaptive technique the circle shrinks by itself, with a red “!”, when a contact is coming.",
     spot: "table",
+    technique: "fixed",
     set: (o, s) => [...begin(o, s, FAST, "fixed"), ...everybody(s).map((slot, i) => o.knob(slot, "threshold", i % 2 ? "0.1" : "1.5"))],
   },
   {
@@ -49,10 +55,11 @@ const STEPS = [
     text: (s) => `${runner(s)} stops just short of it. Only its own picture knows that at once. In the others its model runs on until it is wrong by 0.8 m. `
       + (without(s)
         ? "Nobody has authority here, so the model pushes what it meets. In the other pictures a thing moves that nobody has touched, and nothing puts that right."
-        : "The model runs into the thing and moves nothing: it may touch a thing only once its owner has told of a contact. (Without authority it does: see the story “Stopping short”.)"),
+        : "The model runs into the thing and moves nothing. A model may push a thing only after the owner of the avatar has told of a contact. (Without authority a model pushes things at once: see the story “Stopping short”.)"),
     look: (half, s) => (without(s)
       ? "Compare peer 0's picture with the others: lines lead from what they show to where things really are."
       : "In the other pictures the avatar's line grows to 0.8 m and is gone. No thing gets a line."),
+    technique: "fixed",
     set: (o, s) => [...begin(o, s, FAST, "fixed"), o.knob("all", "threshold", "0.8")],
   },
   {
@@ -63,6 +70,7 @@ const STEPS = [
     look: (half) => (half === 0
       ? "The dashed circle stays wide while the avatar runs at the thing and stops. Then press “PCC”."
       : "A red “!”, and the circle shrinks before the avatar has stopped."),
+    technique: "adaptive",
     set: (o, s, half) => [...begin(o, s, FAST, "adaptive"), o.knob("all", "threshold", "0.8:0.3"), o.knob("all", "predictor", half === 0 ? "lookahead" : "pcc")],
     halves: ["Look-ahead", "PCC"],
   },
@@ -71,11 +79,12 @@ const STEPS = [
     text: (s, half) => (without(s)
       ? CLAIMS_NOTHING
       : half === 0
-        ? "An avatar touches A, A touches B, B touches C. Its owner decides about all three: it claims them, tells them, and tells them again, exactly, when the chain breaks."
+        ? "An avatar touches A, A touches B, B touches C. The owner of the avatar decides about all three: it claims them and sends their states. When the chain breaks, it sends their exact states once more."
         : "Now only what the avatar itself touches is claimed and told. B and C are nobody's: in the other pictures they go where the avatar's model, not the avatar, has sent them."),
     look: (half) => (half === 0
       ? "Drive an avatar into a thing so that it pushes another (the story “Collision by proxy” has three in a row): all take the avatar's colour."
       : "Push some things again: only the first takes the avatar's colour, and lines lead from the others."),
+    technique: "adaptive",
     set: (o, s, half) => [...begin(o, s, FAST, "adaptive"), o.knob("all", "proxy-update", half === 0 ? "on" : "off")],
     halves: ["With proxy updates", "Without"],
   },
@@ -88,16 +97,19 @@ const STEPS = [
       ? "Things end up in different places, and stay there: inconsistency does not go back to zero when all rests. Then press “With replay”."
       : "Within a second the lines at things are gone; what is left are avatars that changed their minds less than 200 ms ago. Confirmed worlds: identical."),
     spot: "plots",
+    technique: (half) => (half === 0 ? "adaptive" : "full"),
     set: (o, s, half) => begin(o, s, SLOW, half === 0 ? "adaptive" : "full"),
     halves: ["Without replay", "With replay"],
   },
   {
     title: "A partition",
-    text: (s) => `Peer ${last(s)} is cut off from all others for 5 s. After three seconds the others give it up: its avatar goes, and its things are free. When the network is whole again it comes back by itself, as a new life.`,
+    text: (s) => `Peer ${last(s)} is cut off from all others for 5 s. After three seconds the others give it up: its avatar goes, and its things are free. When the network is whole again it comes back by itself, as a new life. Until then each side confirms a world of its own: “✗ differs” at the top is expected here, and ends some seconds after the cut.`,
     look: "Its picture goes its own way, then jumps to the others' world. See the events, and at the top that confirmed worlds are identical again.",
     spot: "events",
+    technique: "full",
     set: (o, s) => [...begin(o, s, FAST, "full"), o.cut(last(s), "all", 5)],
-    again: true,
+    sign: "Again",
+    act: (o, s) => [...begin(o, s, FAST, "full"), o.cut(last(s), "all", 5)],
   },
 ];
 
@@ -142,7 +154,7 @@ export class Tour {
     const on = (name, act) => panel.querySelector(`.${name}`).addEventListener("click", act);
     on("back", () => this.go(this.step - 1));
     on("next", () => (this.step === STEPS.length - 1 ? this.end() : this.go(this.step + 1)));
-    on("again", () => this.set());
+    on("again", () => this.give(STEPS[this.step].act));
     on("half", () => {
       this.half = 1 - this.half;
       this.show();
@@ -178,19 +190,31 @@ export class Tour {
     const write = (name, text) => { this.panel.querySelector(`.${name}`).textContent = text; };
     write("count", `Step ${this.step + 1} of ${STEPS.length}`);
     write("title", step.title);
-    write("text", step.text(this.session, this.half));
+    write("text", `${step.text(this.session, this.half)} ${this.techniqueInWords()}`);
     write("look", typeof step.look === "function" ? step.look(this.half, this.session) : step.look);
     write("next", this.step === STEPS.length - 1 ? "End, and restore" : "Next");
     this.panel.querySelector(".back").disabled = this.step === 0;
     this.panel.querySelector(".end").hidden = this.step === STEPS.length - 1;
-    this.panel.querySelector(".again").hidden = !step.again;
+    this.panel.querySelector(".again").hidden = !step.act;
+    write("again", step.sign ?? "");
     const half = this.panel.querySelector(".half");
     half.hidden = !step.halves;
     if (step.halves) half.textContent = step.halves[1 - this.half];
   }
 
-  async set() {
-    const answers = await Promise.all(STEPS[this.step].set(this.orders, this.session, this.half));
+  /** What this step has set for all peers. */
+  techniqueInWords() {
+    const { technique } = STEPS[this.step];
+    const name = without(this.session) ? WITHOUT : typeof technique === "function" ? technique(this.half) : technique;
+    return `All peers use the technique “${name}” in this step.`;
+  }
+
+  set() {
+    return this.give(STEPS[this.step].set);
+  }
+
+  async give(orders) {
+    const answers = await Promise.all(orders(this.orders, this.session, this.half));
     this.complain(answers.filter((a) => !a.ok));
   }
 
@@ -209,6 +233,7 @@ export class Tour {
 
   /** Another session: what was remembered is of no use there. */
   forget() {
+    if (this.step === null) return;
     this.step = null;
     this.panel.hidden = true;
     this.onMove();

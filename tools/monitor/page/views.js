@@ -137,14 +137,17 @@ export class Views {
     }
     const point = session.points.get(slot);
     const words = [];
-    if (peer.state === "silent") words.push("silent");
+    if (peer.state === "silent") words.push("silent: no news for 1 s");
     if (peer.paused) words.push("paused");
     if (peer.links.some((l) => l.cut)) words.push("cut off");
     if (peer.driven === "other") words.push("driven by somebody else");
-    if (point && point.combined_m !== null) words.push(`${metres(point.combined_m)} off`);
-    if (driven) words.push("you drive");
+    // Apart from the others a peer confirms a world of its own: to compare with that one says nothing.
+    const apart = peer.links.some((l) => l.cut) || peer.confirmed.state === "differs";
+    if (apart) words.push("error not known");
+    else if (point && point.combined_m !== null) words.push(`${metres(point.combined_m)} off`);
     tile.said.textContent = words.join(" · ");
-    tile.said.title = "off: how far everything in this view is from where its authority has it, all entities summed, at the last tick that is confirmed";
+    if (driven) words.push("you drive");
+    tile.said.title = "off: how far everything in this view is from where its authority has it, all entities summed, at the last tick that is confirmed; not known while this peer is apart from the others";
     const drive = tile.buttons.querySelector(".drive");
     drive.hidden = !driven && !session.controllable().some((p) => p.slot === slot);
     drive.textContent = driven ? "Let go" : "Drive";
@@ -257,7 +260,7 @@ export class Views {
     drawIntent(ctx, fit, scene, sample, look);
     const stands = this.session.replayed() ? false : samples.age(slot, SHOWN) > SILENT_MS;
     if (sample.paused) this.say(tile, "paused");
-    else if (stands) this.say(tile, "silent");
+    else if (stands) this.say(tile, "silent: no news from this peer");
   }
 
   look(slot) {
