@@ -6,7 +6,7 @@ may be off by the page's tolerance. A clock time, a hash and a port are of no mo
 The tolerance, a list with `;` between its parts:
   exact                every character counts
   within 30 %          of the number that is shown (default: 20 %)
-  within 30 % or 5     or by no more than 5
+  within 30 % or 5     or by no more than 5; what real peers did on a busy machine needs room: within 400 % or 300
   any "session" "at"   numbers that follow one of these words may be any
 """
 
