@@ -33,7 +33,8 @@ bool Removals::follows(PeerId from, const wire::Poll& poll, const Node& node) co
     const bool asked_about = std::any_of(poll.lost.begin(), poll.lost.end(), [&](const wire::Seat& s) {
       return s.slot == p && s.incarnation == n.incarnation;
     });
-    if (!asked_about || n.answer_mark > node.now() - kHeardLately) return false;
+    const bool excused = node.now() - n.excused < kSilence;  // or else this peer has listened, and knows better
+    if (!asked_about || !excused || n.answer_mark > node.now() - kHeardLately) return false;
   }
   return node.other(from).there() && !suspected(node, from) && !lost_.contains(from);
 }
