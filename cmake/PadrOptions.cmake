@@ -30,9 +30,6 @@ if(PADR_SANITIZE)
   add_compile_options(-fsanitize=${PADR_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${PADR_SANITIZE})
 endif()
-if(PADR_FUZZ)
-  add_compile_options(-fsanitize=fuzzer-no-link)
-endif()
 if(PADR_COVERAGE)
   add_compile_options(--coverage)
   add_link_options(--coverage)
@@ -57,6 +54,9 @@ endif()
 function(padr_warnings target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
     -Wnon-virtual-dtor -Woverloaded-virtual -Wold-style-cast -Wcast-qual)
+  if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    target_compile_options(${target} PRIVATE -Wreserved-identifier)
+  endif()
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # g++ 12 sees overlapping copies where a literal is joined to a temporary string (GCC bug 105651).
     target_compile_options(${target} PRIVATE -Wno-restrict)
@@ -110,10 +110,13 @@ function(padr_unity target)
 endfunction()
 
 # Optimising is half of compiling here. In a folder that sets PADR_OPTIMISE_LITTLE are tests, command lines, texts and pages:
-# their own processor time is small beside that of what they call. No float depends on it, see above.
+# their own processor time is small beside that of what they call. No float depends on it, see above. With sanitizers it is
+# two thirds of compiling: there these folders are not optimised at all.
 set(PADR_OPTIMISE_LITTLE OFF)
 function(padr_optimise target)
-  if(PADR_OPTIMISE_LITTLE AND CMAKE_BUILD_TYPE STREQUAL "Release")
+  if(PADR_OPTIMISE_LITTLE AND PADR_SANITIZE)
+    target_compile_options(${target} PRIVATE -O0)
+  elseif(PADR_OPTIMISE_LITTLE AND CMAKE_BUILD_TYPE STREQUAL "Release")
     target_compile_options(${target} PRIVATE -O1)
     if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU") # it guesses where little is inlined; clang and the preset dev look for these
       target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized)

@@ -16,7 +16,7 @@
 #include <string>
 
 #include "common/model/user_error.h"
-#include "common/node/participant.h"
+#include "common/participant/participant.h"
 #include "common/scenarios/scenarios.h"
 
 using boost::asio::ip::udp;
@@ -36,7 +36,7 @@ std::uint16_t port_of(const std::string& text) {
 // 1. What you choose: the session that you found or join, and the technique.
 padr::node::ParticipantConfig configure(const char* join_port) {
   padr::node::ParticipantConfig config;
-  config.node.technique = padr::technique_by_name("full");
+  config.replica.technique = padr::technique_by_name("full");
   config.session.slots = 4;
   config.session.scenario = "arena seed 1";  // for messages to people
   std::random_device random;
@@ -50,18 +50,18 @@ padr::node::ParticipantConfig configure(const char* join_port) {
 }
 
 // 2. Your input: the point that the avatar is drawn towards, in metres. Your picture: where everything is to be drawn.
-padr::Vec2 input(const padr::node::Node& node) {
-  const float angle = float(node.now()) / 40 + float(node.self()) * 3;
+padr::Vec2 input(const padr::node::Replica& replica) {
+  const float angle = float(replica.now()) / 40 + float(replica.self()) * 3;
   return {10 + 5 * std::cos(angle), 7.5F + 5 * std::sin(angle)};
 }
-void draw(const padr::node::Node& node) {
-  if (node.now() % 60 != 0) return;
-  const std::vector<padr::Vec2>& at = node.shown().positions();  // of the bodies, then of the avatars by slot; m
-  const auto& world = node.live().world();                       // has angles and velocities: world.state(id)
-  std::printf("tick %d: body 0 at %.2f %.2f", int(node.now()), at[0].x, at[0].y);
+void draw(const padr::node::Replica& replica) {
+  if (replica.now() % 60 != 0) return;
+  const std::vector<padr::Vec2>& at = replica.shown().positions();  // of the bodies, then of the avatars by slot; m
+  const auto& world = replica.live().world();                       // has angles and velocities: world.state(id)
+  std::printf("tick %d: body 0 at %.2f %.2f", int(replica.now()), at[0].x, at[0].y);
   for (padr::EntityId id = 0; id < at.size(); ++id)
     if (world.is_avatar(id) && world.present(id))  // a slot may be empty
-      std::printf(", %s avatar at %.2f %.2f", id == node.live().avatar() ? "my" : "another", at[id].x, at[id].y);
+      std::printf(", %s avatar at %.2f %.2f", id == replica.live().avatar() ? "my" : "another", at[id].x, at[id].y);
   std::puts("");
 }
 
@@ -96,16 +96,16 @@ int main(int argc, char** argv) try {
     io.run_one_until(start + microseconds(due));
     peer.advance(now());
     while (peer.playing() && peer.next_step() <= now() && !over) {
-      peer.step(input(peer.node()), now());
-      draw(peer.node());
-      if (peer.node().now() == kEnd) peer.leave();
-      over = peer.node().now() > kEnd && (peer.node().delivered() || peer.node().now() > kEnd + 180);
+      peer.step(input(peer.replica()), now());
+      draw(peer.replica());
+      if (peer.replica().now() == kEnd) peer.leave();
+      over = peer.replica().now() > kEnd && (peer.replica().delivered() || peer.replica().now() > kEnd + 180);
     }
     for (const padr::node::Parcel& parcel : peer.take_outgoing()) send(socket, parcel);
     for (const padr::node::SessionNote& note : peer.take_notes()) std::printf("%s\n", note.text.c_str());
     if (peer.failed()) return std::fprintf(stderr, "own_game: %s\n", peer.session().failure().c_str()), 1;
   }
-  return peer.node().stats().hash_mismatches == 0 ? 0 : 1;
+  return peer.replica().stats().hash_mismatches == 0 ? 0 : 1;
 } catch (const std::exception& e) {
   return std::fprintf(stderr, "own_game: %s\n", e.what()), 1;
 }

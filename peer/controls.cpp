@@ -40,7 +40,7 @@ void Controls::obey(const monitor::Order& order, Micros now) {
 }
 
 void Controls::follow(const monitor::Drive& d, std::uint32_t order, Micros now) {
-  teller_.drives(order);
+  telemetry_.drives(order);
   player_.drive(d, now);
 }
 
@@ -63,7 +63,7 @@ void Controls::follow(const monitor::Netem& n, std::uint32_t order, Micros now) 
 
 void Controls::follow(const monitor::Cut& c, std::uint32_t order, Micros now) {
   const std::optional<PeerId> peer = other(c.peer);
-  cuts_.cut(peer, peer ? player_.node().other(*peer).at : Endpoint{}, now + in_micros(c.seconds));
+  cuts_.cut(peer, peer ? player_.replica().other(*peer).at : Endpoint{}, now + in_micros(c.seconds));
   player_.remark({"cut", c.peer, seconds_text(c.seconds)});
   say(EventKind::kCut, order, c.peer, seconds_text(c.seconds));
   update(now);
@@ -82,9 +82,9 @@ void Controls::follow(const monitor::Pause& p, std::uint32_t order, Micros now) 
 }
 
 void Controls::follow(const monitor::Push& p, std::uint32_t order, Micros /*now*/) {
-  const node::Node& node = player_.node();
-  if (p.body >= node.live().world().bodies()) throw UserError("body " + std::to_string(p.body) + ": there is none");
-  if (!node.may_push(p.body))
+  const node::Replica& replica = player_.replica();
+  if (p.body >= replica.live().world().bodies()) throw UserError("body " + std::to_string(p.body) + ": there is none");
+  if (!replica.may_push(p.body))
     throw UserError("body " + std::to_string(p.body) + ": another peer holds it, or has just won it");
   player_.push(p.body, p.velocity);
   say(EventKind::kPush, order, kNoPeer, "by " + support::fixed(static_cast<double>(length(p.velocity)), 1) + " m/s",
@@ -93,7 +93,7 @@ void Controls::follow(const monitor::Push& p, std::uint32_t order, Micros /*now*
 
 std::optional<PeerId> Controls::other(PeerId p) const {
   if (p == kNoPeer) return std::nullopt;
-  if (p >= player_.node().config().slots || p == player_.self() || !player_.node().other(p).at.is_set())
+  if (p >= player_.replica().config().slots || p == player_.self() || !player_.replica().other(p).at.is_set())
     throw UserError("peer " + std::to_string(p) + ": there is no other peer of this number");
   return p;
 }
@@ -106,8 +106,8 @@ void Controls::update(Micros now) {
 }
 
 void Controls::say(EventKind kind, std::uint32_t order, PeerId peer, const std::string& text, EntityId entity) {
-  const Tick tick = player_.playing() ? player_.node().now() : 0;
-  teller_.say({0, tick, kind, entity, peer, order, text});
+  const Tick tick = player_.playing() ? player_.replica().now() : 0;
+  telemetry_.say({0, tick, kind, entity, peer, order, text});
   if (!limit_.pass(now_)) return;
   const auto& name = monitor::kEventNames[static_cast<std::size_t>(kind)];
   log_.play->info("order {}: {}{}{}", order, name, text.empty() ? "" : ": ", text);

@@ -8,7 +8,7 @@
 #include "peer/egress.h"
 #include "peer/log.h"
 #include "peer/player.h"
-#include "peer/teller.h"
+#include "peer/telemetry.h"
 
 namespace padr::peer {
 
@@ -16,8 +16,8 @@ namespace padr::peer {
 class Controls {
  public:
   /// All must outlive it.
-  Controls(Player& player, Egress& egress, Cuts& cuts, Teller& teller, Log& log)
-      : player_(player), egress_(egress), cuts_(cuts), teller_(teller), log_(log) {}
+  Controls(Player& player, Egress& egress, Cuts& cuts, Telemetry& telemetry, Log& log)
+      : player_(player), egress_(egress), cuts_(cuts), telemetry_(telemetry), log_(log) {}
 
   void obey(const monitor::Order& order, Micros now);
   /// Ends what was ordered for a while and is over by `now`.
@@ -38,7 +38,7 @@ class Controls {
   Player& player_;
   Egress& egress_;
   Cuts& cuts_;
-  Teller& teller_;
+  Telemetry& telemetry_;
   Log& log_;
   Micros now_ = 0;
   bool was_paused_ = false;

@@ -66,7 +66,7 @@ void put_crowd_play(Json& j, const CrowdRecord& r, const crowd::CrowdPeer& peer)
   j.value(static_cast<double>(r.position.x)).value(static_cast<double>(r.position.y)).end_array();
   j.field("handovers", s.handovers).field("entered", s.entered).field("founded", s.founded).field("failed", s.failed);
   j.field("merged", s.merged).field("ticks_not_in_yet", s.late).field("region_ticks", s.node_ticks);
-  j.field("bodies_in", peer.customs().entries()).field("bodies_out", peer.customs().exits());
+  j.field("bodies_in", peer.handover().entries()).field("bodies_out", peer.handover().exits());
   j.key("sent").begin_object();
   j.field("updates", peer.updates()).field("datagrams", s.datagrams).field("wire_bytes", s.wire_bytes).end_object();
   j.field("late_ticks", r.late).field("worst_late_ms", static_cast<double>(r.lateness.worst()) / 1e3);
@@ -89,7 +89,7 @@ void CrowdRecord::look(const crowd::CrowdPeer& peer) {
   position = peer.avatar().position;
   places.clear();
   for (const crowd::Post& post : peer.posts()) {
-    const node::Node& n = post.peer->node();
+    const node::Replica& n = post.peer->replica();
     Place& p = places.emplace_back();
     p.region = post.region;
     p.slot = n.self();
@@ -98,7 +98,7 @@ void CrowdRecord::look(const crowd::CrowdPeer& peer) {
     p.checks = n.stats().hash_checks;
     p.mismatches = n.stats().hash_mismatches;
     for (PeerId other = 0; other < n.config().slots; ++other)
-      if (other != n.self() && n.other(other).there()) p.others.push_back(post.peer->session().roster()[other]);
+      if (other != n.self() && n.other(other).there()) p.others.push_back(n.other(other).at);
   }
 }
 

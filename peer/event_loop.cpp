@@ -27,10 +27,10 @@ node::SessionConfig session_config(const Options& o, const std::optional<Endpoin
 EventLoop::EventLoop(const Options& options, Log& log, const support::Clock& clock) : Loop(options, log, clock) {
   const std::vector<std::string> links = shape_links();
   open_all_files();
-  if (options.monitor) teller_ = std::make_unique<Teller>(io_, options, log, clock);
+  if (options.monitor) telemetry_ = std::make_unique<Telemetry>(io_, options, log, clock);
   player_ = std::make_unique<Player>(options, session_config(options, join_), gate_config(options, keylog_.get()), log,
-                                     *recordings_, teller_.get(), clock_.now());
-  if (teller_) controls_ = std::make_unique<Controls>(*player_, *egress_, cuts_, *teller_, log);
+                                     *recordings_, telemetry_.get(), clock_.now());
+  if (telemetry_) controls_ = std::make_unique<Controls>(*player_, *egress_, cuts_, *telemetry_, log);
   say_where(links);
   if (join_) log_.session->info("joining {} ({})", options.join->text, to_string(*join_));
   if (!join_) log_.session->info("founded, waiting for {} peers in all", options.wait_peers);
@@ -45,11 +45,11 @@ void EventLoop::open_all_files() {
 
 void EventLoop::start() {
   Loop::start();
-  if (!teller_) return;
+  if (!telemetry_) return;
   const auto obey = [this](const monitor::Order& order) {
     if (!ending()) controls_->obey(order, clock_.now());
   };
-  teller_->start(obey, [this] { wake(); });
+  telemetry_->start(obey, [this] { wake(); });
 }
 
 void EventLoop::finish() {
@@ -71,7 +71,7 @@ void EventLoop::advance(Micros now) {
   if (player_->playing()) say_status(now);
   if (health_) health_->update(*player_, now);
   if (controls_) controls_->update(now);
-  if (teller_ && !ending()) teller_->update(situation(), now);
+  if (telemetry_ && !ending()) telemetry_->update(situation(), now);
 }
 
 void EventLoop::send_out(Micros now) {
@@ -88,19 +88,19 @@ void EventLoop::send_out(Micros now) {
 void EventLoop::end_if_over(Micros now) {
   if (player_->failed()) return end(support::kExitFailure, player_->session().failure());
   if (!player_->playing() || !player_->done(now)) return;
-  if (player_->totals().node.hash_mismatches > 0) return end(support::kExitFailure, "confirmed worlds differed");
+  if (player_->totals().replica.hash_mismatches > 0) return end(support::kExitFailure, "confirmed worlds differed");
   end(support::kExitFine, stopping_ ? "stopped" : "played to the end");
 }
 
 void EventLoop::say_status(Micros now) {
-  const Micros since = player_->session().local_at(tick_start(player_->node().now()));
+  const Micros since = player_->session().local_at(tick_start(player_->replica().now()));
   if (is_time_for_status(since, now)) log_.status->info("{}", status_.line(*player_, now));
 }
 
 Micros EventLoop::next_due() const {
   Micros due = player_->next_due();
   if (health_) due = std::min(due, health_->next_due());
-  if (teller_) due = std::min(due, teller_->next_due());
+  if (telemetry_) due = std::min(due, telemetry_->next_due());
   if (const auto over = cuts_.next_due()) due = std::min(due, *over);
   return due;
 }
@@ -117,11 +117,11 @@ void EventLoop::stop(const std::string& signal, Micros now) {
 
 void EventLoop::end(int code, const std::string& reason) {
   Loop::end(code, reason);
-  if (teller_) teller_->end(situation(), reason, clock_.now());
+  if (telemetry_) telemetry_->end(situation(), reason, clock_.now());
 }
 
 std::string EventLoop::summary_text() const {
-  return summary({options_, *player_, *egress_, *socket_, teller_.get(), local_, exit_code_, reason_});
+  return summary({options_, *player_, *egress_, *socket_, telemetry_.get(), local_, exit_code_, reason_});
 }
 
 }  // namespace padr::peer

@@ -10,7 +10,7 @@
 #include "peer/recordings.h"
 #include "peer/session_key.h"
 #include "peer/status.h"
-#include "peer/teller.h"
+#include "peer/telemetry.h"
 
 namespace padr::peer {
 
@@ -34,12 +34,12 @@ class EventLoop final : public Loop {
   void send_out(Micros now);
   void end_if_over(Micros now);
   void say_status(Micros now);
-  Teller::Situation situation() const { return {*player_, *egress_, cuts_, local_}; }
+  Telemetry::Situation situation() const { return {*player_, *egress_, cuts_, local_}; }
 
   std::unique_ptr<Recordings> recordings_;
-  std::unique_ptr<Keylog> keylog_;  ///< null if nobody asked for it
-  std::unique_ptr<Health> health_;  ///< null if nobody asked for it
-  std::unique_ptr<Teller> teller_;  ///< null: there is no monitor
+  std::unique_ptr<Keylog> keylog_;        ///< null if nobody asked for it
+  std::unique_ptr<Health> health_;        ///< null if nobody asked for it
+  std::unique_ptr<Telemetry> telemetry_;  ///< null: there is no monitor
   std::unique_ptr<Player> player_;
   std::unique_ptr<Controls> controls_;  ///< null: nobody orders anything
   Status status_;

@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "common/node/node.h"
+#include "common/replica/replica.h"
 
 namespace padr::peer {
 
@@ -25,7 +25,7 @@ class History {
     Checkpoint confirmed;      ///< newest
   };
 
-  /// A node is made for this life, maybe not for the first time.
+  /// A replica is made for this life, maybe not for the first time.
   void begin(int life);
   void confirm(int life, Tick tick, std::uint64_t hash);
   /// The life plays from this tick on.

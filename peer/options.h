@@ -12,7 +12,7 @@
 #include "common/link/netem_spec.h"
 #include "common/model/ids.h"
 #include "common/model/technique.h"
-#include "common/monitor/told.h"
+#include "common/monitor/telemetry.h"
 #include "common/wire/sealed.h"
 #include "tools/support/host_port.h"
 #include "tools/support/scenario_flags.h"

@@ -18,17 +18,17 @@ constexpr Micros kTickLength = kMicrosPerSecond / kTicksPerSecond;
 
 Totals operator+(const Totals& a, const Totals& b) {
   Totals sum = a;
-  node::NodeStats& s = sum.node;
-  for (std::size_t c = 0; c < s.updates_by_cause.size(); ++c) s.updates_by_cause[c] += b.node.updates_by_cause[c];
-  for (std::size_t d = 0; d < s.dropped.size(); ++d) s.dropped[d] += b.node.dropped[d];
-  s.bundles += b.node.bundles;
-  s.datagrams_sent += b.node.datagrams_sent;
-  s.wire_bytes_sent += b.node.wire_bytes_sent;
-  s.repeats += b.node.repeats;
-  s.datagrams_received += b.node.datagrams_received;
-  s.hash_checks += b.node.hash_checks;
-  s.hash_mismatches += b.node.hash_mismatches;
-  if (s.first_mismatch < 0) s.first_mismatch = b.node.first_mismatch;
+  node::ReplicaStats& s = sum.replica;
+  for (std::size_t c = 0; c < s.updates_by_cause.size(); ++c) s.updates_by_cause[c] += b.replica.updates_by_cause[c];
+  for (std::size_t d = 0; d < s.dropped.size(); ++d) s.dropped[d] += b.replica.dropped[d];
+  s.bundles += b.replica.bundles;
+  s.datagrams_sent += b.replica.datagrams_sent;
+  s.wire_bytes_sent += b.replica.wire_bytes_sent;
+  s.repeats += b.replica.repeats;
+  s.datagrams_received += b.replica.datagrams_received;
+  s.hash_checks += b.replica.hash_checks;
+  s.hash_mismatches += b.replica.hash_mismatches;
+  if (s.first_mismatch < 0) s.first_mismatch = b.replica.first_mismatch;
   sum.replayed_steps += b.replayed_steps;
   sum.ticks += b.ticks;
   return sum;
@@ -36,21 +36,22 @@ Totals operator+(const Totals& a, const Totals& b) {
 
 }  // namespace
 
-Player::Player(const Options& options, const node::SessionConfig& session, std::optional<node::GateConfig> gate,
+Player::Player(const Options& options, const node::SessionConfig& session, std::optional<node::ChannelConfig> channels,
                Log& log, Recordings& recordings, Watcher* watcher, Micros now)
     : options_(options),
       log_(log),
       recordings_(recordings),
       watcher_(watcher),
       technique_(options.technique),
-      participant_(options.scenario.scene, config(session, std::move(gate)), now),
+      participant_(options.scenario.scene, config(session, std::move(channels)), now),
       last_input_(std::numeric_limits<Tick>::max()) {}
 
-node::ParticipantConfig Player::config(const node::SessionConfig& session, std::optional<node::GateConfig> gate) {
+node::ParticipantConfig Player::config(const node::SessionConfig& session,
+                                       std::optional<node::ChannelConfig> channels) {
   node::ParticipantConfig c;
   c.session = session;
-  c.gate = std::move(gate);
-  c.node.technique = options_.technique;
+  c.channels = std::move(channels);
+  c.replica.technique = options_.technique;
   c.recording = [this](int life) {
     history_.begin(life);
     return recordings_.of(life);
@@ -109,12 +110,12 @@ Micros Player::next_due() const {
 
 void Player::begin_life(Micros now) {
   const node::Session& s = session();
-  const Tick next = node().now() + 1;
+  const Tick next = replica().now() + 1;
   past_ = past_ + present_;
   present_ = {};
   known_life_ = life();
-  history_.play(known_life_, self(), node().config().incarnation, known_life_ == 0 && next == 1 ? 0 : next);
-  if (watcher_ != nullptr) watcher_->begun(node(), known_life_);
+  history_.play(known_life_, self(), replica().config().incarnation, known_life_ == 0 && next == 1 ? 0 : next);
+  if (watcher_ != nullptr) watcher_->begun(replica(), known_life_);
   const std::string ours = "session " + fmt::format("{}", s.number());
   if (known_life_ > 0) {
     log_.session->warn("{}: life {} begins at tick {}, as peer {}", ours, known_life_ + 1, next, self());
@@ -123,35 +124,36 @@ void Player::begin_life(Micros now) {
   input_ = support::load_input(options_.input, options_.scenario.scene, self(), options_.scenario.seed);
   if (options_.duration > 0)
     last_input_ = first_tick() + static_cast<Tick>(std::llround(options_.duration * kTicksPerSecond));
-  if (node().config().incarnation > 0) {
+  if (replica().config().incarnation > 0) {
     log_.session->info("{}: in as peer {} of {} at tick {}, round trip {:.1f} ms", ours, self(), present(), next,
                        static_cast<double>(s.round_trip()) / 1e3);
   } else {
     log_.session->info("{} of {} peers starts in {:.2f} s; this is peer {}, round trip to the founder {:.1f} ms", ours,
-                       node().config().peers, -static_cast<double>(s.session_now(now)) / kMicrosPerSecond, self(),
+                       replica().config().peers, -static_cast<double>(s.session_now(now)) / kMicrosPerSecond, self(),
                        static_cast<double>(s.round_trip()) / 1e3);
   }
   log_.play->info("scenario {}, technique {}", options_.scenario.label, describe(options_.technique));
-  for (std::size_t p = 0; p < s.roster().size(); ++p)
-    if (p != self() && s.roster()[p].is_set()) log_.session->info("peer {} is at {}", p, to_string(s.roster()[p]));
+  for (PeerId p = 0; p < s.slots(); ++p)
+    if (p != self() && replica().other(p).at.is_set())
+      log_.session->info("peer {} is at {}", p, to_string(replica().other(p).at));
 }
 
 void Player::step(Micros now) {
   watch_clock(now);
-  if (!leaving_ && node().now() >= last_input_) leave("the time to play is over", true, now);
-  if (farewell_ && node().now() >= *farewell_) say_goodbye();
+  if (!leaving_ && replica().now() >= last_input_) leave("the time to play is over", true, now);
+  if (farewell_ && replica().now() >= *farewell_) say_goodbye();
   // A path begins where its player does.
-  const Tick of_input = std::min(node().now() + 1, last_input_) - first_tick();
-  const world::View& live = node().live().world();
+  const Tick of_input = std::min(replica().now() + 1, last_input_) - first_tick();
+  const world::View& live = replica().live().world();
   const Vec2 target = steering_.target(input_->target(of_input), live, live.avatar(self()), now);
   const Micros lateness = now - participant_.next_step();
   participant_.step(target, now);
-  present_.node = node().stats();
-  if (gate() != nullptr) present_.node.wire_bytes_sent += present_.node.datagrams_sent * wire::kSealGrowth;
-  present_.replayed_steps = node().agreed().replayed_steps();
+  present_.replica = replica().stats();
+  if (channels() != nullptr) present_.replica.wire_bytes_sent += present_.replica.datagrams_sent * wire::kSealGrowth;
+  present_.replayed_steps = replica().agreed().replayed_steps();
   ++present_.ticks;
   watch_hashes();
-  if (watcher_ != nullptr) watcher_->stepped({node(), target, steering_.driven(), lateness});
+  if (watcher_ != nullptr) watcher_->stepped({replica(), target, steering_.driven(), lateness});
 }
 
 void Player::watch_clock(Micros now) {
@@ -171,10 +173,10 @@ void Player::watch_clock(Micros now) {
 }
 
 void Player::watch_hashes() {
-  if (mismatch_told_ || node().stats().hash_mismatches == 0) return;
+  if (mismatch_told_ || replica().stats().hash_mismatches == 0) return;
   mismatch_told_ = true;
   log_.play->error("CONFIRMED WORLDS DIFFER from tick {} on (told once, counted further)",
-                   node().stats().first_mismatch);
+                   replica().stats().first_mismatch);
 }
 
 void Player::tell() {
@@ -187,14 +189,14 @@ void Player::tell() {
 }
 
 void Player::leave(const std::string& why, bool stay, Micros now) {
-  log_.session->info("leaving at tick {}: {}", node().now(), why);
+  log_.session->info("leaving at tick {}: {}", replica().now(), why);
   if (paused()) go_on(now);
   steering_.take({}, now);  // nobody drives it any more
   leaving_ = true;
   stay_ = stay;
   left_at_ = now;
-  last_input_ = std::min(last_input_, node().now());
-  farewell_ = node().now() + self() / kFarewells;
+  last_input_ = std::min(last_input_, replica().now());
+  farewell_ = replica().now() + self() / kFarewells;
 }
 
 void Player::say_goodbye() {
@@ -207,12 +209,12 @@ bool Player::done(Micros now) const {
   if (!leaving_) return false;
   if (nobody_to_tell()) return now > left_at_;
   if (farewell_) return false;
-  return now - left_at_ >= in_micros(options_.linger) || (node().delivered() && !(stay_ && present() > 1));
+  return now - left_at_ >= in_micros(options_.linger) || (replica().delivered() && !(stay_ && present() > 1));
 }
 
 bool Player::nobody_to_tell() const {
-  for (PeerId p = 0; p < node().config().slots; ++p)
-    if (p != self() && node().other(p).reachable()) return false;
+  for (PeerId p = 0; p < replica().config().slots; ++p)
+    if (p != self() && replica().other(p).reachable()) return false;
   return true;
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/monitor/steering.h"
-#include "common/node/participant.h"
+#include "common/participant/participant.h"
 #include "common/scenarios/input.h"
 #include "peer/history.h"
 #include "peer/lateness.h"
@@ -29,7 +29,7 @@ struct TickStats {
 
 /// What nodes have counted, in all lives.
 struct Totals {
-  node::NodeStats node;
+  node::ReplicaStats replica;
   std::uint64_t replayed_steps = 0;
   std::uint64_t ticks = 0;  ///< played
 };
@@ -50,9 +50,10 @@ struct Standstill {
 /// what people want to know of it. Has no clock: times are local microseconds.
 class Player {
  public:
-  /// All but `session` and `gate` must outlive it; `gate` is there if the session has a key. `watcher` may be null.
-  Player(const Options& options, const node::SessionConfig& session, std::optional<node::GateConfig> gate, Log& log,
-         Recordings& recordings, Watcher* watcher, Micros now);
+  /// All but `session` and `channels` must outlive it; `channels` is there if the session has a key. `watcher` may be
+  /// null.
+  Player(const Options& options, const node::SessionConfig& session, std::optional<node::ChannelConfig> channels,
+         Log& log, Recordings& recordings, Watcher* watcher, Micros now);
 
   void receive(const Endpoint& from, std::span<const std::byte> datagram, Micros now);
   /// As in node::Participant.
@@ -86,7 +87,7 @@ class Player {
   /// Stands still until then, or goes on at once if that is now.
   void pause(Micros until, Micros now);
   bool paused() const { return still_.until >= 0; }
-  /// As in node::Node.
+  /// As in node::Replica.
   void push(EntityId b, Vec2 velocity) { participant_.push(b, velocity); }
   /// Into the trace, for people.
   void remark(const trace::Remark& r) { participant_.remark(r); }
@@ -94,11 +95,11 @@ class Player {
   bool playing() const { return participant_.playing(); }
   bool failed() const { return participant_.failed(); }
   const node::Session& session() const { return participant_.session(); }
-  PeerId self() const { return node().self(); }
+  PeerId self() const { return replica().self(); }
   /// Null if the session has no key.
-  const node::Gate* gate() const { return participant_.gate(); }
+  const node::SecureChannels* channels() const { return participant_.channels(); }
   /// Of the present life; only when playing.
-  const node::Node& node() const { return participant_.node(); }
+  const node::Replica& replica() const { return participant_.replica(); }
   /// Counted from 0.
   int life() const { return participant_.life(); }
   bool returning() const { return participant_.returning(); }
@@ -114,7 +115,7 @@ class Player {
   History::Checkpoint confirmed() const { return history_.confirmed(life()); }
 
  private:
-  node::ParticipantConfig config(const node::SessionConfig& session, std::optional<node::GateConfig> gate);
+  node::ParticipantConfig config(const node::SessionConfig& session, std::optional<node::ChannelConfig> channels);
   void go_on(Micros now);
   void step(Micros now);
   void begin_life(Micros now);

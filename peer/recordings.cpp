@@ -37,7 +37,7 @@ trace::Provenance Recordings::provenance() const {
   return p;
 }
 
-std::optional<node::RecordedNode::Recording> Recordings::of(int life) {
+std::optional<node::RecordedReplica::Recording> Recordings::of(int life) {
   if (files_.empty()) return std::nullopt;
   const auto n = static_cast<std::size_t>(life);
   if (life > 0) {
@@ -50,7 +50,7 @@ std::optional<node::RecordedNode::Recording> Recordings::of(int life) {
     }
   }
   support::OutputFile* file = files_[n].get();
-  return node::RecordedNode::Recording{provenance(), [file](std::span<const std::byte> b) { file->write(b); }};
+  return node::RecordedReplica::Recording{provenance(), [file](std::span<const std::byte> b) { file->write(b); }};
 }
 
 void Recordings::close() {

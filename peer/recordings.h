@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "common/node/recorded_node.h"
+#include "common/replica/recorded_replica.h"
 #include "peer/log.h"
 #include "peer/options.h"
 #include "tools/support/files.h"
@@ -22,7 +22,7 @@ class Recordings {
 
   /// Where to record life 0, 1, ...; nothing without --trace, and if a later life's file cannot be opened, which is
   /// said in the log. A life that is begun anew because it got nowhere writes its file anew.
-  std::optional<node::RecordedNode::Recording> of(int life);
+  std::optional<node::RecordedReplica::Recording> of(int life);
   /// Throws std::system_error if something could not be written.
   void close();
 

@@ -88,9 +88,9 @@ void Keylog::add(const PublicKey& from, const PublicKey& to, const wire::Key& ke
   file_.flush();
 }
 
-std::optional<node::GateConfig> gate_config(const Options& options, Keylog* keylog) {
+std::optional<node::ChannelConfig> gate_config(const Options& options, Keylog* keylog) {
   if (!options.key) return std::nullopt;
-  node::GateConfig c;
+  node::ChannelConfig c;
   c.session = *options.key;
   c.seed = unpredictable_bytes();
   c.mode = options.seal;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/node/gate.h"
+#include "common/channel/secure_channels.h"
 #include "peer/options.h"
 #include "tools/support/files.h"
 
@@ -29,7 +29,7 @@ class Keylog {
   support::OutputFile file_;
 };
 
-/// For a peer in a session with a key; nothing if there is none. `keylog` may be null, and must outlive the gate.
-std::optional<node::GateConfig> gate_config(const Options& options, Keylog* keylog);
+/// For a peer in a session with a key; nothing if there is none. `keylog` may be null, and must outlive the channels.
+std::optional<node::ChannelConfig> gate_config(const Options& options, Keylog* keylog);
 
 }  // namespace padr::peer

@@ -7,14 +7,14 @@
 
 namespace padr::peer {
 
-std::uint64_t updates_told(const node::NodeStats& stats) {
+std::uint64_t updates_told(const node::ReplicaStats& stats) {
   return std::accumulate(stats.updates_by_cause.begin(), stats.updates_by_cause.end(), std::uint64_t{0});
 }
 
 namespace {
 
 /// Datagrams that were dropped for their content. Damage and duplicates by the network are not counted here.
-std::uint64_t refused(const node::NodeStats& stats) {
+std::uint64_t refused(const node::ReplicaStats& stats) {
   using enum sync::DropReason;
   std::uint64_t sum = 0;
   for (const sync::DropReason why : {kMalformed, kTick, kOrder, kEntity, kValue, kSignature, kRight, kCutOff})
@@ -25,28 +25,28 @@ std::uint64_t refused(const node::NodeStats& stats) {
 }  // namespace
 
 double confirmed_lag_ms(const Player& player) {
-  return (player.node().now() - player.confirmed().tick) * 1000.0 / kTicksPerSecond;
+  return (player.replica().now() - player.confirmed().tick) * 1000.0 / kTicksPerSecond;
 }
 
 std::string Status::line(const Player& player, Micros now) {
-  const node::Node& node = player.node();
+  const node::Replica& replica = player.replica();
   const Totals totals = player.totals();
   const History& history = player.history();
-  const std::uint64_t updates = updates_told(totals.node);
-  const std::uint64_t bytes = totals.node.wire_bytes_sent;
+  const std::uint64_t updates = updates_told(totals.replica);
+  const std::uint64_t bytes = totals.replica.wire_bytes_sent;
   const double seconds = std::max(1e-3, static_cast<double>(now - last_) / kMicrosPerSecond);
   const auto ticks = static_cast<double>(std::max<std::uint64_t>(1, totals.ticks - last_ticks_));
   std::string line = fmt::format(
       "{:6.1f} s  peers {}/{}  confirmed -{:.0f} ms {:08x}@{}  sent {:.1f} updates/s {:.1f} kbit/s  own error {:.3f} m "
       " replay {:.1f}/tick  late {}",
-      static_cast<double>(node.now()) / kTicksPerSecond, player.present(), node.config().slots,
+      static_cast<double>(replica.now()) / kTicksPerSecond, player.present(), replica.config().slots,
       confirmed_lag_ms(player), player.confirmed().hash >> 32U, player.confirmed().tick,
       static_cast<double>(updates - last_updates_) / seconds, static_cast<double>(bytes - last_bytes_) * 8e-3 / seconds,
-      node.own_error(), static_cast<double>(totals.replayed_steps - last_replayed_) / ticks, player.ticks().late);
+      replica.own_error(), static_cast<double>(totals.replayed_steps - last_replayed_) / ticks, player.ticks().late);
   if (history.came() > 0) line += fmt::format("  came {}", history.came());
   if (history.left() > 0) line += fmt::format("  left {}", history.left());
   if (history.removed() > 0) line += fmt::format("  lost {}", history.removed());
-  if (const std::uint64_t n = refused(totals.node); n > 0) line += fmt::format("  refused {}", n);
+  if (const std::uint64_t n = refused(totals.replica); n > 0) line += fmt::format("  refused {}", n);
   if (player.life() > 0) line += fmt::format("  life {}", player.life() + 1);
   if (player.returning()) line += "  joining anew";
   if (player.leaving()) line += "  leaving";

@@ -20,7 +20,7 @@ class Status {
 };
 
 /// Entity updates told so far, of all causes.
-std::uint64_t updates_told(const node::NodeStats& stats);
+std::uint64_t updates_told(const node::ReplicaStats& stats);
 /// Time that confirmed trails the present by, ms.
 double confirmed_lag_ms(const Player& player);
 

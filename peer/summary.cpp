@@ -40,15 +40,15 @@ void put_session(Json& j, const Report& r) {
 }
 
 void put_seal(Json& j, const Report& r) {
-  const node::Gate* gate = r.player.gate();
-  if (gate == nullptr) return;
-  const node::GateStats& s = gate->stats();
+  const node::SecureChannels* channels = r.player.channels();
+  if (channels == nullptr) return;
+  const node::ChannelStats& s = channels->stats();
   j.key("seal").begin_object();
   j.field("mode", r.options.seal == wire::SealMode::kAuth ? "auth" : "encrypt");
-  j.field("public_key", support::key_text(gate->key())).field("known", gate->channels());
+  j.field("public_key", support::key_text(channels->key())).field("known", channels->channels());
   j.field("received", s.datagrams).field("passed", s.passed).field("handshakes", s.handshakes).field("moves", s.moves);
   j.key("dropped").begin_object();
-  for (std::size_t d = 0; d < node::kGateDrops; ++d) j.field(node::kGateDropNames[d], s.dropped[d]);
+  for (std::size_t d = 0; d < node::kChannelDrops; ++d) j.field(node::kChannelDropNames[d], s.dropped[d]);
   j.end_object().end_object();
 }
 
@@ -67,7 +67,7 @@ void put_monitor(Json& j, const TellerStats& s) {
 }
 
 void put_confirmed(Json& j, const Player& p) {
-  const node::NodeStats stats = p.totals().node;
+  const node::ReplicaStats stats = p.totals().replica;
   j.key("confirmed").begin_object();
   j.field("tick", p.confirmed().tick)
       .field("hash", support::hex(p.confirmed().hash))
@@ -105,7 +105,7 @@ void put_drops(Json& j, const std::array<std::uint64_t, sync::kDropReasons>& dro
   j.end_object();
 }
 
-void put_traffic(Json& j, const node::NodeStats& s) {
+void put_traffic(Json& j, const node::ReplicaStats& s) {
   j.key("sent").begin_object();
   j.field("updates", updates_told(s)).field("bundles", s.bundles).field("repeats", s.repeats);
   j.field("datagrams", s.datagrams_sent).field("wire_bytes", s.wire_bytes_sent);
@@ -129,15 +129,15 @@ void put_shim(Json& j, const link::Shim& shim) {
 void put_links(Json& j, const Report& r) {
   const Player& p = r.player;
   j.key("links").begin_array();
-  for (PeerId to = 0; to < p.node().config().slots; ++to) {
-    const node::Neighbour& n = p.node().other(to);
+  for (PeerId to = 0; to < p.replica().config().slots; ++to) {
+    const node::Neighbour& n = p.replica().other(to);
     if (to == p.self() || !n.at.is_set()) continue;
     j.begin_object().field("peer", to).field("incarnation", n.incarnation).field("endpoint", to_string(n.at));
     j.field("left", n.presence == node::Presence::kLeft).field("lost", n.presence == node::Presence::kAbsent);
     put_drops(j, n.dropped);
     j.field("cut_off", n.cut_offs);
-    j.field("rtt_ms", static_cast<double>(p.node().link(to).round_trip()) * 1000.0 / kTicksPerSecond);
-    j.field("silence_ms", p.node().silence(to) * 1000.0 / kTicksPerSecond);
+    j.field("rtt_ms", static_cast<double>(p.replica().link(to).round_trip()) * 1000.0 / kTicksPerSecond);
+    j.field("silence_ms", p.replica().silence(to) * 1000.0 / kTicksPerSecond);
     if (const link::Shim* shim = r.egress.shim(to)) put_shim(j, *shim);
     j.end_object();
   }
@@ -146,8 +146,8 @@ void put_links(Json& j, const Report& r) {
 
 void put_ticks(Json& j, const Player& p) {
   const TickStats& t = p.ticks();
-  j.field("ticks", p.node().now()).field("first_tick", p.first_tick());
-  j.field("seconds", static_cast<double>(p.node().now() - p.first_tick()) / kTicksPerSecond);
+  j.field("ticks", p.replica().now()).field("first_tick", p.first_tick());
+  j.field("seconds", static_cast<double>(p.replica().now() - p.first_tick()) / kTicksPerSecond);
   j.field("join_ms", static_cast<double>(p.joined_at()) / 1e3);
   j.field("late_ticks", t.late).field("worst_late_ms", static_cast<double>(t.lateness.worst()) / 1e3);
   j.field("late_share",
@@ -160,17 +160,17 @@ void put_ticks(Json& j, const Player& p) {
 void put_play(Json& j, const Report& r) {
   const Player& p = r.player;
   const Totals totals = p.totals();
-  j.field("peer", p.self()).field("incarnation", p.node().config().incarnation);
+  j.field("peer", p.self()).field("incarnation", p.replica().config().incarnation);
   put_ticks(j, p);
-  j.field("clock_lead_ms", static_cast<double>(p.node().clock_lead()) / 1e3);
+  j.field("clock_lead_ms", static_cast<double>(p.replica().clock_lead()) / 1e3);
   j.field("clock_slew_ppm", p.session().clock().slew() * 1e6);
-  j.field("live_hash", support::hex(p.node().live_hash()))
-      .field("own_error_m", static_cast<double>(p.node().own_error()));
-  j.field("replayed_steps", totals.replayed_steps).field("delivered", p.node().delivered());
+  j.field("live_hash", support::hex(p.replica().live_hash()))
+      .field("own_error_m", static_cast<double>(p.replica().own_error()));
+  j.field("replayed_steps", totals.replayed_steps).field("delivered", p.replica().delivered());
   put_lives(j, p);
   put_others(j, p);
   put_confirmed(j, p);
-  put_traffic(j, totals.node);
+  put_traffic(j, totals.replica);
   put_links(j, r);
 }
 
@@ -183,7 +183,7 @@ std::string summary(const Report& r) {
   put_session(j, r);
   put_seal(j, r);
   put_socket(j, r.socket.stats());
-  if (r.teller != nullptr) put_monitor(j, r.teller->stats());
+  if (r.telemetry != nullptr) put_monitor(j, r.telemetry->stats());
   if (r.player.playing()) put_play(j, r);
   j.end_object();
   return j.text();

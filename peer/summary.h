@@ -5,7 +5,7 @@
 #include "peer/egress.h"
 #include "peer/options.h"
 #include "peer/player.h"
-#include "peer/teller.h"
+#include "peer/telemetry.h"
 #include "tools/support/udp_socket.h"
 
 namespace padr::peer {
@@ -16,7 +16,7 @@ struct Report {
   const Player& player;
   const Egress& egress;
   const support::UdpSocket& socket;
-  const Teller* teller;  ///< null: there is no monitor
+  const Telemetry* telemetry;  ///< null: there is no monitor
   Endpoint local;
   int exit_code;
   std::string reason;  ///< why it ended, one line

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "common/node/node.h"
+#include "common/replica/replica.h"
 
 namespace padr::peer {
 
@@ -8,10 +8,10 @@ namespace padr::peer {
 class Watcher {
  public:
   struct Step {
-    const node::Node& node;  ///< after the step
-    Vec2 target;             ///< m, that it was driven towards
-    bool driven;             ///< by an order, not by its own input
-    Micros lateness;         ///< of the step's begin, us
+    const node::Replica& replica;  ///< after the step
+    Vec2 target;                   ///< m, that it was driven towards
+    bool driven;                   ///< by an order, not by its own input
+    Micros lateness;               ///< of the step's begin, us
   };
 
   Watcher() = default;
@@ -20,7 +20,7 @@ class Watcher {
   virtual ~Watcher() = default;
 
   /// A life begins to play, counted from 0.
-  virtual void begun(const node::Node& node, int life) = 0;
+  virtual void begun(const node::Replica& replica, int life) = 0;
   virtual void stepped(const Step& step) = 0;
   /// As of node::ParticipantConfig: also of a life that is only being begun.
   virtual void confirmed(int life, const sync::FoldState& state, std::uint64_t hash) = 0;

@@ -3,13 +3,13 @@
 
 usage: tools/coverage.py [--build DIR] [--missing] [PLACE...]
 
-  PLACE        folder or file of the repository, such as common/wire or common/sync/admit.cpp  (default: common peer)
+  PLACE        folder or file of the repository, such as common/wire or common/sync/validation.cpp  (default: common peer)
   --build DIR  where it was built                                                              (default: build/coverage)
   --missing    also the lines that none has run
 
 For example, what the fast suites reach of the wire:
 
-  cmake --preset coverage -DPADR_TEST_SUITES="wire;gate;session;node;fuzz" && cmake --build --preset coverage
+  cmake --preset coverage -DPADR_TEST_SUITES="wire;channel;session;replica;fuzz" && cmake --build --preset coverage
   ctest --preset coverage && tools/coverage.py --missing common/wire
 
 A line counts once, whatever number of programs it is in. Needs gcov of the compiler that built.

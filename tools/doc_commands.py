@@ -12,7 +12,7 @@ usage: tools/doc_commands.py [--bin DIR] run PAGE...
           at most 700 words, and no figure in the text that is in no shown output
 
   --bin DIR      where the programs are (default: build/release/bin)
-  --patience S   until what should end or come counts as missing (default: 40)
+  --patience S   until what should end or come counts as missing (default: 240)
   --verbose      print the commands as they are run
 
 How a block is run stands in a comment before it, which readers do not see: tools/doc_commands/pages.py has the words.

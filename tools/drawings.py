@@ -95,13 +95,13 @@ def way(*points, tip="way"):
 def draw_loop():
     left, right = 60, 430
     parts = [*box(left, 30, "sample the input", "peer/player.cpp"), *box(left, 108, "apply received updates", "sync/agreed_world.cpp"),
-             *box(left, 186, "step the world", "sync/live_world.cpp"),
-             *question(left, 264, "contact begun or ended?", "sync/contact_chain.cpp"),
-             *box(right, 274, "predict what the error costs", "sync/prediction.cpp"),
-             *box(right, 352, "set the threshold", "sync/threshold.cpp"),
-             *question(right, 430, "model error above it?", "sync/model_error.h"),
-             *box(left, 380, "tell the avatar and the bodies", "sync/reporter.cpp"),
-             *box(left, 440 + 68, "tell the avatar", "sync/reporter.cpp")]  # fmt: skip
+             *box(left, 186, "step the world", "reckoning/live_world.cpp"),
+             *question(left, 264, "contact begun or ended?", "reckoning/contact_chain.cpp"),
+             *box(right, 274, "predict what the error costs", "reckoning/prediction.cpp"),
+             *box(right, 352, "set the threshold", "reckoning/threshold.cpp"),
+             *question(right, 430, "model error above it?", "reckoning/model_error.h"),
+             *box(left, 380, "tell the avatar and the bodies", "reckoning/reporter.cpp"),
+             *box(left, 440 + 68, "tell the avatar", "reckoning/reporter.cpp")]  # fmt: skip
     middle, other = left + 125, right + 125
     parts += [way((middle, 78), (middle, 106)), way((middle, 156), (middle, 184)), way((middle, 234), (middle, 262)),
               way((left + 250, 298), (right - 2, 298)), text(left + 258, 291, "no"), way((middle, 332), (middle, 378)), text(middle + 8, 358, "yes"),

@@ -39,7 +39,7 @@ echo "== building"
 cmake --build build/release --parallel "$jobs"
 echo "== testing"
 # Several tests are real processes that wait more than they compute: tests/CMakeLists.txt says how many run at once.
-ctest --test-dir build/release --output-on-failure --no-tests=error --parallel $((jobs + 3)) "$@" | tee "$log" &&
+ctest --test-dir build/release --output-on-failure --no-tests=error --parallel $((jobs + 6)) "$@" | tee "$log" &&
   status=0 || status=$?
 
 # Which tests were skipped, and the first thing that each of them said about it.

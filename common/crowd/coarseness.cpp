@@ -4,7 +4,7 @@
 
 namespace padr::crowd {
 
-float coarseness_of(const Plane& plane, Region r, const node::Node& n) {
+float coarseness_of(const Plane& plane, Region r, const node::Replica& n) {
   constexpr float kNear = 4;  // m
   constexpr float kRise = 2;  // m for once the usual threshold more
   constexpr float kMost = 8;

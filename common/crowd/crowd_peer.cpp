@@ -42,7 +42,7 @@ BodyState held_near(const Plane& plane, Region r, BodyState s) {
 }
 
 /// What the avatar touches there, but is not in `home`: what is in both has its say there.
-bool touches_only_strangers(const node::Node& n, const node::Node& home) {
+bool touches_only_strangers(const node::Replica& n, const node::Replica& home) {
   const EntityId avatar = n.live().avatar();
   const auto& here = n.live().residents();
   bool any = false;
@@ -57,14 +57,14 @@ bool touches_only_strangers(const node::Node& n, const node::Node& home) {
 
 /// The other members of a region, besides where they are.
 void add_fellows(Region r, const node::Participant& p, Fellows& fellows) {
-  const node::Node& n = p.node();
+  const node::Replica& n = p.replica();
   for (PeerId other = 0; other < n.config().slots; ++other)
-    if (other != n.self() && n.other(other).there() && p.session().roster()[other].is_set())
-      fellows.emplace_back(p.session().roster()[other].place(), r);
+    if (other != n.self() && n.other(other).there() && n.other(other).at.is_set())
+      fellows.emplace_back(n.other(other).at.place(), r);
 }
 
 /// It wants to leave the region, and will if it can: not the one to come in by, as long as there are others.
-bool only_waits_to_leave(const node::Node& n) {
+bool only_waits_to_leave(const node::Replica& n) {
   const std::vector<sync::Member>& members = n.agreed().predicted_state().members;
   if (!members[n.self()].going) return false;
   for (PeerId p = 0; p < members.size(); ++p)
@@ -75,7 +75,9 @@ bool only_waits_to_leave(const node::Node& n) {
 }  // namespace
 
 CrowdPeer::CrowdPeer(const CrowdConfig& config)
-    : config_(config), customs_(config.plane), finder_({config.plane, config.contact, derive_seed(config.seed, 0xF1)}) {
+    : config_(config),
+      handover_(config.plane),
+      finder_({config.plane, config.contact, derive_seed(config.seed, 0xF1)}) {
   avatar_.position = config.start;
   wanted_ = {region_at(config.plane, config.start)};
 }
@@ -87,11 +89,11 @@ Standing CrowdPeer::standing(bool with_fellows, Micros local) const {
   s.home = home_ ? *home_ : wanted_.front();
   if (home_) s.clock = places_.at(*home_).peer->session().session_now(local);
   for (const auto& [region, place] : places_) {
-    const bool member = place.peer->playing() && place.peer->node().member();
+    const bool member = place.peer->playing() && place.peer->replica().member();
     const bool in = member && !place.leaving;
     const bool founding = !place.by && !place.peer->playing();
     if (member && with_fellows) add_fellows(region, *place.peer, s.fellows);
-    if (founding || (in && !only_waits_to_leave(place.peer->node()))) s.in.push_back(region);
+    if (founding || (in && !only_waits_to_leave(place.peer->replica()))) s.in.push_back(region);
   }
   std::sort(s.fellows.begin(), s.fellows.end());
   s.fellows.erase(std::unique(s.fellows.begin(), s.fellows.end()), s.fellows.end());
@@ -128,8 +130,8 @@ void CrowdPeer::enter(Region r, const std::optional<Endpoint>& member, Micros lo
   if (!member)
     c.session.begins_at =
         home_ ? places_.at(*home_).peer->session().session_now(local) : finder_.clock(local).value_or(0);
-  c.node.technique = config_.technique;
-  c.node.kept_ticks = kKeptTicks;
+  c.replica.technique = config_.technique;
+  c.replica.kept_ticks = kKeptTicks;
   if (config_.on_confirmed)
     c.on_confirmed = [this, r](int /*life*/, const sync::FoldState& s, std::uint64_t hash) {
       config_.on_confirmed(r, s, hash);
@@ -211,7 +213,7 @@ void CrowdPeer::say_goodbye(Micros local) {
 
 // In a region an avatar moves by itself once the agreed world there has it.
 bool CrowdPeer::drives(const Place& place) const {
-  const node::Node& n = place.peer->node();
+  const node::Replica& n = place.peer->replica();
   return n.member() && n.agreed().predicted_state().avatars[n.self()].present;
 }
 
@@ -220,7 +222,7 @@ void CrowdPeer::tick(Vec2 target, Micros local) {
   Place& home = places_.at(*home_);
   if (drives(home)) {
     home.peer->step(target, local);
-    avatar_ = home.peer->node().live().world().state(home.peer->node().live().avatar());
+    avatar_ = home.peer->replica().live().world().state(home.peer->replica().live().avatar());
   } else {
     home.peer->step_led(before, before, target, local);
   }
@@ -229,7 +231,7 @@ void CrowdPeer::tick(Vec2 target, Micros local) {
     if (region != *home_ && place.peer->playing()) lead(region, place, before, target, local);
   go_home();
   steer(local);
-  if (now() % kCustoms == 0) customs_.work(posts());
+  if (now() % kCustoms == 0) handover_.work(posts());
   if (now() % kReconsider == 0) reconsider(local);
 }
 
@@ -237,22 +239,22 @@ void CrowdPeer::tick(Vec2 target, Micros local) {
 // is that of the lowest member.
 void CrowdPeer::steer(Micros local) {
   node::Participant& home = *places_.at(*home_).peer;
-  if (home.node().now() % kSteer == 0) home.steer(local);
+  if (home.replica().now() % kSteer == 0) home.steer(local);
   for (auto& [region, place] : places_)
-    if (region != *home_ && place.peer->playing()) place.peer->session().desk().clock = home.session().clock();
+    if (region != *home_ && place.peer->playing()) place.peer->session().state().clock = home.session().clock();
 }
 
 void CrowdPeer::lead(Region r, Place& place, const BodyState& before, Vec2 target, Micros local) {
   const BodyState from = held_near(config_.plane, r, before);
   const BodyState to = held_near(config_.plane, r, avatar_);
   const Tick now = this->now();
-  while (place.peer->node().now() < now) {
-    place.peer->step_led(from, place.peer->node().now() + 1 < now ? from : to, target, local);
+  while (place.peer->replica().now() < now) {
+    place.peer->step_led(from, place.peer->replica().now() + 1 < now ? from : to, target, local);
     ++stats_.node_ticks;
   }
-  const node::Node& n = place.peer->node();
+  const node::Replica& n = place.peer->replica();
   Place& home = places_.at(*home_);
-  if (n.reaction() != Vec2{} && drives(place) && touches_only_strangers(n, home.peer->node()))
+  if (n.reaction() != Vec2{} && drives(place) && touches_only_strangers(n, home.peer->replica()))
     home.peer->jolt(n.reaction());
 }
 
@@ -262,7 +264,7 @@ void CrowdPeer::go_home() {
   if (r == *home_ || inside(config_.plane, r, avatar_.position) < config_.plane.threshold) return;
   const auto it = places_.find(r);
   const bool in = it != places_.end() && !it->second.leaving && it->second.peer->playing() && drives(it->second) &&
-                  it->second.peer->node().now() == now();
+                  it->second.peer->replica().now() == now();
   if (!in) {
     ++stats_.late;
     return;
@@ -278,11 +280,11 @@ void CrowdPeer::reconsider(Micros local) {
   for (const Region r : around(plane, avatar_.position + avatar_.velocity * plane.ahead, plane.reach))
     if (!contains(wanted_, r)) wanted_.push_back(r);
   if (!contains(wanted_, *home_)) wanted_.push_back(*home_);
-  for (const Region r : customs_.errands())
+  for (const Region r : handover_.errands())
     if (!contains(wanted_, r)) wanted_.push_back(r);
   for (auto& [region, place] : places_) {
     // Who is coming in may have been admitted already, and would be waited for: it leaves when it is in.
-    if (place.leaving || !place.peer->playing() || !place.peer->node().member()) continue;
+    if (place.leaving || !place.peer->playing() || !place.peer->replica().member()) continue;
     const bool near = outside(plane, region, avatar_.position) <= plane.reach + plane.linger;
     const bool go = !near && !contains(wanted_, region);
     say_whether_going(place, go);
@@ -295,7 +297,7 @@ void CrowdPeer::reconsider(Micros local) {
 }
 
 void CrowdPeer::say_whether_going(Place& place, bool go) {
-  const node::Node& n = place.peer->node();
+  const node::Replica& n = place.peer->replica();
   if (n.orders() > 0) return;
   if (n.agreed().predicted_state().members[n.self()].going == go) {
     if (place.said < 0) place.said = n.now();
@@ -313,7 +315,7 @@ void CrowdPeer::say_whether_going(Place& place, bool go) {
 // else leave by what it said before, to one who leaves by what it said then. Who has been let in but has not said where
 // its avatar is may not know of it yet, and does not count.
 bool CrowdPeer::may_leave(const Place& place) {
-  const node::Node& n = place.peer->node();
+  const node::Replica& n = place.peer->replica();
   const sync::FoldState& confirmed = n.agreed().confirmed();
   if (place.said < 0 || confirmed.tick < place.said || !confirmed.members[n.self()].going) return false;
   for (PeerId p = 0; p < confirmed.members.size(); ++p)
@@ -324,12 +326,12 @@ bool CrowdPeer::may_leave(const Place& place) {
 void CrowdPeer::adapt_thresholds() {
   for (auto& [region, place] : places_)
     if (region != *home_ && place.peer->playing())
-      place.peer->set_coarseness(coarseness_of(config_.plane, region, place.peer->node()));
+      place.peer->set_coarseness(coarseness_of(config_.plane, region, place.peer->replica()));
 }
 
 void CrowdPeer::retire(Place& place) {
   if (!place.peer->playing()) return;
-  const node::NodeStats& s = place.peer->node().stats();
+  const node::ReplicaStats& s = place.peer->replica().stats();
   for (const std::uint64_t n : s.updates_by_cause) past_updates_ += n;
 }
 
@@ -337,7 +339,7 @@ void CrowdPeer::end_places(Micros local) {
   for (auto it = places_.begin(); it != places_.end();) {
     Place& p = it->second;
     const bool failed = p.peer->failed();
-    const bool gone = p.leaving && (p.peer->node().delivered() || local - p.left > kLinger);
+    const bool gone = p.leaving && (p.peer->replica().delivered() || local - p.left > kLinger);
     if (!failed && !gone) {
       ++it;
       continue;
@@ -372,7 +374,7 @@ std::vector<std::pair<Region, node::SessionNote>> CrowdPeer::take_notes() {
 std::vector<Post> CrowdPeer::posts() const {
   std::vector<Post> all;
   for (const auto& [region, place] : places_)
-    if (place.peer->playing() && !place.leaving && place.peer->node().member())
+    if (place.peer->playing() && !place.leaving && place.peer->replica().member())
       all.push_back({region, place.peer.get()});
   return all;
 }
@@ -381,7 +383,7 @@ std::uint64_t CrowdPeer::updates() const {
   std::uint64_t n = past_updates_;
   for (const auto& [region, place] : places_)
     if (place.peer->playing())
-      for (const std::uint64_t u : place.peer->node().stats().updates_by_cause) n += u;
+      for (const std::uint64_t u : place.peer->replica().stats().updates_by_cause) n += u;
   return n;
 }
 

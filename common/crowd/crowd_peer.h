@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "common/crowd/customs.h"
 #include "common/crowd/finder.h"
+#include "common/crowd/handover.h"
 #include "common/crowd/plane.h"
-#include "common/node/participant.h"
+#include "common/participant/participant.h"
 
 namespace padr::crowd {
 
@@ -45,7 +45,7 @@ class CrowdPeer {
  public:
   explicit CrowdPeer(const CrowdConfig& config);
 
-  /// As in Node, in a region where it plays.
+  /// As in Replica, in a region where it plays.
   void push(Region r, EntityId body, Vec2 velocity);
   void receive(const Endpoint& from, std::span<const std::byte> datagram, Micros local);
   /// As in Participant.
@@ -68,12 +68,12 @@ class CrowdPeer {
   Region home() const { return *home_; }
   /// Local time of its next tick; only while it plays.
   Micros next_step() const { return places_.at(*home_).peer->next_step(); }
-  Tick now() const { return places_.at(*home_).peer->node().now(); }
+  Tick now() const { return places_.at(*home_).peer->replica().now(); }
   const BodyState& avatar() const { return avatar_; }
   /// The regions where it is a member and stays, with their participants.
   std::vector<Post> posts() const;
   const CrowdStats& stats() const { return stats_; }
-  const Customs& customs() const { return customs_; }
+  const Handover& handover() const { return handover_; }
   const Finder& finder() const { return finder_; }
   std::uint64_t updates() const;
 
@@ -109,7 +109,7 @@ class CrowdPeer {
   std::vector<Region> wanted_;
   std::optional<Region> home_;
   BodyState avatar_;
-  Customs customs_;
+  Handover handover_;
   Finder finder_;
   CrowdStats stats_;
   node::Outbox outgoing_;
@@ -122,6 +122,6 @@ class CrowdPeer {
 
 /// How many times the usual threshold an avatar's may be in a region where it is a guest, by its distance from the
 /// nearest avatar at home there or body that moves: once within 4 m, once more for every 2 m beyond, 8 times at most.
-float coarseness_of(const Plane& plane, Region r, const node::Node& n);
+float coarseness_of(const Plane& plane, Region r, const node::Replica& n);
 
 }  // namespace padr::crowd

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "common/model/seen_from.h"
-#include "common/node/node.h"
+#include "common/replica/replica.h"
 
 namespace padr::crowd {
 namespace {

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "common/channel/parcel.h"
 #include "common/crowd/address_book.h"
 #include "common/crowd/plane.h"
 #include "common/crowd/search.h"
 #include "common/model/rng.h"
-#include "common/node/parcel.h"
 
 namespace padr::crowd {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/monitor/orders.h"
-#include "common/monitor/told.h"
+#include "common/monitor/telemetry.h"
 
 namespace padr::monitor {
 

@@ -16,8 +16,8 @@ Place place_of(const world::Kinematics& k) {
   return {k.position, k.angle};
 }
 
-LinkStatus link_of(const node::Node& node, PeerId p) {
-  const node::Neighbour& n = node.other(p);
+LinkStatus link_of(const node::Replica& replica, PeerId p) {
+  const node::Neighbour& n = replica.other(p);
   LinkStatus l;
   l.to = p;
   l.incarnation = n.incarnation;
@@ -26,7 +26,7 @@ LinkStatus link_of(const node::Node& node, PeerId p) {
   l.round_trip_ms = milliseconds(n.link.round_trip());
   l.measured = n.clock.measured() && n.arrivals.any();
   if (l.measured) {
-    const node::Arrivals::Delays d = n.arrivals.delays(tick_start(node.now()));
+    const node::Arrivals::Delays d = n.arrivals.delays(tick_start(replica.now()));
     l.delay_least_ms = static_cast<float>(n.clock.least()) * 1e-3F;
     l.delay_p50_ms = static_cast<float>(d.median) * 1e-3F;
     l.delay_p95_ms = static_cast<float>(d.p95) * 1e-3F;
@@ -35,7 +35,7 @@ LinkStatus link_of(const node::Node& node, PeerId p) {
   l.loss_of = static_cast<std::uint32_t>(n.window.loss_of());
   l.judged_in = n.window.counted().judged;
   l.lost_in = n.window.counted().lost;
-  l.silence_ms = milliseconds(static_cast<float>(node.silence(p)));
+  l.silence_ms = milliseconds(static_cast<float>(replica.silence(p)));
   l.dropped = n.dropped;
   l.cut_offs = n.cut_offs;
   return l;
@@ -43,33 +43,33 @@ LinkStatus link_of(const node::Node& node, PeerId p) {
 
 }  // namespace
 
-void Sampler::begin(const node::Node& node, const std::string& text) {
-  const auto bodies = static_cast<std::size_t>(node.live().world().bodies());
+void Sampler::begin(const node::Replica& replica, const std::string& text) {
+  const auto bodies = static_cast<std::size_t>(replica.live().world().bodies());
   owner_.assign(bodies, kNoPeer);
   held_.assign(bodies, 0);
-  for (EntityId b = 0; b < bodies; ++b) owner_[b] = node.agreed().predicted_state().authority[b].holder();
+  for (EntityId b = 0; b < bodies; ++b) owner_[b] = replica.agreed().predicted_state().authority[b].holder();
   differed_ = false;
-  say({0, node.now(), EventKind::kLife, kNoEntity, node.self(), 0, text});
+  say({0, replica.now(), EventKind::kLife, kNoEntity, replica.self(), 0, text});
 }
 
-void Sampler::observe(const node::Node& node) {
-  for (EntityId b = 0; b < owner_.size(); ++b) observe_body(node, b);
-  if (!differed_ && node.stats().hash_mismatches > 0) {
+void Sampler::observe(const node::Replica& replica) {
+  for (EntityId b = 0; b < owner_.size(); ++b) observe_body(replica, b);
+  if (!differed_ && replica.stats().hash_mismatches > 0) {
     differed_ = true;
-    say({0, node.now(), EventKind::kMismatch, kNoEntity, node.differs_from(), 0,
-         "confirmed worlds differ from tick " + std::to_string(node.stats().first_mismatch) + " on"});
+    say({0, replica.now(), EventKind::kMismatch, kNoEntity, replica.differs_from(), 0,
+         "confirmed worlds differ from tick " + std::to_string(replica.stats().first_mismatch) + " on"});
   }
 }
 
-void Sampler::observe_body(const node::Node& node, EntityId b) {
-  const PeerId owner = node.agreed().predicted_state().authority[b].holder();
+void Sampler::observe_body(const node::Replica& replica, EntityId b) {
+  const PeerId owner = replica.agreed().predicted_state().authority[b].holder();
   if (owner != owner_[b])
-    say({0, node.now(), owner == kNoPeer ? EventKind::kRelease : EventKind::kAuthority, b,
+    say({0, replica.now(), owner == kNoPeer ? EventKind::kRelease : EventKind::kAuthority, b,
          owner == kNoPeer ? owner_[b] : owner, 0, ""});
   owner_[b] = owner;
-  const char held = node.reporter().holds(b) ? 1 : 0;
+  const char held = replica.reporter().holds(b) ? 1 : 0;
   if (held != held_[b])
-    say({0, node.now(), held != 0 ? EventKind::kContactBegin : EventKind::kContactEnd, b, node.self(), 0, ""});
+    say({0, replica.now(), held != 0 ? EventKind::kContactBegin : EventKind::kContactEnd, b, replica.self(), 0, ""});
   held_[b] = held;
 }
 
@@ -96,16 +96,16 @@ bool Sampler::due(Tick t) const {
   return t > 0 && now != before;
 }
 
-void Sampler::frame(const node::Node& node, Vec2 target, Frame& out) const {
-  const world::View& live = node.live().world();
-  const sync::FoldState& predicted = node.agreed().predicted_state();
-  const Technique& technique = node.config().technique;
-  const sync::Prediction& p = node.prediction();
+void Sampler::frame(const node::Replica& replica, Vec2 target, Frame& out) const {
+  const world::View& live = replica.live().world();
+  const sync::FoldState& predicted = replica.agreed().predicted_state();
+  const Technique& technique = replica.config().technique;
+  const sync::Prediction& p = replica.prediction();
   const auto entities = static_cast<std::size_t>(live.entities());
-  out.tick = node.now();
-  out.threshold = node.threshold();
+  out.tick = replica.now();
+  out.threshold = replica.threshold();
   out.target = target;
-  out.holding = node.reporter().holding();
+  out.holding = replica.reporter().holding();
   out.interaction = p.interaction;
   out.unowned_alone = plays_unowned_alone(technique);
   out.contact_in = p.contact_in;
@@ -121,9 +121,9 @@ void Sampler::frame(const node::Node& node, Vec2 target, Frame& out) const {
     const BodyState s = live.state(e);
     const bool avatar = live.is_avatar(e);
     const auto peer = static_cast<PeerId>(avatar ? e - live.bodies() : kNoPeer);
-    out.flags[e] = {live.present(e), s.awake, !avatar && node.reporter().holds(e),
+    out.flags[e] = {live.present(e), s.awake, !avatar && replica.reporter().holds(e),
                     avatar ? peer : predicted.authority[e].holder()};
-    out.shown[e] = {node.shown().positions()[e], s.angle};
+    out.shown[e] = {replica.shown().positions()[e], s.angle};
     if (detail_ >= Detail::kLive) out.live[e] = {s.position, s.angle};
     if (detail_ >= Detail::kAll) out.predicted[e] = place_of(predicted.world.entities[e]);
   }
@@ -144,31 +144,31 @@ void Sampler::agreed(const sync::FoldState& confirmed, std::uint64_t hash, bool 
   }
 }
 
-Status Sampler::status(const node::Node& node) {
-  const node::NodeStats& n = node.stats();
+Status Sampler::status(const node::Replica& replica) {
+  const node::ReplicaStats& n = replica.stats();
   Status s;
-  s.tick = node.now();
+  s.tick = replica.now();
   s.updates_by_cause = n.updates_by_cause;
   s.datagrams_sent = n.datagrams_sent;
   s.bytes_sent = n.wire_bytes_sent;
   s.repeats = n.repeats;
   s.datagrams_received = n.datagrams_received;
   s.dropped = std::accumulate(n.dropped.begin(), n.dropped.end(), std::uint64_t{0});
-  s.confirmed = node.agreed().confirmed().tick;
-  s.hash = node.agreed().confirmed_hash();
+  s.confirmed = replica.agreed().confirmed().tick;
+  s.hash = replica.agreed().confirmed_hash();
   s.hash_checks = n.hash_checks;
   s.hash_mismatches = n.hash_mismatches;
-  s.replayed_steps = node.agreed().replayed_steps();
-  s.clock_lead_us = node.clock_lead();
-  s.own_error_m = node.own_error();
-  s.snaps = static_cast<std::uint32_t>(node.shown().snaps());
-  s.snap_m = node.shown().snap_metres();
+  s.replayed_steps = replica.agreed().replayed_steps();
+  s.clock_lead_us = replica.clock_lead();
+  s.own_error_m = replica.own_error();
+  s.snaps = static_cast<std::uint32_t>(replica.shown().snaps());
+  s.snap_m = replica.shown().snap_metres();
   s.present = 1;
-  for (PeerId p = 0; p < node.config().slots; ++p) {
-    if (p == node.self()) continue;
-    if (node.other(p).there()) ++s.present;
-    if (node.other(p).incarnation > 0 || node.other(p).at.is_set() || node.other(p).there())
-      s.links.push_back(link_of(node, p));
+  for (PeerId p = 0; p < replica.config().slots; ++p) {
+    if (p == replica.self()) continue;
+    if (replica.other(p).there()) ++s.present;
+    if (replica.other(p).incarnation > 0 || replica.other(p).at.is_set() || replica.other(p).there())
+      s.links.push_back(link_of(replica, p));
   }
   return s;
 }

@@ -84,9 +84,9 @@ PathNotes notes_on_path(const Path& path, std::string_view label, const Scene& s
                              box(scene.lower, scene.upper) + ")" + hint);
   if (s.too_fast > 0)
     notes.warnings.push_back(name + ": at " + share(s.too_fast, s.points) +
-                             " it asks for more than an avatar can do: up to " + measure(s.fastest) + " m/s of " +
-                             measure(most) + " m/s; padr-lab path --stretch " + rough_text(slow_enough(path, scene)) +
-                             " makes it slow enough");
+                             " it asks for more than an avatar can do: up to " + measure(s.fastest) +
+                             " m/s, but an avatar reaches only " + measure(most) + " m/s; padr-lab path --stretch " +
+                             rough_text(slow_enough(path, scene)) + " makes it slow enough");
   if (s.fastest < kIdle * most)
     notes.warnings.push_back(name + ": it hardly moves, at most " + measure(s.fastest) +
                              " m/s; are its times milliseconds?" + hint);

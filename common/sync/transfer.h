@@ -26,7 +26,7 @@ struct Transfer {
 };
 
 /// Where a region of a crowd begins at tick `now`: as its scene says, with nobody there but whoever founds it, who sits
-/// in slot 0, as `incarnation`, and lets itself in. Its node goes on from there like any newcomer's.
+/// in slot 0, as `incarnation`, and lets itself in. Its replica goes on from there like any newcomer's.
 Transfer founding(const Scene& scene, int slots, bool authority, Tick now, std::uint32_t incarnation);
 /// The founder's incarnation is drawn from 1 to this, so that two who found one region are hardly ever taken for one;
 /// small enough for two bytes in every datagram.

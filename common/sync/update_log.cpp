@@ -54,10 +54,10 @@ std::vector<Bundle>& UpdateLog::list_of(Tick tick) {
   const auto found = by_tick_.find(tick);
   if (found != by_tick_.end()) return found->second;
   if (spare_ticks_.empty()) make_ticks();
-  ByTick::node_type node = std::move(spare_ticks_.back());
+  ByTick::node_type replica = std::move(spare_ticks_.back());
   spare_ticks_.pop_back();
-  node.key() = tick;
-  return by_tick_.insert(std::move(node)).position->second;
+  replica.key() = tick;
+  return by_tick_.insert(std::move(replica)).position->second;
 }
 
 bool UpdateLog::insert(const Bundle& bundle) {
@@ -171,10 +171,10 @@ std::vector<Bundle> UpdateLog::since(Tick tick) const {
 void UpdateLog::prune(Tick final, Tick keep) {
   final_ = std::max(final_, final);
   while (!by_tick_.empty() && by_tick_.begin()->first < std::min(final, keep)) {
-    ByTick::node_type node = by_tick_.extract(by_tick_.begin());
-    for (Bundle& b : node.mapped()) pool_.give_back(std::move(b));
-    node.mapped().clear();
-    spare_ticks_.push_back(std::move(node));
+    ByTick::node_type replica = by_tick_.extract(by_tick_.begin());
+    for (Bundle& b : replica.mapped()) pool_.give_back(std::move(b));
+    replica.mapped().clear();
+    spare_ticks_.push_back(std::move(replica));
   }
 }
 

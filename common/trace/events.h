@@ -39,7 +39,7 @@ struct Provenance {
   Micros start_unix_us = 0;  ///< wall clock at the start; 0: not told
 };
 
-/// The first record: provenance, and what a Node and its world are built from.
+/// The first record: provenance, and what a Replica and its world are built from.
 struct Header : Provenance {
   PeerId peer = 0;
   int peers = 1;  ///< of the session at tick 0; not told if incarnation > 0
@@ -61,13 +61,13 @@ struct Begin {
   std::span<const std::byte> transfer;  ///< as common/wire encodes it
 };
 
-// What is asked of a node about who is there; as in node::Node.
+// What is asked of a replica about who is there; as in node::Replica.
 
 struct Order {
   std::span<const std::byte> fetched;  ///< a wire::Fetched with the update, as common/wire encodes it
 };
 
-/// Updates of a peer that is not heard, as another has them; as in node::Node.
+/// Updates of a peer that is not heard, as another has them; as in node::Replica.
 struct Relayed {
   std::span<const std::byte> fetched;  ///< a wire::Fetched, as common/wire encodes it
 };
@@ -95,7 +95,7 @@ struct Retune {
   Technique technique;
 };
 
-/// A body is pushed, as in node::Node.
+/// A body is pushed, as in node::Replica.
 struct Push {
   EntityId body = 0;
   Vec2 velocity;  ///< m/s
@@ -153,7 +153,7 @@ struct Dropped {
   std::vector<std::uint64_t> by_reason;
 };
 
-/// Counters at a clean end, as in node::NodeStats.
+/// Counters at a clean end, as in node::ReplicaStats.
 struct Footer {
   std::uint64_t bundles = 0;
   std::vector<std::uint64_t> updates_by_cause;

@@ -40,10 +40,10 @@ InconsistencyMeter::PendingTicks::iterator InconsistencyMeter::pending(Tick tick
     return pending_
         .emplace(tick, Pending{std::vector<View>(slots_.size()), std::vector<char>(slots_.size(), 0), false, {}})
         .first;
-  PendingTicks::node_type node = std::move(spare_.back());
+  PendingTicks::node_type replica = std::move(spare_.back());
   spare_.pop_back();
-  node.key() = tick;
-  return pending_.insert(std::move(node)).position;
+  replica.key() = tick;
+  return pending_.insert(std::move(replica)).position;
 }
 
 void InconsistencyMeter::view(std::size_t viewer, Tick tick, const View& v) {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <tuple>
 
-#include "common/sync/admit.h"
+#include "common/sync/validation.h"
 #include "common/wire/endpoint_codec.h"
 #include "common/wire/passage_codec.h"
 #include "common/wire/update_codec.h"

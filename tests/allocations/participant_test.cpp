@@ -1,6 +1,6 @@
 // A whole peer, of which padr-peer is one with a clock and a socket: what it sends is handed over without allocating,
 // sealed or not.
-#include "common/node/participant.h"
+#include "common/participant/participant.h"
 
 #include <gtest/gtest.h>
 
@@ -33,9 +33,9 @@ class Pair {
       c.session.slots = 2;
       c.session.seed = n + 1;
       if (seal != wire::SealMode::kNone) {
-        c.gate.emplace();
-        c.gate->seed[0] = static_cast<std::uint8_t>(n);
-        c.gate->mode = seal;
+        c.channels.emplace();
+        c.channels->seed[0] = static_cast<std::uint8_t>(n);
+        c.channels->mode = seal;
       }
       peers_[n] = std::make_unique<node::Participant>(scene_, std::move(c), now_);
     }

@@ -16,7 +16,7 @@ import subprocess
 import sys
 
 # A folder may include itself and those to its left.
-CORE_ORDER = ["model", "link", "scenarios", "world", "sync", "wire", "capture", "trace", "node", "crowd", "monitor"]
+CORE_ORDER = ["model", "link", "scenarios", "world", "sync", "reckoning", "shown", "wire", "capture", "trace", "channel", "replica", "membership", "participant", "crowd", "monitor"]
 
 # The generated header of a .proto file belongs to one folder; everybody else sees plain structs.
 PROTO_OWNER = {"wire.pb.h": "wire", "trace.pb.h": "trace", "scenario.pb.h": "scenarios", "monitor.pb.h": "monitor"}

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "common/link/netem_spec.h"
+#include "common/reckoning/live_world.h"
+#include "common/reckoning/prediction.h"
 #include "common/scenarios/scenarios.h"
 #include "common/sync/agreed_world.h"
-#include "common/sync/live_world.h"
-#include "common/sync/prediction.h"
 #include "tests/bench/bare_world.h"
 #include "tests/bench/party.h"
 #include "tools/lab/simulation.h"
@@ -150,11 +150,11 @@ void lab_run(benchmark::State& state) {
     for (Tick t = 0; t < kTicks; ++t) {
       run += seconds_of([&simulation] { simulation.step(); });
       for (PeerId p = 0; p < kPeers; ++p) {
-        const node::Node& node = simulation.node(p);
+        const node::Replica& replica = simulation.replica(p);
         Bare& w = worlds[p];
-        w.live->put(node.live().world().kinematics(), node.agreed().predicted_state().holds);
-        w.predicted->put(node.agreed().predicted_state().world.entities, node.agreed().predicted_state().holds);
-        w.steps = 1 + whole_replays(node.agreed()) - std::exchange(w.replayed, whole_replays(node.agreed()));
+        w.live->put(replica.live().world().kinematics(), replica.agreed().predicted_state().holds);
+        w.predicted->put(replica.agreed().predicted_state().world.entities, replica.agreed().predicted_state().holds);
+        w.steps = 1 + whole_replays(replica.agreed()) - std::exchange(w.replayed, whole_replays(replica.agreed()));
       }
       bare += seconds_of([&worlds] {
         for (const Bare& w : worlds) {

@@ -11,7 +11,7 @@
 #include "common/link/shim.h"
 #include "common/model/precision.h"
 #include "common/model/rng.h"
-#include "common/sync/admit.h"
+#include "common/sync/validation.h"
 #include "common/wire/codec.h"
 #include "tests/bench/allocations.h"
 #include "tests/bench/party.h"

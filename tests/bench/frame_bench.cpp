@@ -1,4 +1,4 @@
-// What a frame costs: everything a node does in a tick, from the datagrams that have come in to those that go out,
+// What a frame costs: everything a replica does in a tick, from the datagrams that have come in to those that go out,
 // beside one step of a bare Box2D world in the same state, measured after every frame. Network: 100 ms, 2 % lost;
 // `outages`: links that lose everything for 33 datagrams after every 100, on average; `quiet`: perfect.
 //

@@ -69,10 +69,10 @@ Scene restless_room(int bodies, int spawns) {
 Mesh::Mesh(const Scene& scene, int peers, const std::string& netem, const std::string& input, std::uint64_t seed) {
   const link::NetemSpec spec = link::parse_netem(netem);
   for (int p = 0; p < peers; ++p) {
-    node::NodeConfig c;
+    node::ReplicaConfig c;
     c.self = static_cast<PeerId>(p);
     c.peers = c.slots = peers;
-    nodes.push_back(std::make_unique<node::Node>(scene, c));
+    nodes.push_back(std::make_unique<node::Replica>(scene, c));
     inputs.push_back(scenarios::make_input(input, {scene, p, seed, {}}));
     auto& row = shims.emplace_back();
     for (int q = 0; q < peers; ++q)

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/link/shim.h"
-#include "common/node/node.h"
+#include "common/replica/replica.h"
 #include "common/scenarios/input.h"
 
 namespace padr::bench {
@@ -46,7 +46,7 @@ struct Mesh {
   /// `input`: as for padr-peer --input, of all of them; `seed`: of the inputs and the network.
   Mesh(const Scene& scene, int peers, const std::string& netem, const std::string& input, std::uint64_t seed);
 
-  std::vector<std::unique_ptr<node::Node>> nodes;
+  std::vector<std::unique_ptr<node::Replica>> nodes;
   std::vector<std::unique_ptr<scenarios::InputSource>> inputs;
   std::vector<std::vector<std::unique_ptr<link::Shim>>> shims;  ///< from, to
 };
@@ -65,7 +65,7 @@ class Party {
   /// One tick of all of them; the first one's frame.
   Frame tick();
 
-  const node::Node& first() const { return *mesh_.nodes[0]; }
+  const node::Replica& first() const { return *mesh_.nodes[0]; }
 
  private:
   std::vector<std::vector<std::byte>> arrived(std::size_t at);

@@ -24,9 +24,9 @@ void run_for(CrowdRun& run, double seconds) {
   while (run.now() < end) run.advance();
 }
 
-const node::Node* node_of(const CrowdRun& run, int person, crowd::Region r) {
+const node::Replica* node_of(const CrowdRun& run, int person, crowd::Region r) {
   for (const crowd::Post& p : run.peer(person).posts())
-    if (p.region == r) return &p.peer->node();
+    if (p.region == r) return &p.peer->replica();
   return nullptr;
 }
 
@@ -90,8 +90,8 @@ TEST(Crowd, ABodyPushedAcrossABorderIsHandedOver) {
   run_for(run, 25);
   run.stop_input();
   run_for(run, 8);
-  const node::Node* there = node_of(run, 2, {1, 0});
-  const node::Node* here = node_of(run, 1, {0, 0});
+  const node::Replica* there = node_of(run, 2, {1, 0});
+  const node::Replica* here = node_of(run, 1, {0, 0});
   ASSERT_TRUE(there != nullptr && here != nullptr);
   const auto slot = there->agreed().confirmed().residents.find(name);
   ASSERT_TRUE(slot) << "it is in the region that it was pushed to";
@@ -121,7 +121,7 @@ void push_about(std::uint64_t seed, const std::string& loss) {
   std::uint64_t entries = 0;
   std::uint64_t founded = 0;
   for (int i = 0; i < run.persons(); ++i) {
-    entries += run.peer(i).customs().entries();
+    entries += run.peer(i).handover().entries();
     founded += run.peer(i).stats().founded;
   }
   EXPECT_GT(entries, 10U) << "nothing was pushed across a border: this shows nothing";
@@ -195,7 +195,7 @@ TEST(Crowd, ThresholdsRiseWithDistanceBeyondABorderOnly) {
   c.drive = [](int person, Tick t) { return person == 0 ? Vec2{20, 12} : t < 300 ? Vec2{26, 12} : Vec2{46, 12}; };
   CrowdRun run(c);
   run_for(run, 4.5);
-  const node::Node* guest = node_of(run, 0, {1, 0});
+  const node::Replica* guest = node_of(run, 0, {1, 0});
   ASSERT_NE(guest, nullptr);
   EXPECT_NEAR(crowd::coarseness_of(c.plane, {1, 0}, *guest), 2, 0.2) << "6 m: once more for 2 m beyond 4";
   run_for(run, 6);
@@ -210,8 +210,8 @@ double fellows_of(const CrowdRun& run) {
   double n = 0;
   for (int i = 0; i < run.persons(); ++i)
     for (const crowd::Post& post : run.peer(i).posts()) {
-      const node::Node& node = post.peer->node();
-      for (PeerId p = 0; p < node.config().slots; ++p) n += p != node.self() && node.other(p).there() ? 1 : 0;
+      const node::Replica& replica = post.peer->replica();
+      for (PeerId p = 0; p < replica.config().slots; ++p) n += p != replica.self() && replica.other(p).there() ? 1 : 0;
     }
   return n;
 }

@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "common/crowd/plane.h"
-#include "common/sync/admit.h"
 #include "common/sync/fold.h"
 #include "common/sync/state_hash.h"
+#include "common/sync/validation.h"
 
 namespace padr::sync {
 namespace {

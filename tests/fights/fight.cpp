@@ -71,7 +71,7 @@ class ConfirmedWatcher {
 class FightWatcher {
  public:
   FightWatcher(const lab::Simulation& s, const Scene& scene, Outcome& out) : s_(s), scene_(scene), out_(out) {
-    const auto entities = static_cast<std::size_t>(s.node(0).live().world().entities());
+    const auto entities = static_cast<std::size_t>(s.replica(0).live().world().entities());
     const auto peers = static_cast<std::size_t>(s.peers());
     before_.assign(peers, std::vector<Vec2>(entities));
     shown_.assign(peers, {});
@@ -82,7 +82,7 @@ class FightWatcher {
 
   void see(Tick t) {
     for (PeerId p = 0; p < s_.peers(); ++p) {
-      const world::View& live = s_.node(p).live().world();
+      const world::View& live = s_.replica(p).live().world();
       for (EntityId b = 0; b < scene_.bodies.size(); ++b) body(p, b, live);
       jumps(p, t);
     }
@@ -110,11 +110,11 @@ class FightWatcher {
     before_[p][b] = s.position;
   }
 
-  bool mine(PeerId p, EntityId b) const { return s_.node(p).agreed().predicted_state().authority[b].holder() == p; }
+  bool mine(PeerId p, EntityId b) const { return s_.replica(p).agreed().predicted_state().authority[b].holder() == p; }
 
   void jumps(PeerId p, Tick t) {
-    const std::vector<Vec2>& now = s_.node(p).shown().positions();
-    const world::View& live = s_.node(p).live().world();
+    const std::vector<Vec2>& now = s_.replica(p).shown().positions();
+    const world::View& live = s_.replica(p).live().world();
     for (EntityId e = 0; e < shown_[p].size(); ++e) {
       const Vec2 stride = now[e] - shown_[p][e];
       const Vec2 last = std::exchange(stride_[p][e], stride);

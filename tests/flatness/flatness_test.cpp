@@ -31,7 +31,7 @@ class Meter {
 
   void see(Tick t) {
     for (PeerId p = 0; p < s_.peers(); ++p) {
-      const node::Node::Kept kept = s_.node(p).kept();
+      const node::Replica::Kept kept = s_.replica(p).kept();
       now_.log_ticks = std::max(now_.log_ticks, kept.log_ticks);
       now_.own_updates = std::max(now_.own_updates, kept.own_updates);
       now_.pending_checks = std::max(now_.pending_checks, kept.pending_checks);
@@ -46,8 +46,8 @@ class Meter {
     double updates = 0;
     double replayed = 0;
     for (PeerId p = 0; p < s_.peers(); ++p) {
-      updates += static_cast<double>(s_.node(p).stats().bundles);
-      replayed += static_cast<double>(s_.node(p).agreed().replayed_steps());
+      updates += static_cast<double>(s_.replica(p).stats().bundles);
+      replayed += static_cast<double>(s_.replica(p).agreed().replayed_steps());
     }
     now_.updates = updates - updates_;
     now_.replayed = replayed - replayed_;

@@ -1,7 +1,7 @@
 // A sealed datagram as it comes from the network, and a payload as if its seal had been right.
 #include <cstdlib>
 
-#include "common/sync/admit.h"
+#include "common/sync/validation.h"
 #include "common/wire/codec.h"
 #include "tests/fuzz/bytes.h"
 #include "tests/fuzz/good.h"

@@ -1,7 +1,7 @@
 // A whole member of a running session, fed payloads of any kind, sealed, by a member and by strangers.
 #include <algorithm>
 
-#include "common/node/participant.h"
+#include "common/participant/participant.h"
 #include "common/scenarios/scenarios.h"
 #include "tests/fuzz/bytes.h"
 #include "tests/fuzz/good.h"

@@ -80,7 +80,7 @@ struct Counts {
 };
 
 Counts counts(const SmallNet& net, int peer) {
-  const node::GateStats& s = net.peer(peer).gate()->stats();
+  const node::ChannelStats& s = net.peer(peer).channels()->stats();
   return {s.passed, s.handshakes, s.moves};
 }
 
@@ -215,8 +215,8 @@ std::vector<Entry> script_of(std::span<const std::uint8_t> bytes) {
 bool caught_up(const SmallNet& net) {
   for (int p = 0; p < net.peers(); ++p) {
     if (!net.peer(p).playing()) return false;
-    const node::Node& node = net.peer(p).node();
-    if (node.now() - node.agreed().confirmed().tick > kQuietTurns) return false;
+    const node::Replica& replica = net.peer(p).replica();
+    if (replica.now() - replica.agreed().confirmed().tick > kQuietTurns) return false;
   }
   return true;
 }
@@ -234,7 +234,7 @@ void play_outsider(const std::vector<Entry>& script, wire::SealMode mode) {
   if (agreement.broken() || !caught_up(net)) std::abort();
   for (int p = 0; p < 2; ++p) {
     const node::Participant& peer = net.peer(p);
-    if (peer.life() != 0 || !peer.node().other(static_cast<PeerId>(1 - p)).there()) std::abort();
+    if (peer.life() != 0 || !peer.replica().other(static_cast<PeerId>(1 - p)).there()) std::abort();
   }
 }
 

@@ -38,12 +38,12 @@ SmallNet::SmallNet(int peers, std::uint64_t session, wire::SealMode mode) : key_
     config.session.slots = peers;
     config.session.seed = derive_seed(session, 1, static_cast<std::uint64_t>(p));
     config.session.sealed = true;
-    config.gate.emplace();
-    config.gate->session = key_;
-    config.gate->seed = drawn(derive_seed(session, 2, static_cast<std::uint64_t>(p)));
-    config.gate->mode = mode;
+    config.channels.emplace();
+    config.channels->session = key_;
+    config.channels->seed = drawn(derive_seed(session, 2, static_cast<std::uint64_t>(p)));
+    config.channels->mode = mode;
     // Each key is told for both directions, ours first.
-    config.gate->on_key = [&who](const PublicKey&, const PublicKey& to, const wire::Key& key) {
+    config.channels->on_key = [&who](const PublicKey&, const PublicKey& to, const wire::Key& key) {
       who.keys.try_emplace(to, key);
     };
     config.on_confirmed = [this, p](int, const sync::FoldState& s, std::uint64_t hash) {
@@ -56,7 +56,7 @@ SmallNet::SmallNet(int peers, std::uint64_t session, wire::SealMode mode) : key_
 bool SmallNet::come_together() {
   const auto all_play = [this] {
     return std::all_of(people_.begin(), people_.end(),
-                       [](const Person& p) { return p.peer->playing() && p.peer->node().now() > 0; });
+                       [](const Person& p) { return p.peer->playing() && p.peer->replica().now() > 0; });
   };
   for (int i = 0; i < kMostTurns && !all_play(); ++i) turn();
   return all_play();
@@ -96,7 +96,7 @@ void SmallNet::post(int from, node::Parcel parcel) {
 wire::Bytes SmallNet::with_lies(int from, int to, const wire::Bytes& sealed) {
   const auto header = wire::read_sealed(sealed);
   if (!header) return sealed;  // the handshake's
-  const auto key = person(from).keys.find(person(to).peer->gate()->key());
+  const auto key = person(from).keys.find(person(to).peer->channels()->key());
   if (key == person(from).keys.end()) return sealed;
   const auto unsealed = wire::unseal_with(key->second, header->number, sealed);
   if (!unsealed) std::abort();

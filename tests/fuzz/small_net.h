@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "common/node/participant.h"
+#include "common/participant/participant.h"
 
 namespace padr::test {
 

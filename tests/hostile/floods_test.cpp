@@ -7,7 +7,7 @@ namespace {
 using sync::DropReason;
 
 /// What a person keeps of all that others say.
-std::size_t kept(const node::Node& n) {
+std::size_t kept(const node::Replica& n) {
   std::size_t sum = n.kept().log_ticks + n.kept().pending_checks;
   for (PeerId p = 0; p < n.config().slots; ++p) sum += n.agreed().log().beyond(p);
   return sum;
@@ -23,7 +23,7 @@ TEST(Floods, AMillionUpdates) {
     std::size_t most = 0;
     t.liar().send_too([&](const wire::Header& h) {
       std::vector<wire::Bytes> out;
-      const Tick now = t.node(0).now();
+      const Tick now = t.replica(0).now();
       for (int d = 0; d < 100; ++d) {
         sync::StatePacket p;
         p.seq = ++seq;
@@ -44,7 +44,7 @@ TEST(Floods, AMillionUpdates) {
     const std::uint64_t enough = mode == wire::SealMode::kNone ? 1'000'000 : 20'000;
     for (int i = 0; i < 10'000 && sent < enough; ++i) {
       t.party().run(0.02);
-      most = std::max(most, kept(t.node(0)));
+      most = std::max(most, kept(t.replica(0)));
     }
     EXPECT_GE(sent, enough);
     EXPECT_LT(most, 3000U) << "it is remembered";
@@ -74,7 +74,7 @@ TEST(Floods, WhoAcknowledgesNothingIsDeclaredGone) {
   t.liar().begin([](sync::StatePacket& p, PeerId) { p.have = p.have_beyond = 0; });
   t.party().run(18);
   EXPECT_TRUE(t.liar_is_out()) << t.party().story();
-  EXPECT_LT(t.node(0).kept().own_updates, 16U * 60U);
+  EXPECT_LT(t.replica(0).kept().own_updates, 16U * 60U);
   t.expect_no_harm();
 }
 
@@ -91,7 +91,7 @@ TEST(Floods, WhoClaimsToHaveMoreOfALostPeerThanItCanShow) {
     t.party().net().kill(t.person(lost));
     t.party().run(11);
     EXPECT_GT(t.liar().told, 0U);
-    EXPECT_FALSE(t.node(0).other(lost).reachable()) << t.party().story();
+    EXPECT_FALSE(t.replica(0).other(lost).reachable()) << t.party().story();
     t.expect_no_harm_to({0, 1});
   }
 }
@@ -107,7 +107,7 @@ TEST(Floods, WhoIsAskedWhatItHasOfALostPeerAndNeverAnswers) {
     t.party().net().kill(t.person(lost));
     t.party().run(11);
     EXPECT_GT(t.liar().told, 0U);
-    EXPECT_FALSE(t.node(0).other(lost).reachable()) << t.party().story();
+    EXPECT_FALSE(t.replica(0).other(lost).reachable()) << t.party().story();
     t.expect_no_harm_to({0, 1});
   }
 }
@@ -123,10 +123,10 @@ TEST(Floods, WhoSaysForEverThatItHearsALostPeer) {
     });
     t.party().net().kill(t.person(lost));
     t.party().run(5);
-    EXPECT_TRUE(t.node(0).other(lost).reachable()) << "it is believed for a while";
+    EXPECT_TRUE(t.replica(0).other(lost).reachable()) << "it is believed for a while";
     t.party().run(4.5);
     EXPECT_GT(t.liar().told, 0U);
-    EXPECT_FALSE(t.node(0).other(lost).reachable()) << t.party().story();
+    EXPECT_FALSE(t.replica(0).other(lost).reachable()) << t.party().story();
     t.expect_no_harm_to({0, 1});
   }
 }
@@ -176,7 +176,7 @@ TEST(Floods, MessagesOfMembership) {
     });
     t.party().run(8);
     EXPECT_GT(sent, 10'000U);
-    EXPECT_FALSE(t.node(0).other(1).frozen) << "asked by who is not the coordinator";
+    EXPECT_FALSE(t.replica(0).other(1).frozen) << "asked by who is not the coordinator";
     t.liar().stop();
     t.party().run(8);
     t.expect_confirmed({0, 1, 3});

@@ -34,8 +34,8 @@ class Liar {
   bool signs = true;
   std::uint64_t told = 0;  ///< datagrams changed
 
-  void learn_key(const node::GateConfig& gate) {
-    key_ = wire::signing_key(wire::derive_key(gate.seed, "secret"));
+  void learn_key(const node::ChannelConfig& channels) {
+    key_ = wire::signing_key(wire::derive_key(channels.seed, "secret"));
     sealed_ = true;
   }
   const wire::SigningKey& key() const { return key_; }
@@ -99,8 +99,8 @@ class Trial {
   Trial(int founders, PeerId liar, wire::SealMode seal, std::uint64_t seed)
       : liar_slot_(liar),
         liars_(static_cast<std::size_t>(founders)),
-        party_(config(founders, seal, seed), [this](lab::Gathering& g) {
-          g.on_gate = [this](int person, node::GateConfig& gate) { of_person(person).learn_key(gate); };
+        party_(config(founders, seal, seed), [this](lab::VirtualNetwork& g) {
+          g.on_gate = [this](int person, node::ChannelConfig& channels) { of_person(person).learn_key(channels); };
           g.on_tamper = [this](int person) -> std::function<std::vector<node::Parcel>(node::Parcel)> {
             return [this, person](node::Parcel p) { return of_person(person).tamper(std::move(p)); };
           };
@@ -108,14 +108,14 @@ class Trial {
     EXPECT_TRUE(party_.run_until(10, [&] { return party_.united(); })) << party_.story();
     party_.run(4);
     persons_.resize(liars_.size());
-    for (int p = 0; p < founders; ++p) persons_[party_.node(p).self()] = p;
+    for (int p = 0; p < founders; ++p) persons_[party_.replica(p).self()] = p;
     party_.judge_too().expect_lies_of(person(liar));
   }
 
   Liar& liar() { return of_person(person(liar_slot_)); }
   Party& party() { return party_; }
   int person(PeerId slot) const { return persons_[slot]; }
-  const node::Node& node(PeerId slot) const { return party_.node(person(slot)); }
+  const node::Replica& replica(PeerId slot) const { return party_.replica(person(slot)); }
   Tick lag(PeerId slot) const { return party_.lag(person(slot)); }
   std::vector<PeerId> honest() const {
     std::vector<PeerId> all;
@@ -125,16 +125,16 @@ class Trial {
   }
   /// Datagrams that a peer has dropped for a reason.
   std::uint64_t dropped(PeerId slot, sync::DropReason why) const {
-    return node(slot).stats().dropped[static_cast<std::size_t>(why)];
+    return replica(slot).stats().dropped[static_cast<std::size_t>(why)];
   }
   bool noted(const std::string& words) const { return party_.story().find(words) != std::string::npos; }
   /// Those of them confirm the same as one another, and now.
   void expect_confirmed(const std::vector<PeerId>& who) {
     const std::uint64_t before = party_.judge().compared();
-    const Tick tick = node(who[0]).agreed().confirmed().tick;
+    const Tick tick = replica(who[0]).agreed().confirmed().tick;
     party_.run(3);
     EXPECT_GT(party_.judge().compared(), before + 60) << party_.story();
-    EXPECT_GT(node(who[0]).agreed().confirmed().tick, tick + 100) << party_.story();
+    EXPECT_GT(replica(who[0]).agreed().confirmed().tick, tick + 100) << party_.story();
     for (const PeerId p : who) EXPECT_LT(lag(p), 180) << p << "\n" << party_.story();
     EXPECT_EQ(party_.judge().violation(), "") << party_.story();
   }
@@ -150,13 +150,13 @@ class Trial {
   /// The honest have declared the liar gone.
   bool liar_is_out() const {
     const auto all = honest();
-    return std::none_of(all.begin(), all.end(), [this](PeerId p) { return node(p).other(liar_slot_).there(); });
+    return std::none_of(all.begin(), all.end(), [this](PeerId p) { return replica(p).other(liar_slot_).there(); });
   }
 
  private:
   Liar& of_person(int person) { return liars_[static_cast<std::size_t>(person)]; }
-  static lab::GatheringConfig config(int founders, wire::SealMode seal, std::uint64_t seed) {
-    lab::GatheringConfig c = party_config(founders, "delay 30ms 5ms loss 1%", seed);
+  static lab::VirtualNetworkConfig config(int founders, wire::SealMode seal, std::uint64_t seed) {
+    lab::VirtualNetworkConfig c = party_config(founders, "delay 30ms 5ms loss 1%", seed);
     c.seal = seal;
     return c;
   }

@@ -140,7 +140,7 @@ TEST(Lying, AHashThatIsNoneMakesNobodyBeginAnew) {
   Trial t(4, 1, wire::SealMode::kAuth, 124);
   t.liar().begin([](sync::StatePacket& p, PeerId) { p.check_hash ^= p.check_tick < 0 ? 0U : 2U; });
   t.party().run(10);
-  for (const PeerId p : t.honest()) EXPECT_GT(t.node(p).stats().hash_mismatches, 0U) << p;
+  for (const PeerId p : t.honest()) EXPECT_GT(t.replica(p).stats().hash_mismatches, 0U) << p;
   t.expect_no_harm();
 }
 
@@ -157,13 +157,13 @@ TEST(Lying, WhoIsToldOtherThingsThanTheRestNoticesAndIsMended) {
   EXPECT_TRUE(t.noted("CONFIRMED WORLDS DIFFER")) << t.party().story();
   t.liar().stop();
   t.party().run(30);
-  Tick all = t.node(0).agreed().confirmed().tick;
-  for (const PeerId p : t.honest()) all = std::min(all, t.node(p).agreed().confirmed().tick);
+  Tick all = t.replica(0).agreed().confirmed().tick;
+  for (const PeerId p : t.honest()) all = std::min(all, t.replica(p).agreed().confirmed().tick);
   EXPECT_GT(all, 40 * kTicksPerSecond);
   for (const PeerId p : t.honest()) {
-    const sync::FoldState* theirs = t.node(p).agreed().confirmed_at(all);
+    const sync::FoldState* theirs = t.replica(p).agreed().confirmed_at(all);
     ASSERT_NE(theirs, nullptr);
-    EXPECT_EQ(sync::hash_of(*theirs), sync::hash_of(*t.node(0).agreed().confirmed_at(all))) << t.party().story();
+    EXPECT_EQ(sync::hash_of(*theirs), sync::hash_of(*t.replica(0).agreed().confirmed_at(all))) << t.party().story();
     EXPECT_EQ(t.party().net().peer(t.person(p)).life() > 0, p == 1) << t.party().story();
   }
 }

@@ -77,7 +77,7 @@ TEST(Orders, AdmissionByWhoIsNotCoordinator) {
   });
   t.party().run(16);
   EXPECT_GT(t.dropped(0, DropReason::kRight), 0U) << t.party().story();
-  for (const PeerId p : t.honest()) EXPECT_FALSE(t.node(p).other(6).there());
+  for (const PeerId p : t.honest()) EXPECT_FALSE(t.replica(p).other(6).there());
   EXPECT_TRUE(t.liar_is_out()) << t.party().story();
   t.expect_no_harm();
 }
@@ -120,7 +120,7 @@ TEST(Orders, TheCoordinatorInventsWhatALostPeerSaid) {
 // What passes for one's own word is known to have been said, or not.
 TEST(Orders, NobodyPutsWordsIntoOnesOwnMouth) {
   Trial t(3, 0, wire::SealMode::kNone, 207);
-  const std::uint32_t own = t.node(1).agreed().log().have(1);
+  const std::uint32_t own = t.replica(1).agreed().log().have(1);
   give(t, [own](sync::Bundle& b) { b.passed_on = {avatar_update(1, own + 1000, b.tick - 1)}; });
   t.party().run(3);
   EXPECT_GT(t.dropped(1, DropReason::kRight), 0U) << t.party().story();

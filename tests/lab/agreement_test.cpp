@@ -66,7 +66,7 @@ TEST_P(Agreement, ConfirmedWorldsAreIdenticalAndEverythingComesToAgree) {
       EXPECT_LT(s.simulation->last_unlike(), (kSeconds + 20) * kTicksPerSecond)
           << "every live world is the confirmed world";
     }
-    for (PeerId p = 0; p < peers; ++p) EXPECT_EQ(s.simulation->node(p).stats().hash_mismatches, 0U);
+    for (PeerId p = 0; p < peers; ++p) EXPECT_EQ(s.simulation->replica(p).stats().hash_mismatches, 0U);
     ticks += s.simulation->confirmed_ticks();
   }
   std::cout << kRunsEach << " sessions, " << ticks << " confirmed ticks compared\n";
@@ -91,9 +91,9 @@ TEST(Determinism, TheSameRunTwiceIsTheSameToTheBit) {
     s.simulation->run();
     Hasher all;
     for (PeerId p = 0; p < 3; ++p) {
-      all.add(s.simulation->node(p).live_hash());
-      all.add(s.simulation->node(p).agreed().confirmed_hash());
-      all.add(s.simulation->node(p).stats().wire_bytes_sent);
+      all.add(s.simulation->replica(p).live_hash());
+      all.add(s.simulation->replica(p).agreed().confirmed_hash());
+      all.add(s.simulation->replica(p).stats().wire_bytes_sent);
     }
     h = all.value();
   }

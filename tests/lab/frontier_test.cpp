@@ -55,7 +55,7 @@ Point point_of(const Technique& t) {
     s.simulation->run();
     p.mean_m += s.simulation->meter().result(1).mean_m / kRuns;
     for (PeerId peer = 0; peer < 2; ++peer)
-      p.kbps += static_cast<double>(s.simulation->node(peer).stats().wire_bytes_sent) * 8 / 1000 / 60 / kRuns;
+      p.kbps += static_cast<double>(s.simulation->replica(peer).stats().wire_bytes_sent) * 8 / 1000 / 60 / kRuns;
   }
   return p;
 }

@@ -20,10 +20,10 @@ std::set<EntityId> hit_in_the_other_view_alone(const Technique& technique, std::
   std::vector<Tick> moved(s.scene.bodies.size(), -kUndisturbed);
   std::set<EntityId> hit;
   s.simulation->run([&](Tick t) {
-    const world::View& here = s.simulation->node(0).live().world();
-    const world::View& there = s.simulation->node(1).live().world();
+    const world::View& here = s.simulation->replica(0).live().world();
+    const world::View& there = s.simulation->replica(1).live().world();
     for (EntityId b = 0; b < moved.size(); ++b) {
-      const bool owned = s.simulation->node(1).agreed().predicted_state().authority[b].holder() != kNoPeer;
+      const bool owned = s.simulation->replica(1).agreed().predicted_state().authority[b].holder() != kNoPeer;
       if (owned || length(here.velocity(b)) > 0) moved[b] = t;
       if (t - moved[b] > kUndisturbed && length(there.velocity(b)) > kMoves &&
           distance(here.position(b), there.position(b)) > kApart)

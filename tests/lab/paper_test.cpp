@@ -53,7 +53,7 @@ TEST(Paper, TighterThresholdsGiveSmallerErrorsAndMoreUpdates) {
     const double mean = s.simulation->meter().overall().avatar_mean_m;
     std::uint64_t updates = 0;
     for (PeerId p = 0; p < 2; ++p)
-      updates += s.simulation->node(p).stats().updates_by_cause[static_cast<std::size_t>(sync::Cause::kThreshold)];
+      updates += s.simulation->replica(p).stats().updates_by_cause[static_cast<std::size_t>(sync::Cause::kThreshold)];
     EXPECT_LT(mean, last_mean) << threshold;
     EXPECT_GT(updates, last_updates) << threshold;
     last_mean = mean;

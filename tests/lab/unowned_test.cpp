@@ -18,7 +18,7 @@ Technique with_unowned(const char* name, const char* unowned) {
   return t;
 }
 
-BodyState predicted_state(const node::Node& n, EntityId b) {
+BodyState predicted_state(const node::Replica& n, EntityId b) {
   const world::Kinematics& k = n.agreed().predicted_state().world.entities[b];
   return {k.position, k.angle, k.velocity, k.spin, k.awake};
 }
@@ -37,10 +37,10 @@ int differing(test::Session& s) {
   int n = 0;
   s.simulation->run([&](Tick) {
     for (PeerId p = 0; p < s.simulation->peers(); ++p) {
-      const node::Node& node = s.simulation->node(p);
-      for (EntityId b = 0; b < node.live().world().bodies(); ++b)
-        if (node.agreed().predicted_state().authority[b].holder() == kNoPeer &&
-            node.live().world().state(b) != predicted_state(node, b))
+      const node::Replica& replica = s.simulation->replica(p);
+      for (EntityId b = 0; b < replica.live().world().bodies(); ++b)
+        if (replica.agreed().predicted_state().authority[b].holder() == kNoPeer &&
+            replica.live().world().state(b) != predicted_state(replica, b))
           ++n;
     }
   });
@@ -63,7 +63,7 @@ TEST(Unowned, ConfirmedWorldsAreIdenticalEitherWay) {
 }
 
 /// Whether the two avatars or one's bodies have met: from then on the other one has a say.
-bool touches_second(const node::Node& n) {
+bool touches_second(const node::Replica& n) {
   const EntityId second = n.live().world().avatar(1);
   return std::any_of(n.live().touching().begin(), n.live().touching().end(),
                      [second](const Contact& c) { return c.first == second || c.second == second; });
@@ -79,9 +79,9 @@ double astray(const char* unowned, std::uint64_t seed) {
   while (t < 20 * kTicksPerSecond) {
     alone.simulation->step();
     s.simulation->step();
-    if (touches_second(alone.simulation->node(0)) || touches_second(s.simulation->node(0))) break;
-    const world::View& a = alone.simulation->node(0).live().world();
-    const world::View& b = s.simulation->node(0).live().world();
+    if (touches_second(alone.simulation->replica(0)) || touches_second(s.simulation->replica(0))) break;
+    const world::View& a = alone.simulation->replica(0).live().world();
+    const world::View& b = s.simulation->replica(0).live().world();
     for (EntityId e = 0; e < a.bodies(); ++e) sum += static_cast<double>(distance(a.position(e), b.position(e)));
     ++t;
   }
@@ -108,7 +108,7 @@ TEST(Unowned, WhatAnotherOneLeavesIsTakenOverOnce) {
   std::vector<PeerId> owner(s.scene.bodies.size(), kNoPeer);
   int given_up = 0;
   s.simulation->run([&](Tick t) {
-    const node::Node& n = s.simulation->node(1);
+    const node::Replica& n = s.simulation->replica(1);
     for (EntityId b = 0; b < owner.size(); ++b) {
       const PeerId now = n.agreed().predicted_state().authority[b].holder();
       if (owner[b] == 0 && now == kNoPeer) {
@@ -124,7 +124,7 @@ TEST(Unowned, WhatAnotherOneLeavesIsTakenOverOnce) {
 TEST(Unowned, CanBeTurnedWhilePlaying) {
   test::Session s("arena", 2, technique_by_name("fixed"), "delay 50ms", test::seed(3), 20);
   const auto differ = [&] {
-    const node::Node& n = s.simulation->node(0);
+    const node::Replica& n = s.simulation->replica(0);
     int found = 0;
     for (EntityId b = 0; b < n.live().world().bodies(); ++b)
       if (n.agreed().predicted_state().authority[b].holder() == kNoPeer &&

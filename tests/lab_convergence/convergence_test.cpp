@@ -31,8 +31,8 @@ TEST(LabConvergence, OnlyWhatIsShownDiffersAndTheDefaultLooksBest) {
   std::array<double, 3> jumped{};
   for (std::size_t m = 0; m < kMethods.size(); ++m) {
     for (PeerId p = 0; p < 3; ++p) {
-      EXPECT_EQ(takes.simulations[m]->node(p).live_hash(), takes.simulations[0]->node(p).live_hash());
-      jumped[m] += takes.simulations[m]->node(p).shown().snap_metres();
+      EXPECT_EQ(takes.simulations[m]->replica(p).live_hash(), takes.simulations[0]->replica(p).live_hash());
+      jumped[m] += takes.simulations[m]->replica(p).shown().snap_metres();
     }
   }
   EXPECT_LT(jumped[1], jumped[0] / 4) << "blend against snap";

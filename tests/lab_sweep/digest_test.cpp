@@ -17,7 +17,7 @@ StoredRows stored() {
 
 TEST(Digest, TakesMeansOverSeedsAndNamesWhatIsAlikeOnce) {
   EXPECT_EQ(digest(stored()),
-            "scenario arena; inconsistency in m, means over seeds; +-: 95 % interval of the mean\n"
+            "scenario arena; inconsistency in m, means over seeds; mean +- half of its 95 % interval\n"
             "delay_ms    runs     mean      +-  avatars   bodies     peak   kbit/s\n"
             "0              2    2.000  12.706    1.400    0.600     2.50     15.0\n"
             "50             2    4.000   0.000    3.000    1.000     8.50     30.0\n");

@@ -25,7 +25,7 @@ TEST_P(Hearing, WhoSomebodyHearsStays) {
   const Cut& c = GetParam();
   Party party(4, "delay 50ms 10ms loss 1%", 81);
   party.run(6);
-  for (int p = 0; p < 4; ++p) ASSERT_EQ(party.node(p).self(), p);
+  for (int p = 0; p < 4; ++p) ASSERT_EQ(party.replica(p).self(), p);
   party.net().cut(c.a, c.b, c.there);
   party.net().cut(c.b, c.a, c.back);
   Tick worst = 0;
@@ -61,7 +61,7 @@ TEST(HearingForLong, IsNotForEver) {
   party.run(295);
   EXPECT_TRUE(party.united()) << party.story();
   EXPECT_LT(party.lag(0), 240);
-  EXPECT_LT(party.node(2).kept().own_updates, 5U * 60U * 30U);
+  EXPECT_LT(party.replica(2).kept().own_updates, 5U * 60U * 30U);
   party.run(25);
   EXPECT_FALSE(party.united());
   EXPECT_LT(party.lag(0), 240) << "and nobody waits for it";
@@ -72,7 +72,7 @@ TEST(HearingForLong, IsNotForEver) {
 // the session's: it says where the difference begins, and goes on with the others' world.
 TEST(Confirmed, OfAPeerThatIsDeclaredGoneIsTheSessionsOnlyAsFarAsSomebodyElseHasIt) {
   std::map<int, std::map<Tick, std::uint64_t>> confirmed;  // by person, of its first life
-  Party party(party_config(4, "delay 30ms", 84), [&](lab::Gathering& g) {
+  Party party(party_config(4, "delay 30ms", 84), [&](lab::VirtualNetwork& g) {
     g.on_confirmed = [&confirmed, judge = g.on_confirmed](int person, int life, const sync::FoldState& s,
                                                           std::uint64_t hash) {
       if (life == 0) confirmed[person][s.tick] = hash;
@@ -82,12 +82,12 @@ TEST(Confirmed, OfAPeerThatIsDeclaredGoneIsTheSessionsOnlyAsFarAsSomebodyElseHas
   party.run(6);
   party.net().attract(Vec2{10, 7});
   party.run(0.5);
-  const Tick together = party.node(3).agreed().confirmed().tick;
+  const Tick together = party.replica(3).agreed().confirmed().tick;
   for (int p = 0; p < 3; ++p) party.net().cut(3, p, true);
   party.net().attract(Vec2{3, 3});
   party.run(2);
-  const Tick alone = party.node(3).agreed().confirmed().tick;
-  EXPECT_GT(alone, party.node(0).agreed().confirmed().tick) << "it hears the others, and they wait for it";
+  const Tick alone = party.replica(3).agreed().confirmed().tick;
+  EXPECT_GT(alone, party.replica(0).agreed().confirmed().tick) << "it hears the others, and they wait for it";
   party.run(4);
   for (int p = 0; p < 3; ++p) party.net().cut(3, p, false);
   ASSERT_TRUE(party.run_until(6, [&] { return party.united() && party.lag(3) < 60; }).has_value()) << party.story();

@@ -28,9 +28,9 @@ TEST(Joining, NobodyElseStallsMeanwhile) {
   Micros last_at = party.net().now();
   party.net().start(0);
   for (int i = 0; i < 500; ++i) {
-    party.net().run_to(party.net().now() + lab::Gathering::kStep);
+    party.net().run_to(party.net().now() + lab::VirtualNetwork::kStep);
     for (int p = 0; p < 3; ++p) {
-      const Tick now = party.node(p).now();
+      const Tick now = party.replica(p).now();
       if (last[static_cast<std::size_t>(p)] != 0) {
         EXPECT_LE(now - last[static_cast<std::size_t>(p)], 2) << "at " << last_at;
       }
@@ -82,7 +82,7 @@ TEST(Joining, SeveralAtOnceAllComeInThoughTheFirstOfThemBecomesTheCoordinator) {
 }
 
 TEST(Joining, AFullSessionRefuses) {
-  lab::GatheringConfig config = party_config(2, "delay 10ms", 15);
+  lab::VirtualNetworkConfig config = party_config(2, "delay 10ms", 15);
   config.slots = 2;
   Party party(std::move(config));
   party.run(5);
@@ -94,7 +94,7 @@ TEST(Joining, AFullSessionRefuses) {
 }
 
 TEST(Joining, ASlotThatWasLeftIsTakenAgain) {
-  lab::GatheringConfig config = party_config(3, "delay 30ms", 16);
+  lab::VirtualNetworkConfig config = party_config(3, "delay 30ms", 16);
   config.slots = 3;
   Party party(std::move(config));
   party.run(5);
@@ -106,13 +106,13 @@ TEST(Joining, ASlotThatWasLeftIsTakenAgain) {
   ASSERT_TRUE(took.has_value()) << party.story();
   party.run(5);
   EXPECT_EQ(party.judge().violation(), "");
-  EXPECT_GT(party.node(3).config().incarnation, 0U);
+  EXPECT_GT(party.replica(3).config().incarnation, 0U);
 }
 
 // The number of slots is told by the founder: another version of the program might say one that does not fit the
 // scenario.
 TEST(Joining, MoreSlotsThanPlacesToStartFromAreRefused) {
-  lab::GatheringConfig config = party_config(2, "delay 10ms", 19);
+  lab::VirtualNetworkConfig config = party_config(2, "delay 10ms", 19);
   config.scene.avatar.spawns.resize(2);
   config.slots = 2;
   const auto another_version = [](node::Parcel parcel) {
@@ -125,7 +125,7 @@ TEST(Joining, MoreSlotsThanPlacesToStartFromAreRefused) {
     }
     return std::vector<node::Parcel>{std::move(parcel)};
   };
-  Party party(std::move(config), [&](lab::Gathering& g) { g.on_tamper = [&](int) { return another_version; }; });
+  Party party(std::move(config), [&](lab::VirtualNetwork& g) { g.on_tamper = [&](int) { return another_version; }; });
   party.run(3);
   EXPECT_FALSE(party.net().peer(1).playing());
   EXPECT_NE(party.net().peer(1).session().failure().find("more avatar slots (3)"), std::string::npos)
@@ -135,7 +135,7 @@ TEST(Joining, MoreSlotsThanPlacesToStartFromAreRefused) {
 // Peers 0 and 2 run on one machine, and know one another by its loopback address. What others are told of them, by
 // whomever, says which machine that is.
 TEST(Joining, ALoopbackAddressMeansTheMachineOfWhoToldItFirst) {
-  lab::GatheringConfig config = party_config(2, "delay 20ms", 23);
+  lab::VirtualNetworkConfig config = party_config(2, "delay 20ms", 23);
   config.host = [](int person) { return person == 2 ? 0 : person; };
   Party party(std::move(config));
   party.run(5);
@@ -148,14 +148,14 @@ TEST(Joining, ALoopbackAddressMeansTheMachineOfWhoToldItFirst) {
   party.run(6);
   EXPECT_TRUE(party.united()) << party.story();
   EXPECT_EQ(party.story().find("is lost"), std::string::npos) << party.story();
-  const node::Node& n = party.node(newcomer);
-  EXPECT_EQ(n.other(party.node(2).self()).at, party.net().place_of(2));
+  const node::Replica& n = party.replica(newcomer);
+  EXPECT_EQ(n.other(party.replica(2).self()).at, party.net().place_of(2));
   EXPECT_EQ(party.judge().violation(), "");
 }
 
 // A clock that is 500 ppm off is 30 ms off after a minute.
 TEST(Joining, ClocksThatDriftAreSteered) {
-  lab::GatheringConfig config = party_config(2, "delay 20ms", 9, 2);
+  lab::VirtualNetworkConfig config = party_config(2, "delay 20ms", 9, 2);
   config.most_ppm = 400;
   Party party(std::move(config));
   party.run(40);

@@ -6,13 +6,13 @@ namespace {
 
 /// The avatar of a slot is there in a person's confirmed world.
 bool avatar_there(const Party& party, int person, PeerId slot) {
-  return party.node(person).agreed().confirmed().avatars[slot].present;
+  return party.replica(person).agreed().confirmed().avatars[slot].present;
 }
 
 TEST(Losing, WhoVanishesIsDeclaredGoneAndItsAvatarGoes) {
   Party party(4, "delay 50ms 10ms loss 5%", 21);
   party.run(8);
-  const PeerId slot = party.node(3).self();
+  const PeerId slot = party.replica(3).self();
   ASSERT_TRUE(avatar_there(party, 0, slot));
   party.net().kill(3);
   const auto took = party.run_until(8, [&] { return party.united() && party.lag(0) < 60; });
@@ -21,7 +21,7 @@ TEST(Losing, WhoVanishesIsDeclaredGoneAndItsAvatarGoes) {
   party.run(2);
   for (int p = 0; p < 3; ++p) {
     EXPECT_FALSE(avatar_there(party, p, slot));
-    for (const sync::Authority& a : party.node(p).agreed().confirmed().authority) EXPECT_NE(a.holder(), slot);
+    for (const sync::Authority& a : party.replica(p).agreed().confirmed().authority) EXPECT_NE(a.holder(), slot);
   }
   EXPECT_EQ(party.judge().violation(), "");
 }
@@ -30,7 +30,7 @@ TEST(Losing, WhoVanishesIsDeclaredGoneAndItsAvatarGoes) {
 // who ends, or is passed on to it, finds somebody else.
 TEST(Losing, WhoseMachineSaysSoIsGoneSooner) {
   for (int i = 0; i < 20; ++i) {
-    lab::GatheringConfig config = party_config(4, "delay 50ms 10ms loss 5%", 300 + static_cast<std::uint64_t>(i));
+    lab::VirtualNetworkConfig config = party_config(4, "delay 50ms 10ms loss 5%", 300 + static_cast<std::uint64_t>(i));
     config.refusals = true;
     Party party(std::move(config));
     party.run(6);
@@ -65,10 +65,10 @@ TEST(Losing, LiveAndPredictedGoOnWhileConfirmedWaits) {
   party.net().kill(2);
   party.run(2.5);
   EXPECT_GT(party.lag(0), 90) << "confirmed waits";
-  const Tick before = party.node(0).now();
+  const Tick before = party.replica(0).now();
   party.run(0.5);
-  EXPECT_GE(party.node(0).now() - before, 29) << "live does not";
-  EXPECT_EQ(party.node(0).agreed().predicted_state().tick, party.node(0).now());
+  EXPECT_GE(party.replica(0).now() - before, 29) << "live does not";
+  EXPECT_EQ(party.replica(0).agreed().predicted_state().tick, party.replica(0).now());
 }
 
 TEST(Losing, TheFounderMayCrash) {
@@ -112,7 +112,7 @@ TEST(Losing, TheCoordinatorMayCrashWhileItDeclaresAnotherGone) {
 TEST(Losing, LastWordsThatOnlySomeHaveReachAll) {
   int passed_on = 0;
   for (int i = 0; i < 8 || (passed_on == 0 && i < 40); ++i) {  // not always does somebody lack the last words
-    lab::GatheringConfig config = party_config(4, "delay 80ms 60ms loss 25%", 270 + static_cast<std::uint64_t>(i));
+    lab::VirtualNetworkConfig config = party_config(4, "delay 80ms 60ms loss 25%", 270 + static_cast<std::uint64_t>(i));
     config.refusals = true;
     Party party(std::move(config));
     party.run(6);
@@ -121,7 +121,7 @@ TEST(Losing, LastWordsThatOnlySomeHaveReachAll) {
     party.net().kill(3);
     ASSERT_TRUE(party.run_until(12, [&] { return party.united() && party.lag(0) < 120; }).has_value()) << party.story();
     EXPECT_EQ(party.judge().violation(), "") << "try " << i;
-    for (const sync::Bundle& b : party.node(1).agreed().log().since(0))
+    for (const sync::Bundle& b : party.replica(1).agreed().log().since(0))
       passed_on += static_cast<int>(b.passed_on.size());
   }
   EXPECT_GT(passed_on, 0) << "otherwise this shows nothing";
@@ -145,9 +145,9 @@ TEST(Losing, AfterALongPauseAPeerIsBackWithinTwoSeconds) {
     party.run(6);
     party.net().pause(who, true);
     party.run(5);
-    const Tick before = party.node(1).now();
+    const Tick before = party.replica(1).now();
     party.run(0.5);
-    EXPECT_GE(party.node(1).now() - before, 29) << "the others go on";
+    EXPECT_GE(party.replica(1).now() - before, 29) << "the others go on";
     party.net().pause(who, false);
     const auto took = party.run_until(10, [&] { return party.united(); });
     ASSERT_TRUE(took.has_value()) << party.story();
@@ -164,7 +164,7 @@ TEST(Losing, AfterALongPauseAPeerIsBackWithinTwoSeconds) {
 TEST(Losing, WhoStoodStillItselfFollowsTheHeirAtOnce) {
   Party party(4, "delay 30ms", 1179);
   party.run(6);
-  for (int p = 0; p < 4; ++p) ASSERT_EQ(party.node(p).self(), p);
+  for (int p = 0; p < 4; ++p) ASSERT_EQ(party.replica(p).self(), p);
   party.net().pause(3, true);
   party.run(1.15);
   party.net().pause(0, true);

@@ -1,5 +1,5 @@
 // What a program of one's own gets of a participant that is given no more than it has to be.
-#include "common/node/participant.h"
+#include "common/participant/participant.h"
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ ParticipantConfig least(std::uint64_t seed, bool joins) {
   ParticipantConfig c;
   if (joins) c.session.join = place(1);
   c.session.seed = c.session.secret = seed;
-  c.node.technique = technique_by_name("full");
+  c.replica.technique = technique_by_name("full");
   return c;
 }
 
@@ -61,8 +61,8 @@ TEST(Participant, IsGivenNoMoreThanATechniqueAndSeedsAndPlays) {
   Two two(arena(1), arena(1));
   two.run(4 * kMicrosPerSecond);
   ASSERT_TRUE(two.founder().playing() && two.joiner().playing());
-  EXPECT_GT(two.joiner().node().stats().hash_checks, 0U);
-  EXPECT_EQ(two.joiner().node().stats().hash_mismatches, 0U);
+  EXPECT_GT(two.joiner().replica().stats().hash_checks, 0U);
+  EXPECT_EQ(two.joiner().replica().stats().hash_mismatches, 0U);
 }
 
 TEST(Participant, OfAnotherSceneIsRefused) {
@@ -101,9 +101,9 @@ TEST(Participant, ShowsTheSceneFromTheFirstMomentOn) {
   Micros now = 0;
   while (!p.playing() && now < kMicrosPerSecond * 10) p.advance(now += 1'000);
   ASSERT_TRUE(p.playing());
-  const std::vector<Vec2>& shown = p.node().shown().positions();
+  const std::vector<Vec2>& shown = p.replica().shown().positions();
   for (std::size_t b = 0; b < scene.bodies.size(); ++b)
-    EXPECT_LT(distance(shown[b], p.node().live().world().position(static_cast<EntityId>(b))), 1e-6F) << b;
+    EXPECT_LT(distance(shown[b], p.replica().live().world().position(static_cast<EntityId>(b))), 1e-6F) << b;
 }
 
 }  // namespace

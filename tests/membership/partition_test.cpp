@@ -14,11 +14,11 @@ TEST(Partition, TwoAndTwoForTenSecondsAreIdenticalWithinTwo) {
   EXPECT_FALSE(party.united());
   party.net().divide({});
   // Identical: one session, and the same confirmed world at a tick after the healing.
-  const Tick healed = party.node(0).now();
+  const Tick healed = party.replica(0).now();
   const auto took = party.run_until(10, [&] {
     if (!party.united()) return false;
     for (int p = 0; p < 4; ++p)
-      if (party.node(p).agreed().confirmed().tick <= healed) return false;
+      if (party.replica(p).agreed().confirmed().tick <= healed) return false;
     return true;
   });
   ASSERT_TRUE(took.has_value()) << party.story();

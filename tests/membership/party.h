@@ -19,9 +19,9 @@ constexpr Micros seconds(double s) {
   return static_cast<Micros>(s * 1e6);
 }
 
-inline lab::GatheringConfig party_config(int founders, const std::string& netem, std::uint64_t seed,
-                                         std::uint32_t bodies = 20) {
-  lab::GatheringConfig c;
+inline lab::VirtualNetworkConfig party_config(int founders, const std::string& netem, std::uint64_t seed,
+                                              std::uint32_t bodies = 20) {
+  lab::VirtualNetworkConfig c;
   c.scene = scenarios::load(scenarios::with_bodies(scenarios::embedded_text("arena"), "arena", bodies), "arena", seed);
   c.technique = technique_by_name("full");
   c.netem = link::parse_netem(netem);
@@ -33,59 +33,59 @@ inline lab::GatheringConfig party_config(int founders, const std::string& netem,
 /// Peers on virtual time under the eyes of a judge.
 class Party {
  public:
-  /// `prepare` gets hold of the gathering before anybody starts.
-  explicit Party(lab::GatheringConfig config, const std::function<void(lab::Gathering&)>& prepare = {})
-      : founders_(config.wanted), gathering_(std::move(config)), judge_(gathering_) {
-    if (prepare) prepare(gathering_);
-    gathering_.start({});
-    for (int p = 1; p < founders_; ++p) gathering_.start(0);
+  /// `prepare` gets hold of the network before anybody starts.
+  explicit Party(lab::VirtualNetworkConfig config, const std::function<void(lab::VirtualNetwork&)>& prepare = {})
+      : founders_(config.wanted), network_(std::move(config)), judge_(network_) {
+    if (prepare) prepare(network_);
+    network_.start({});
+    for (int p = 1; p < founders_; ++p) network_.start(0);
   }
   Party(int founders, const std::string& netem, std::uint64_t seed) : Party(party_config(founders, netem, seed)) {}
 
-  lab::Gathering& net() { return gathering_; }
-  const lab::Gathering& net() const { return gathering_; }
-  const node::Node& node(int person) const { return gathering_.peer(person).node(); }
+  lab::VirtualNetwork& net() { return network_; }
+  const lab::VirtualNetwork& net() const { return network_; }
+  const node::Replica& replica(int person) const { return network_.peer(person).replica(); }
   const lab::Judge& judge() const { return judge_; }
   lab::Judge& judge_too() { return judge_; }
 
-  void run(double s) { gathering_.run_to(gathering_.now() + seconds(s)); }
+  void run(double s) { network_.run_to(network_.now() + seconds(s)); }
   /// Until `done`, at most `s`; seconds it took, or nothing.
   std::optional<double> run_until(double s, const std::function<bool()>& done) {
-    const Micros begin = gathering_.now();
-    while (gathering_.now() < begin + seconds(s)) {
-      gathering_.run_to(gathering_.now() + lab::Gathering::kStep);
-      if (done()) return static_cast<double>(gathering_.now() - begin) / 1e6;
+    const Micros begin = network_.now();
+    while (network_.now() < begin + seconds(s)) {
+      network_.run_to(network_.now() + lab::VirtualNetwork::kStep);
+      if (done()) return static_cast<double>(network_.now() - begin) / 1e6;
     }
     return std::nullopt;
   }
   /// All who run and do not leave, one another's members, none with anybody else.
   bool united() const {
     std::vector<int> all;
-    for (int p = 0; p < gathering_.persons(); ++p)
-      if (gathering_.runs(p) && !gathering_.leaving(p)) all.push_back(p);
+    for (int p = 0; p < network_.persons(); ++p)
+      if (network_.runs(p) && !network_.leaving(p)) all.push_back(p);
     for (const int p : all)
-      if (!gathering_.peer(p).playing() || gathering_.peer(p).returning()) return false;
+      if (!network_.peer(p).playing() || network_.peer(p).returning()) return false;
     return std::all_of(all.begin(), all.end(), [&](int p) {
       int there = 1;
-      for (PeerId q = 0; q < node(p).config().slots; ++q)
-        if (q != node(p).self() && node(p).other(q).there()) ++there;
+      for (PeerId q = 0; q < replica(p).config().slots; ++q)
+        if (q != replica(p).self() && replica(p).other(q).there()) ++there;
       return there == static_cast<int>(all.size()) && std::all_of(all.begin(), all.end(), [&](int q) {
-               return p == q || (node(p).other(node(q).self()).there() &&
-                                 node(p).other(node(q).self()).incarnation == node(q).config().incarnation);
+               return p == q || (replica(p).other(replica(q).self()).there() &&
+                                 replica(p).other(replica(q).self()).incarnation == replica(q).config().incarnation);
              });
     });
   }
-  Tick lag(int person) const { return node(person).now() - node(person).agreed().confirmed().tick; }
+  Tick lag(int person) const { return replica(person).now() - replica(person).agreed().confirmed().tick; }
   std::string story() const {
     std::string s;
-    for (int p = 0; p < gathering_.persons(); ++p)
-      for (const std::string& n : gathering_.notes(p)) s += "person " + std::to_string(p) + ": " + n + "\n";
+    for (int p = 0; p < network_.persons(); ++p)
+      for (const std::string& n : network_.notes(p)) s += "person " + std::to_string(p) + ": " + n + "\n";
     return s;
   }
 
  private:
   int founders_;
-  lab::Gathering gathering_;
+  lab::VirtualNetwork network_;
   lab::Judge judge_;
 };
 

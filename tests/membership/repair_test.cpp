@@ -4,8 +4,8 @@
 namespace padr::test {
 namespace {
 
-lab::GatheringConfig with_fault(int person, std::uint64_t seed) {
-  lab::GatheringConfig c = party_config(3, "delay 40ms 5ms", seed);
+lab::VirtualNetworkConfig with_fault(int person, std::uint64_t seed) {
+  lab::VirtualNetworkConfig c = party_config(3, "delay 40ms 5ms", seed);
   c.fault = [person](int p) { return p == person ? sync::Fault{400, 5, {0.25F, 0}} : sync::Fault{}; };
   return c;
 }
@@ -23,11 +23,11 @@ TEST(Repair, ADifferenceIsToldByTickEntityAndFieldAndMended) {
   EXPECT_TRUE(told("in body 5's x (m): ")) << party.story();
   party.run(6);
   EXPECT_TRUE(party.united()) << party.story();
-  EXPECT_EQ(party.node(2).stats().hash_mismatches, 0U);
-  EXPECT_GT(party.node(2).stats().hash_checks, 0U);
+  EXPECT_EQ(party.replica(2).stats().hash_mismatches, 0U);
+  EXPECT_GT(party.replica(2).stats().hash_checks, 0U);
   EXPECT_NE(party.judge().violation(), "") << "the judge has seen it, too: it can fail";
   for (int p = 1; p < 3; ++p)
-    EXPECT_EQ(node::first_difference(party.node(0).agreed().confirmed(), party.node(0).agreed().confirmed()), "");
+    EXPECT_EQ(node::first_difference(party.replica(0).agreed().confirmed(), party.replica(0).agreed().confirmed()), "");
 }
 
 TEST(Repair, ThePeerWithTheLowestNumberIsRight) {

@@ -4,7 +4,7 @@
 #include <array>
 #include <memory>
 
-#include "common/node/membership.h"
+#include "common/membership/membership.h"
 #include "tests/world/test_scene.h"
 
 namespace padr::test {
@@ -15,15 +15,15 @@ class Trio {
  public:
   Trio() {
     for (PeerId p = 0; p < 3; ++p) {
-      node::NodeConfig c;
+      node::ReplicaConfig c;
       c.self = p;
       c.peers = c.slots = 3;
-      nodes_[p] = std::make_unique<node::RecordedNode>(scene_, c);
-      desk_.roster.push_back(ipv4({10, 0, 0, static_cast<std::uint8_t>(p + 1)}, 7000));
+      nodes_[p] = std::make_unique<node::RecordedReplica>(scene_, c);
     }
-    desk_.self = 1;
-    desk_.slots = 3;
-    membership_ = std::make_unique<node::Membership>(desk_, *nodes_[1]);
+    session_.self = 1;
+    session_.slots = 3;
+    for (PeerId p = 0; p < 3; ++p) nodes_[1]->locate(p, ipv4({10, 0, 0, static_cast<std::uint8_t>(p + 1)}, 7000));
+    membership_ = std::make_unique<node::Membership>(session_, *nodes_[1]);
   }
   /// The first `speaking` peers go on, and hear one another.
   void run_to(Tick until, PeerId speaking) {
@@ -37,13 +37,14 @@ class Trio {
     --now_;
   }
   node::Membership& membership() { return *membership_; }
-  node::SessionDesk& desk() { return desk_; }
-  Tick confirmed() const { return nodes_[1]->node().agreed().confirmed().tick; }
+  const Endpoint& first() const { return nodes_[1]->replica().other(0).at; }
+  node::SessionState& state() { return session_; }
+  Tick confirmed() const { return nodes_[1]->replica().agreed().confirmed().tick; }
 
  private:
   Scene scene_ = busy_scene(1, 0);
-  std::array<std::unique_ptr<node::RecordedNode>, 3> nodes_;
-  node::SessionDesk desk_;
+  std::array<std::unique_ptr<node::RecordedReplica>, 3> nodes_;
+  node::SessionState session_;
   std::unique_ptr<node::Membership> membership_;
   Tick now_ = 0;
 };
@@ -58,18 +59,18 @@ TEST(WayBack, WhatIsStuckIsStuckWhetherAnybodyHasAskedOrNot) {
   ASSERT_LT(trio.confirmed(), 180);
   EXPECT_FALSE(trio.membership().way_back());
   trio.run_to(stuck + 30, 2);
-  EXPECT_EQ(trio.membership().way_back(), trio.desk().roster[0]);
+  EXPECT_EQ(trio.membership().way_back(), trio.first());
 
   Trio unasked;
   unasked.run_to(120, 3);
   unasked.run_to(stuck + 30, 2);
-  unasked.desk().notes.clear();
-  EXPECT_EQ(unasked.membership().way_back(), unasked.desk().roster[0]);
-  EXPECT_TRUE(unasked.desk().notes.empty()) << "asking says nothing";
+  unasked.state().notes.clear();
+  EXPECT_EQ(unasked.membership().way_back(), unasked.first());
+  EXPECT_TRUE(unasked.state().notes.empty()) << "asking says nothing";
   unasked.membership().announce_way_back();
   unasked.membership().announce_way_back();
-  ASSERT_EQ(unasked.desk().notes.size(), 1U);
-  EXPECT_NE(unasked.desk().notes[0].text.find("nothing has been confirmed for 12 s"), std::string::npos);
+  ASSERT_EQ(unasked.state().notes.size(), 1U);
+  EXPECT_NE(unasked.state().notes[0].text.find("nothing has been confirmed for 12 s"), std::string::npos);
 }
 
 }  // namespace

@@ -43,13 +43,13 @@ struct Watched {
       c.inputs.push_back(inputs.back().get());
     }
     simulation = std::make_unique<lab::Simulation>(c);
-    sampler.begin(simulation->node(0), "plays");
+    sampler.begin(simulation->replica(0), "plays");
     simulation->run([this](Tick) {
-      sampler.observe(simulation->node(0));
+      sampler.observe(simulation->replica(0));
       for (monitor::Event& e : sampler.take_events()) events.push_back(std::move(e));
     });
   }
-  const node::Node& node() const { return simulation->node(0); }
+  const node::Replica& replica() const { return simulation->replica(0); }
 
   std::vector<std::unique_ptr<scenarios::InputSource>> inputs;
   std::unique_ptr<lab::Simulation> simulation;
@@ -60,22 +60,22 @@ struct Watched {
 TEST(Sampler, AFrameIsWhatTheNodeSees) {
   const Watched w("full", 400);
   monitor::Frame f;
-  w.sampler.frame(w.node(), {1, 2}, f);
-  const world::View& live = w.node().live().world();
+  w.sampler.frame(w.replica(), {1, 2}, f);
+  const world::View& live = w.replica().live().world();
   ASSERT_EQ(f.total, live.entities());
   EXPECT_EQ(f.tick, 400);
-  EXPECT_EQ(f.threshold, w.node().threshold());
+  EXPECT_EQ(f.threshold, w.replica().threshold());
   EXPECT_EQ(f.target, (Vec2{1, 2}));
   for (EntityId e = 0; e < f.total; ++e) {
     EXPECT_EQ(f.live[e].position, live.position(e));
-    EXPECT_EQ(f.shown[e].position, w.node().shown().positions()[e]);
-    EXPECT_EQ(f.predicted[e].position, w.node().agreed().predicted_state().world.entities[e].position);
+    EXPECT_EQ(f.shown[e].position, w.replica().shown().positions()[e]);
+    EXPECT_EQ(f.predicted[e].position, w.replica().agreed().predicted_state().world.entities[e].position);
     EXPECT_EQ(f.flags[e].awake, live.awake(e));
     EXPECT_EQ(f.flags[e].present, live.present(e));
   }
   EXPECT_EQ(f.flags[live.avatar(1)].owner, 1);
   const Sampler modest(20, Detail::kShown);
-  modest.frame(w.node(), {}, f);
+  modest.frame(w.replica(), {}, f);
   EXPECT_TRUE(f.live.empty() && f.predicted.empty());
   const auto datagrams = monitor::encode({}, f);
   ASSERT_EQ(datagrams.size(), 1U);
@@ -108,17 +108,17 @@ TEST(Sampler, ContactsAndAuthorityBeginAndEndInTurn) {
     EXPECT_GT(seen[EventKind::kAuthority], 5);
     EXPECT_GT(seen[EventKind::kRelease], 1);
     EXPECT_EQ(seen[EventKind::kMismatch], 0);
-    for (const auto& [b, is] : held) EXPECT_EQ(is, w.node().reporter().holds(b));
-    for (const auto& [b, is] : owner) EXPECT_EQ(is, w.node().agreed().predicted_state().authority[b].holder());
+    for (const auto& [b, is] : held) EXPECT_EQ(is, w.replica().reporter().holds(b));
+    for (const auto& [b, is] : owner) EXPECT_EQ(is, w.replica().agreed().predicted_state().authority[b].holder());
   }
 }
 
 TEST(Sampler, AStatusIsWhatTheNodeCounts) {
   const Watched w("full", 600);
-  const monitor::Status s = Sampler::status(w.node());
+  const monitor::Status s = Sampler::status(w.replica());
   EXPECT_EQ(s.tick, 600);
-  EXPECT_EQ(s.bytes_sent, w.node().stats().wire_bytes_sent);
-  EXPECT_EQ(s.hash, w.node().agreed().confirmed_hash());
+  EXPECT_EQ(s.bytes_sent, w.replica().stats().wire_bytes_sent);
+  EXPECT_EQ(s.hash, w.replica().agreed().confirmed_hash());
   EXPECT_GT(s.confirmed, 500);
   EXPECT_EQ(s.present, 2);
   ASSERT_EQ(s.links.size(), 1U);
@@ -132,7 +132,7 @@ TEST(Sampler, AStatusIsWhatTheNodeCounts) {
 // At jitter the least is half of what most datagrams take.
 TEST(Sampler, DelayIsTheMiddleAndTheSlowestTwentiethAndLossIsOfWhatWasSent) {
   const Watched w("avatar-only", 1200, "delay 100ms 50ms loss 10%");
-  const monitor::Status s = Sampler::status(w.node());
+  const monitor::Status s = Sampler::status(w.replica());
   ASSERT_EQ(s.links.size(), 1U);
   const monitor::LinkStatus& l = s.links[0];
   ASSERT_TRUE(l.measured);
@@ -140,7 +140,7 @@ TEST(Sampler, DelayIsTheMiddleAndTheSlowestTwentiethAndLossIsOfWhatWasSent) {
   EXPECT_NEAR(l.delay_p50_ms, 108, 20) << "and half a tick until the step";
   EXPECT_GT(l.delay_p95_ms, 135);
   EXPECT_LT(l.delay_p95_ms, 175);
-  const std::uint64_t sent = w.simulation->node(1).stats().datagrams_sent;
+  const std::uint64_t sent = w.simulation->replica(1).stats().datagrams_sent;
   EXPECT_NEAR(static_cast<double>(l.judged_in), static_cast<double>(sent), 20) << "but for those under way";
   EXPECT_NEAR(static_cast<double>(l.lost_in) / static_cast<double>(l.judged_in), 0.1, 0.06);
   EXPECT_GT(l.loss_of, 0U);
@@ -149,7 +149,7 @@ TEST(Sampler, DelayIsTheMiddleAndTheSlowestTwentiethAndLossIsOfWhatWasSent) {
 
 TEST(Sampler, AnAgreedWorldIsTheConfirmedOneWithItsOwners) {
   const Watched w("full", 600);
-  const sync::FoldState& c = w.node().agreed().confirmed();
+  const sync::FoldState& c = w.replica().agreed().confirmed();
   monitor::Agreed a;
   Sampler::agreed(c, 99, true, a);
   EXPECT_EQ(a.tick, c.tick);

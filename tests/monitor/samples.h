@@ -2,7 +2,7 @@
 
 #include "common/model/rng.h"
 #include "common/monitor/orders.h"
-#include "common/monitor/told.h"
+#include "common/monitor/telemetry.h"
 
 namespace padr::test {
 

@@ -55,7 +55,7 @@ class WatchedSession {
   void run(const Listener& listener, const std::function<void(Tick)>& after = {}) {
     for (PeerId p = 0; p < simulation->peers(); ++p) {
       listener(origin(p), hello());
-      samplers_[p].begin(simulation->node(p), "");
+      samplers_[p].begin(simulation->replica(p), "");
     }
     simulation->run([&](Tick t) {
       for (auto& [p, a] : agreed_) listener(origin(p), a);
@@ -70,15 +70,15 @@ class WatchedSession {
 
  private:
   void tell(PeerId p, const Listener& listener) {
-    const node::Node& node = simulation->node(p);
-    samplers_[p].observe(node);
+    const node::Replica& replica = simulation->replica(p);
+    samplers_[p].observe(replica);
     auto events = samplers_[p].take_events();
     if (!events.empty()) listener(origin(p), monitor::Events{std::move(events)});
-    if (!samplers_[p].due(node.now())) return;
+    if (!samplers_[p].due(replica.now())) return;
     monitor::Frame f;
-    samplers_[p].frame(node, {1, 2}, f);
+    samplers_[p].frame(replica, {1, 2}, f);
     listener(origin(p), f);
-    listener(origin(p), monitor::Sampler::status(node));
+    listener(origin(p), monitor::Sampler::status(replica));
   }
 
   std::vector<std::unique_ptr<scenarios::InputSource>> inputs_;

@@ -75,7 +75,7 @@ struct RecordedSimulation {
     for (std::size_t p = 0; p < 4; ++p) {
       inputs.push_back(scenarios::make_input("wander", {scene, static_cast<int>(p), 9, {}}));
       c.inputs.push_back(inputs.back().get());
-      c.recordings.push_back(node::RecordedNode::Recording{
+      c.recordings.push_back(node::RecordedReplica::Recording{
           from, [this, p](std::span<const std::byte> b) { traces[p].insert(traces[p].end(), b.begin(), b.end()); }});
     }
     simulation = std::make_unique<lab::Simulation>(std::move(c));
@@ -103,12 +103,12 @@ TEST(Report, EqualsTheLabsOwnMeter) {
       expect_same(trace::summarize(series), lab.meter().result(p));
       all.push_back(std::move(series));
       expect_same_deeds(r.peers[p], p, *lab.fidelity());
-      const node::NodeStats& stats = lab.node(p).stats();
+      const node::ReplicaStats& stats = lab.replica(p).stats();
       EXPECT_EQ(r.peers[p].traffic.updates, stats.updates_by_cause);
       EXPECT_EQ(r.peers[p].traffic.datagrams, stats.datagrams_sent);
       EXPECT_EQ(r.peers[p].traffic.wire_bytes, stats.wire_bytes_sent);
       EXPECT_EQ(r.peers[p].traffic.repeats, stats.repeats);
-      EXPECT_EQ(r.peers[p].replayed_steps, lab.node(p).agreed().replayed_steps());
+      EXPECT_EQ(r.peers[p].replayed_steps, lab.replica(p).agreed().replayed_steps());
     }
     expect_same(trace::summarize_all(all), lab.meter().overall());
     EXPECT_GT(r.overall.inconsistency.mean_m, 0.1);

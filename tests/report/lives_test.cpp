@@ -80,24 +80,24 @@ TEST(ReportOfLives, TwoInOneSlotHaveLinksOfTheirOwn) {
 // of their own, and some of them arrive when the next one has begun.
 TEST(ReportOfLives, LinksOfAPeerThatCameBackAreInOrder) {
   std::map<std::pair<int, int>, std::vector<std::byte>> recorded;
-  lab::GatheringConfig c;
+  lab::VirtualNetworkConfig c;
   c.scene = scenarios::load_embedded("arena", 1);
   c.technique = technique_by_name("full");
   c.netem = link::parse_netem("delay 150ms");
   c.seed = test::seed();
   c.slots = 3;
   c.wanted = 3;
-  c.recording = [&recorded](int person, int life) -> std::optional<node::RecordedNode::Recording> {
+  c.recording = [&recorded](int person, int life) -> std::optional<node::RecordedReplica::Recording> {
     trace::Provenance from;
     from.scenario = "arena";
     from.scenario_text = std::string(scenarios::embedded_text("arena"));
     from.scenario_seed = 1;
     from.start_unix_us = 1 + person;
     std::vector<std::byte>& into = recorded[{person, life}];
-    return node::RecordedNode::Recording{
+    return node::RecordedReplica::Recording{
         from, [&into](std::span<const std::byte> b) { into.insert(into.end(), b.begin(), b.end()); }};
   };
-  lab::Gathering g(c);
+  lab::VirtualNetwork g(c);
   const auto run = [&g](double s) { g.run_to(g.now() + static_cast<Micros>(s * 1e6)); };
   g.start({});
   g.start(0);

@@ -112,8 +112,9 @@ TEST(PathSurvey, SaysWhatThePathAsksForAndWarnsOfOtherUnits) {
   // A corner is a part of the world; nobody gets 6.1 m in a second.
   EXPECT_TRUE(notes_on_path(Path({{0, {0, 15}}, {1, {6, 15}}}), "p.csv", room()).warnings.empty());
   EXPECT_EQ(notes_on_path(Path({{0, {0, 15}}, {1, {6.1F, 15}}, {2, {6.1F, 15}}}), "p.csv", room()).warnings,
-            (std::vector<std::string>{"path p.csv: at 1 of its 3 points it asks for more than an avatar can do: up to "
-                                      "6.1 m/s of 6 m/s; padr-lab path --stretch 1.1 makes it slow enough"}));
+            (std::vector<std::string>{
+                "path p.csv: at 1 of its 3 points it asks for more than an avatar can do: up to "
+                "6.1 m/s, but an avatar reaches only 6 m/s; padr-lab path --stretch 1.1 makes it slow enough"}));
 }
 
 // Two rushes with a rest between them: a second holds more of a rush that takes longer.

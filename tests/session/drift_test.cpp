@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "common/link/shim.h"
-#include "common/node/node.h"
-#include "common/node/session.h"
+#include "common/participant/session.h"
+#include "common/replica/replica.h"
 #include "tests/seed.h"
 #include "tests/session/virtual_net.h"
 #include "tests/world/test_scene.h"
@@ -14,13 +14,13 @@
 namespace padr::test {
 namespace {
 
-/// A peer with a clock of its own, doing with session and node what padr-peer's event loop does.
+/// A peer with a clock of its own, doing with session and replica what padr-peer's event loop does.
 struct Drifter {
   int n = 0;         ///< its place; its clock is n hours off
   double drift = 0;  ///< of its clock, parts of 1
   Micros born = 0;   ///< when its program is started
   std::unique_ptr<node::Session> session;
-  std::unique_ptr<node::Node> node;
+  std::unique_ptr<node::Replica> replica;
   Tick steered = 0;
   Micros last_session = 0;  ///< what the session clock showed last
   Micros last_local = 0;
@@ -68,25 +68,25 @@ class DriftingNet {
     if (local >= d.session->next_due()) d.session->advance(local);
     for (const auto& out : d.session->take_outgoing()) send(d.n, out.to.address[15], out.bytes);
     if (d.session->phase() != node::SessionPhase::kStarted) return;
-    if (!d.node) {
-      node::NodeConfig c;
+    if (!d.replica) {
+      node::ReplicaConfig c;
       c.self = d.session->self();
-      c.peers = static_cast<int>(d.session->roster().size());
+      c.peers = static_cast<int>(d.session->beginners().size());
       c.slots = d.session->slots();
       c.session = d.session->number();
-      d.node = std::make_unique<node::Node>(scene_, c);
+      d.replica = std::make_unique<node::Replica>(scene_, c);
       d.last_local = local;
       d.last_session = d.session->session_now(local);
     }
     watch(d, local);
-    while (d.session->session_now(local) >= tick_start(d.node->now() + 1)) {
-      d.node->step(scene_.avatar.spawns[d.node->self()]);
-      for (const node::Outgoing& o : d.node->outgoing()) send(d.n, place_of(o.to), o.bytes);
+    while (d.session->session_now(local) >= tick_start(d.replica->now() + 1)) {
+      d.replica->step(scene_.avatar.spawns[d.replica->self()]);
+      for (const node::Outgoing& o : d.replica->outgoing()) send(d.n, place_of(o.to), o.bytes);
     }
     constexpr Tick kSteerEvery = kTicksPerSecond / 2;
-    if (d.node->now() - d.steered < kSteerEvery) return;
-    d.steered = d.node->now();
-    d.session->steer(local, d.node->self() > 0 ? d.node->clock_lead() : 0);
+    if (d.replica->now() - d.steered < kSteerEvery) return;
+    d.steered = d.replica->now();
+    d.session->steer(local, d.replica->self() > 0 ? d.replica->clock_lead() : 0);
   }
 
   void watch(Drifter& d, Micros local) {
@@ -128,7 +128,7 @@ class DriftingNet {
     if (!d.session) return;
     const Micros local = d.local(now_);
     const auto sender = d.session->receive(place(from), bytes, local);
-    if (sender && d.node) d.node->receive(bytes, d.session->session_now(local));
+    if (sender && d.replica) d.replica->receive(bytes, d.session->session_now(local));
   }
 
   void measure() {
@@ -140,8 +140,8 @@ class DriftingNet {
       const Micros t = d.session->session_now(d.local(now_));
       lo = std::min(lo, t);
       hi = std::max(hi, t);
-      first = std::min(first, d.node ? d.node->now() : 0);
-      last = std::max(last, d.node ? d.node->now() : 0);
+      first = std::min(first, d.replica ? d.replica->now() : 0);
+      last = std::max(last, d.replica ? d.replica->now() : 0);
     }
     worst_spread = std::max(worst_spread, hi - lo);
     widest_ticks = std::max(widest_ticks, last - first);

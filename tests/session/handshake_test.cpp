@@ -29,7 +29,7 @@ bool start_all(VirtualNet& net, std::uint64_t seed, int peers, Micros within) {
 }
 
 bool knows(const node::Session& s, const Endpoint& where) {
-  return std::find(s.roster().begin(), s.roster().end(), where) != s.roster().end();
+  return std::find(s.beginners().begin(), s.beginners().end(), where) != s.beginners().end();
 }
 
 /// Everybody knows everybody, by the same numbers and at the right places.
@@ -41,10 +41,10 @@ void expect_mesh(VirtualNet& net, int peers) {
     EXPECT_EQ(s.number(), net.at(1).number());
     EXPECT_NE(s.number(), 0);
     EXPECT_EQ(s.slots(), peers);
-    ASSERT_EQ(s.roster().size(), static_cast<std::size_t>(peers));
+    ASSERT_EQ(s.beginners().size(), static_cast<std::size_t>(peers));
     for (int m = 1; m <= peers; ++m) {
       if (m == n) continue;
-      EXPECT_EQ(s.roster()[net.at(m).self()], place(m)) << n << " of " << m;
+      EXPECT_EQ(s.beginners()[net.at(m).self()], place(m)) << n << " of " << m;
     }
     EXPECT_FALSE(knows(s, place(99)));
   }
@@ -255,7 +255,7 @@ TEST(Handshake, ALoopbackAddressToldByAnotherMachineMeansThatMachine) {
   ASSERT_EQ(net.at(2).phase(), SessionPhase::kStarted);
   Endpoint there = place(1);
   there.port = 7009;
-  EXPECT_EQ(net.at(2).roster()[2], there);
+  EXPECT_EQ(net.at(2).beginners()[2], there);
 }
 
 }  // namespace

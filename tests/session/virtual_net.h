@@ -13,7 +13,7 @@
 #include "common/link/netem_spec.h"
 #include "common/link/shim.h"
 #include "common/model/rng.h"
-#include "common/node/session.h"
+#include "common/participant/session.h"
 #include "common/wire/seal.h"
 
 namespace padr::test {

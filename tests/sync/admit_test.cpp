@@ -1,4 +1,4 @@
-#include "common/sync/admit.h"
+#include "common/sync/validation.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "common/sync/contact_chain.h"
+#include "common/reckoning/contact_chain.h"
 
 #include <gtest/gtest.h>
 

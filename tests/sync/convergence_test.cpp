@@ -1,4 +1,4 @@
-#include "common/sync/convergence.h"
+#include "common/shown/convergence.h"
 
 #include <gtest/gtest.h>
 

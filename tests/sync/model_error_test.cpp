@@ -1,8 +1,8 @@
-#include "common/sync/model_error.h"
+#include "common/reckoning/model_error.h"
 
 #include <gtest/gtest.h>
 
-#include "common/sync/aim.h"
+#include "common/reckoning/aim.h"
 
 namespace padr::sync {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/sync/reporter.h"
+#include "common/reckoning/reporter.h"
 
 #include <gtest/gtest.h>
 

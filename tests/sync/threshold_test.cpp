@@ -1,4 +1,4 @@
-#include "common/sync/threshold.h"
+#include "common/reckoning/threshold.h"
 
 #include <gtest/gtest.h>
 

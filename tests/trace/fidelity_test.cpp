@@ -256,7 +256,7 @@ TEST(Fidelity, WhatRoundingComesTo) {
     const Solo solo(scenario);
     trace::FidelityMeter meter(solo.scene, 1, {0});
     solo.simulation->run([&](Tick now) {
-      const world::View& live = solo.simulation->node(0).live().world();
+      const world::View& live = solo.simulation->replica(0).live().world();
       std::vector<BodyState> states;
       for (EntityId e = 0; e < live.entities(); ++e) {
         states.push_back(live.state(e));

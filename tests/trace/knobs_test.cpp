@@ -16,7 +16,7 @@ namespace {
 
 using test::RecordedRun;
 using test::RunConfig;
-using Nodes = std::vector<std::unique_ptr<node::RecordedNode>>;
+using Nodes = std::vector<std::unique_ptr<node::RecordedReplica>>;
 
 Technique with(const std::function<void(Technique&)>& change, const char* name = "full") {
   Technique t = technique_by_name(name);
@@ -32,8 +32,8 @@ std::string difference(const std::vector<std::byte>& bytes) {
 void expect_agreement(const RecordedRun& run) {
   // There is a hash every 30 ticks, and it is told once: the shortest run, of 130 ticks, has time for three.
   for (const auto& n : run.nodes) {
-    EXPECT_GE(n->node().stats().hash_checks, 3U);
-    EXPECT_EQ(n->node().stats().hash_mismatches, 0U);
+    EXPECT_GE(n->replica().stats().hash_checks, 3U);
+    EXPECT_EQ(n->replica().stats().hash_mismatches, 0U);
   }
 }
 
@@ -87,8 +87,8 @@ TEST(Knobs, ReplayCanBeSwitchedOffAndOn) {
   const RecordedRun run(c);
   expect_agreement(run);
   expect_replays(run);
-  const node::Node& a = run.nodes[0]->node();
-  const node::Node& b = run.nodes[1]->node();
+  const node::Replica& a = run.nodes[0]->replica();
+  const node::Replica& b = run.nodes[1]->replica();
   const Tick both = std::min(a.agreed().confirmed().tick, b.agreed().confirmed().tick);
   EXPECT_GT(both, 300);
   ASSERT_NE(a.agreed().confirmed_at(both), nullptr);
@@ -105,7 +105,7 @@ TEST(Knobs, ALowerThresholdTellsMoreFromThenOn) {
       if (t == 300) nodes[0]->retune(with([&](Technique& k) { set_threshold(k, threshold); }, "fixed"));
     };
     const RecordedRun run(c);
-    return run.nodes[0]->node().stats().updates_by_cause[static_cast<std::size_t>(sync::Cause::kThreshold)];
+    return run.nodes[0]->replica().stats().updates_by_cause[static_cast<std::size_t>(sync::Cause::kThreshold)];
   };
   const auto coarse = told("0.5");
   const auto fine = told("0.05");
@@ -113,7 +113,7 @@ TEST(Knobs, ALowerThresholdTellsMoreFromThenOn) {
 }
 
 /// The first body that nobody owns and nothing touches.
-EntityId lonely_body(const node::Node& n) {
+EntityId lonely_body(const node::Replica& n) {
   for (EntityId b = 0; b < n.live().world().bodies(); ++b) {
     const auto touches = [b](const Contact& c) { return c.first == b || c.second == b; };
     const auto& contacts = n.live().touching();
@@ -130,7 +130,7 @@ TEST(Pushes, APushedBodyIsThePushersAndGoesThereForEverybody) {
   EntityId b = kNoEntity;
   Vec2 from;
   c.before_step = [&](Tick t, const Nodes& nodes) {
-    const node::Node& n = nodes[0]->node();
+    const node::Replica& n = nodes[0]->replica();
     if (t == 100) {
       b = lonely_body(n);
       ASSERT_NE(b, kNoEntity);
@@ -146,15 +146,15 @@ TEST(Pushes, APushedBodyIsThePushersAndGoesThereForEverybody) {
       EXPECT_EQ(n.agreed().predicted_state().authority[b].holder(), 0);
     }
     if (t == 103) {
-      EXPECT_EQ(nodes[1]->node().live().world().position(b), from) << "it cannot know yet";
+      EXPECT_EQ(nodes[1]->replica().live().world().position(b), from) << "it cannot know yet";
     }
   };
   const RecordedRun run(c);
-  const Vec2 here = run.nodes[0]->node().live().world().position(b);
-  const Vec2 there = run.nodes[1]->node().live().world().position(b);
+  const Vec2 here = run.nodes[0]->replica().live().world().position(b);
+  const Vec2 there = run.nodes[1]->replica().live().world().position(b);
   EXPECT_GT(distance(here, from), 0.3F);
   EXPECT_LT(distance(here, there), 0.02F);
-  EXPECT_EQ(run.nodes[1]->node().agreed().predicted_state().authority[b].holder(), 0);
+  EXPECT_EQ(run.nodes[1]->replica().agreed().predicted_state().authority[b].holder(), 0);
   expect_agreement(run);
   expect_replays(run);
 }
@@ -170,7 +170,8 @@ TEST(Pushes, ManyAtATimeAndAgainstOneAnotherStayAgreedOn) {
     if (t % 40 != 0 || t > 500) return;
     for (const auto& n : nodes)
       for (int i = 0; i < 40; ++i) {
-        const auto b = static_cast<EntityId>(rng.below(static_cast<std::uint32_t>(n->node().live().world().bodies())));
+        const auto b =
+            static_cast<EntityId>(rng.below(static_cast<std::uint32_t>(n->replica().live().world().bodies())));
         n->push(b, {static_cast<float>(rng.uniform(-6, 6)), static_cast<float>(rng.uniform(-6, 6))});
       }
   };
@@ -185,13 +186,13 @@ TEST(Pushes, NobodyPushesWhatAnotherHolds) {
   c.ticks = 600;
   int seen = 0;
   c.before_step = [&](Tick, const Nodes& nodes) {
-    const sync::FoldState& p = nodes[1]->node().agreed().predicted_state();
+    const sync::FoldState& p = nodes[1]->replica().agreed().predicted_state();
     for (EntityId b = 0; b < p.authority.size(); ++b) {
       if (p.authority[b].holder() != 0 || (p.holds[b] & 1U) == 0) continue;
-      EXPECT_FALSE(nodes[1]->node().may_push(b));
+      EXPECT_FALSE(nodes[1]->replica().may_push(b));
       ++seen;
     }
-    EXPECT_FALSE(nodes[1]->node().may_push(60000));
+    EXPECT_FALSE(nodes[1]->replica().may_push(60000));
   };
   const RecordedRun run(c);
   EXPECT_GT(seen, 0);
@@ -206,7 +207,7 @@ TEST(Pushes, WithoutAuthorityEverybodyPushesForThemselves) {
     if (t == 30) nodes[0]->push(0, {4, 0});
   };
   const RecordedRun run(c);
-  EXPECT_NE(run.nodes[0]->node().live().world().position(0), run.nodes[1]->node().live().world().position(0));
+  EXPECT_NE(run.nodes[0]->replica().live().world().position(0), run.nodes[1]->replica().live().world().position(0));
   expect_replays(run);
 }
 
@@ -241,7 +242,7 @@ TEST(Knobs, RecordsComeBackAsTheyWereWritten) {
 }
 
 TEST(Knobs, ATraceThatBreaksTheirRulesIsRefused) {
-  const auto error = [](const std::function<void(node::RecordedNode&)>& write) -> std::string {
+  const auto error = [](const std::function<void(node::RecordedReplica&)>& write) -> std::string {
     RunConfig c;
     c.ticks = 10;
     c.before_step = [&](Tick t, const Nodes& nodes) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/scenarios/scenarios.h"
-#include "tools/lab/chaos/gathering.h"
+#include "tools/lab/chaos/virtual_network.h"
 
 namespace padr::test {
 
@@ -21,7 +21,7 @@ struct RecordedLives {
   /// Persons 0, 1 and 2 begin together; 3 comes late, 1 is killed; 2 and 4 are cut off and come back; the founder
   /// leaves.
   explicit RecordedLives(std::uint64_t seed, wire::SealMode seal = wire::SealMode::kNone) {
-    lab::Gathering g(config(seed, seal));
+    lab::VirtualNetwork g(config(seed, seal));
     const auto run = [&g](double s) { g.run_to(g.now() + static_cast<Micros>(s * 1e6)); };
     g.start({});
     g.start(0);
@@ -46,8 +46,8 @@ struct RecordedLives {
   }
 
  private:
-  lab::GatheringConfig config(std::uint64_t seed, wire::SealMode seal) {
-    lab::GatheringConfig c;
+  lab::VirtualNetworkConfig config(std::uint64_t seed, wire::SealMode seal) {
+    lab::VirtualNetworkConfig c;
     c.seal = seal;
     c.scene = scenarios::load_embedded("arena", seed);
     c.technique = technique_by_name("full");
@@ -55,7 +55,7 @@ struct RecordedLives {
     c.seed = seed;
     c.slots = 6;
     c.wanted = 3;
-    c.recording = [this, seed](int person, int life) -> std::optional<node::RecordedNode::Recording> {
+    c.recording = [this, seed](int person, int life) -> std::optional<node::RecordedReplica::Recording> {
       trace::Provenance from;
       from.scenario = "arena";
       from.scenario_text = std::string(scenarios::embedded_text("arena"));
@@ -63,7 +63,7 @@ struct RecordedLives {
       from.start_unix_us = 1 + person;
       std::vector<std::byte>& into = traces[{person, life}];
       into.clear();
-      return node::RecordedNode::Recording{
+      return node::RecordedReplica::Recording{
           from, [&into](std::span<const std::byte> b) { into.insert(into.end(), b.begin(), b.end()); }};
     };
     return c;

@@ -8,7 +8,7 @@
 
 #include "common/link/link_seed.h"
 #include "common/link/shim.h"
-#include "common/node/recorded_node.h"
+#include "common/replica/recorded_replica.h"
 #include "common/scenarios/input.h"
 #include "common/scenarios/scenarios.h"
 #include "tools/lab/simulation.h"
@@ -26,20 +26,20 @@ struct RunConfig {
   Tick leave_at = 0;                          ///< of the last peer; 0: stays
   bool record = true;
   /// Called before each step with what the nodes are; may interfere.
-  std::function<void(Tick, const std::vector<std::unique_ptr<node::RecordedNode>>&)> before_step;
+  std::function<void(Tick, const std::vector<std::unique_ptr<node::RecordedReplica>>&)> before_step;
 };
 
 /// The lab's lock step with recorded nodes: what Simulation does, every peer's trace in `traces`.
 struct RecordedRun {
   std::vector<std::vector<std::byte>> traces;
-  std::vector<std::unique_ptr<node::RecordedNode>> nodes;
+  std::vector<std::unique_ptr<node::RecordedReplica>> nodes;
 
   explicit RecordedRun(const RunConfig& c, bool finish = true)
       : traces(static_cast<std::size_t>(c.peers)),
         scene_(scenarios::load_embedded(c.scenario, c.seed)),
         inputs_(inputs_of(c, scene_)) {
     for (PeerId p = 0; p < c.peers; ++p) {
-      nodes.push_back(std::make_unique<node::RecordedNode>(scene_, config_of(c, p), recording_of(c, p)));
+      nodes.push_back(std::make_unique<node::RecordedReplica>(scene_, config_of(c, p), recording_of(c, p)));
       for (PeerId q = 0; q < c.peers; ++q)
         shims_.push_back(std::make_unique<link::Shim>(link::parse_netem(c.netem), link::link_seed(c.seed, p, q)));
     }
@@ -59,8 +59,8 @@ struct RecordedRun {
   }
 
  private:
-  static node::NodeConfig config_of(const RunConfig& c, PeerId p) {
-    node::NodeConfig n;
+  static node::ReplicaConfig config_of(const RunConfig& c, PeerId p) {
+    node::ReplicaConfig n;
     n.self = p;
     n.peers = n.slots = c.peers;
     n.session = 1;
@@ -68,7 +68,7 @@ struct RecordedRun {
     return n;
   }
 
-  std::optional<node::RecordedNode::Recording> recording_of(const RunConfig& c, PeerId p) {
+  std::optional<node::RecordedReplica::Recording> recording_of(const RunConfig& c, PeerId p) {
     if (!c.record) return std::nullopt;
     trace::Provenance from;
     from.program = "test";
@@ -80,7 +80,7 @@ struct RecordedRun {
     from.netem = c.netem;
     from.netem_seed = c.seed;
     from.input = "wander";
-    return node::RecordedNode::Recording{
+    return node::RecordedReplica::Recording{
         from, [this, p](std::span<const std::byte> b) { traces[p].insert(traces[p].end(), b.begin(), b.end()); }};
   }
 

@@ -48,7 +48,7 @@ TEST(Replay, LeavingIsPartOfIt) {
   c.leave_at = 150;
   const RecordedRun run(c);
   for (const auto& t : run.traces) EXPECT_EQ(replay(t).difference, "");
-  EXPECT_TRUE(run.nodes[0]->node().has_left(1));
+  EXPECT_TRUE(run.nodes[0]->replica().has_left(1));
 }
 
 TEST(Replay, ATraceThatBreaksOffIsReplayedAsFarAsItGoes) {
@@ -200,14 +200,14 @@ TEST(Replay, OneLineAndAnExitCode) {
   EXPECT_THROW(lab::run_replay(file), UserError);
 }
 
-TEST(RecordedNode, WithoutARecordingItIsTheSameNode) {
+TEST(RecordedReplica, WithoutARecordingItIsTheSameNode) {
   RunConfig c;
   c.record = false;
   const RecordedRun silent(c);
   c.record = true;
   const RecordedRun recorded(c);
   EXPECT_TRUE(silent.traces[0].empty());
-  EXPECT_EQ(silent.nodes[0]->node().live_hash(), recorded.nodes[0]->node().live_hash());
+  EXPECT_EQ(silent.nodes[0]->replica().live_hash(), recorded.nodes[0]->replica().live_hash());
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 #include <limits>
 #include <set>
 
-#include "common/sync/admit.h"
 #include "common/sync/state_hash.h"
+#include "common/sync/validation.h"
 #include "tests/seed.h"
 #include "tests/wire/listing.h"
 #include "tests/wire/samples.h"

@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
+#include "common/membership/partition_merge.h"
+#include "common/membership/relay.h"
+#include "common/membership/session_state.h"
 #include "common/model/hash.h"
-#include "common/node/entrant.h"
-#include "common/node/relay.h"
-#include "common/node/session_desk.h"
-#include "common/node/sides.h"
-#include "common/sync/admit.h"
+#include "common/participant/late_joiner.h"
 #include "common/sync/authority.h"
+#include "common/sync/validation.h"
 #include "common/wire/codec.h"
 #include "common/wire/handshake.h"
 #include "common/wire/session_codec.h"
@@ -340,29 +340,29 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("start_lead_trips", Pace::kStartLeadTrips);
   add("most_start_lead_us", Pace::kMostStartLead);
   add("unheard_us", Pace::kUnheard);
-  add("entrant_ping_us", node::Entrant::kPing);
-  add("entrant_idle_ping_us", node::Entrant::kIdlePing);
-  add("entrant_samples", node::Entrant::kSamples);
-  add("entrant_again_us", node::Entrant::kAgain);
-  add("entrant_patience_us", node::Entrant::kPatience);
+  add("entrant_ping_us", node::LateJoiner::kPing);
+  add("entrant_idle_ping_us", node::LateJoiner::kIdlePing);
+  add("entrant_samples", node::LateJoiner::kSamples);
+  add("entrant_again_us", node::LateJoiner::kAgain);
+  add("entrant_patience_us", node::LateJoiner::kPatience);
   add("doubt", node::kDoubt);
   add("silence", node::kSilence);
   add("answer_patience", node::kAnswerPatience);
   add("heard_lately", node::kHeardLately);
   add("believed", node::kBelieved);
-  add("ask_again", node::Removals::kAskAgain);
-  add("withheld", node::Removals::kWithheld);
-  add("relay_after", node::Node::kRelayAfter);
-  add("relay_until", node::Node::kRelayUntil);
+  add("ask_again", node::Evictions::kAskAgain);
+  add("withheld", node::Evictions::kWithheld);
+  add("relay_after", node::Replica::kRelayAfter);
+  add("relay_until", node::Replica::kRelayUntil);
   add("relay_pace", node::Relay::kPace);
   add("relay_hurry", node::Relay::kHurry);
   add("relay_patience", node::Relay::kPatience);
   add("relay_served", node::Relay::kServed);
-  add("heartbeat", node::Node::kHeartbeat);
-  add("probe_pace", node::Sides::kPace);
-  add("probe_grace", node::Sides::kGrace);
-  add("probe_lately", node::Sides::kLately);
-  add("probe_remember", node::Sides::kRemember);
+  add("heartbeat", node::Replica::kHeartbeat);
+  add("probe_pace", node::PartitionMerge::kPace);
+  add("probe_grace", node::PartitionMerge::kGrace);
+  add("probe_lately", node::PartitionMerge::kLately);
+  add("probe_remember", node::PartitionMerge::kRemember);
   ASSERT_EQ(blocks("constants").size(), 1U);
   EXPECT_EQ(bare(blocks("constants")[0]), ours + "```\n");
 }

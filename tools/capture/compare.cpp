@@ -231,8 +231,8 @@ int run_compare(const CompareOptions& o) {
       text += "damaged on the way: " + std::to_string(comparison.damaged()) + " in the capture, " +
               std::to_string(comparison.damaged_received()) + " received\n";
     text += !agree     ? "CAPTURE AND TRACES DISAGREE\n"
-            : compared ? "capture and traces agree but for what was lost\n"
-                       : "the datagrams agree but for what was lost; THE WORLDS WERE NOT COMPARED\n";
+            : compared ? "capture and traces agree, except for lost datagrams\n"
+                       : "the datagrams agree, except for lost ones; THE WORLDS WERE NOT COMPARED\n";
     write_text("", "-", text);
   }
   if (!o.json.empty()) write_text("--json", o.json, as_json(comparison, links, worlds, agree && compared));

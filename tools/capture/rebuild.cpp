@@ -94,7 +94,7 @@ class Rebuilder {
       return false;
     }
     if (state.tick < std::max(ledger_.newest, until_)) return true;
-    stretch.why = anybody ? "the capture says no more" : "all have left";
+    stretch.why = anybody ? "the capture has no more" : "all peers have left";
     return false;
   }
 

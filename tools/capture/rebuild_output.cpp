@@ -19,15 +19,16 @@ std::string begin_of(const Stretch& s) {
 }  // namespace
 
 std::string rebuilt_text(const Setting& setting, const Ledger& ledger, const Rebuilt& r, std::uint64_t last_hash) {
-  std::string out = "session " + std::to_string(ledger.session) + ": " + setting.label +
-                    (setting.authority ? ", dynamic authority" : ", avatar-only") +
-                    (setting.checked ? ", the scene is the one of the Join" : ", as said: the capture has no Join") +
-                    "\n";
+  std::string out =
+      "session " + std::to_string(ledger.session) + ": " + setting.label +
+      (setting.authority ? ", dynamic authority" : ", avatar-only") +
+      (setting.checked ? ", scene taken from the Join message" : ", scene as given: the capture has no Join message") +
+      "\n";
   if (r.stretches.empty())
     return out +
            "nothing to begin with: neither who was there at tick 0 (--peers) nor a whole transfer is in the capture\n";
   for (const Stretch& s : r.stretches)
-    out += begin_of(s) + " to tick " + std::to_string(s.to) + (s.gap ? ", GAP: " : ": ") + s.why + "\n";
+    out += begin_of(s) + " to tick " + std::to_string(s.to) + (s.gap ? "; GAP: " : "; it ends there: ") + s.why + "\n";
   out += std::to_string(r.agreeing()) + " of " + std::to_string(r.hashes.size()) + " hashes agree, to tick " +
          std::to_string(last_tick(r)) + " (confirmed world " + support::hex(last_hash) + ")\n";
   for (const Rebuilt::Hash& h : r.hashes)

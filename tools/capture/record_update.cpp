@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "common/sync/admit.h"
+#include "common/sync/validation.h"
 
 namespace padr::capture {
 namespace {

@@ -8,7 +8,7 @@ import time
 
 from pages import Wrong
 
-patience = 40.0  # s until what should end or come counts as missing
+patience = 240.0  # s until what should end or come counts as missing
 
 
 class Terminal:

@@ -271,7 +271,7 @@ def agreement_and_truth(m):
 # --- against what others do
 
 DELAYS = ["delay 0ms", "delay 50ms", "delay 100ms", "delay 250ms"]
-COMPARED = ["compare", "--seeds", ("5", "1"), "--seconds", ("30", "3")]
+COMPARED = ["compare", "--seeds", ("40", "1"), "--seconds", ("30", "3")]
 
 
 def compared(m):

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/model/user_error.h"
-#include "common/node/node.h"
+#include "common/replica/replica.h"
 #include "common/scenarios/scenarios.h"
 #include "common/trace/truth.h"
 #include "common/wire/membership_codec.h"
@@ -36,8 +36,8 @@ Scene scene_of(const trace::TraceReader& t) {
   return scene;
 }
 
-node::NodeConfig config_of(const trace::Header& h) {
-  node::NodeConfig c;
+node::ReplicaConfig config_of(const trace::Header& h) {
+  node::ReplicaConfig c;
   c.self = h.peer;
   c.peers = h.peers;
   c.slots = h.slots;
@@ -59,46 +59,46 @@ bool same(const ConfirmedWorld& a, const ConfirmedWorld& b) {
 
 }  // namespace
 
-/// The node that does it all again, and what it and the trace say that has not been compared yet.
+/// The replica that does it all again, and what it and the trace say that has not been compared yet.
 class Replay::Again {
  public:
-  Again(const trace::TraceReader& t, node::Node::ConfirmedSink on_confirmed)
+  Again(const trace::TraceReader& t, node::Replica::ConfirmedSink on_confirmed)
       : scene_(scene_of(t)), label_(t.label()), header_(t.header()), on_confirmed_(std::move(on_confirmed)) {
-    if (header_.incarnation == 0) node_.emplace(scene_, config(), sink());
+    if (header_.incarnation == 0) replica_.emplace(scene_, config(), sink());
   }
 
   void take(const trace::Begin& b) {
     const auto start = wire::decode_transfer(b.transfer, scene_, header_.slots);
     if (!start || start->state.tick != b.confirmed)
       throw UserError(label_ + ": the agreed world that it begins with does not decode");
-    node_.emplace(scene_, config(), *start, b.tick, sink());
-    node_->catch_up(std::max(0, b.tick - b.confirmed));
+    replica_.emplace(scene_, config(), *start, b.tick, sink());
+    replica_->catch_up(std::max(0, b.tick - b.confirmed));
   }
   void take(const trace::Received& r) {
     compare_rest();
     ++result_.datagrams_in;
-    node_->receive(r.datagram, r.at);
+    replica_->receive(r.datagram, r.at);
   }
   void take(const trace::Order& o) {
     const auto message = wire::decode_membership(o.fetched);
     const auto* fetched = message ? std::get_if<wire::Fetched>(&*message) : nullptr;
     if (fetched == nullptr || fetched->updates.size() != 1)
-      throw UserError(label_ + ": an order after tick " + std::to_string(node_->now()) + " does not decode");
-    node_->order(fetched->updates[0]);
+      throw UserError(label_ + ": an order after tick " + std::to_string(replica_->now()) + " does not decode");
+    replica_->order(fetched->updates[0]);
   }
   void take(const trace::Relayed& r) {
     const auto message = wire::decode_membership(r.fetched);
     const auto* fetched = message ? std::get_if<wire::Fetched>(&*message) : nullptr;
     if (fetched == nullptr)
-      throw UserError(label_ + ": what was relayed after tick " + std::to_string(node_->now()) + " does not decode");
-    node_->relay(fetched->slot, fetched->incarnation, fetched->updates);
+      throw UserError(label_ + ": what was relayed after tick " + std::to_string(replica_->now()) + " does not decode");
+    replica_->relay(fetched->slot, fetched->incarnation, fetched->updates);
   }
-  void take(const trace::Freeze& f) { node_->freeze(f.peer, f.frozen); }
-  void take(const trace::GiveUp& g) { node_->give_up(g.peer, true); }
-  void take(const trace::Excuse&) { node_->excuse_silence(); }
-  void take(const trace::Locate& l) { node_->locate(l.peer, l.at); }
-  void take(const trace::Retune& r) { node_->retune(r.technique); }
-  void take(const trace::Push& p) { node_->push(p.body, p.velocity); }
+  void take(const trace::Freeze& f) { replica_->freeze(f.peer, f.frozen); }
+  void take(const trace::GiveUp& g) { replica_->give_up(g.peer, true); }
+  void take(const trace::Excuse&) { replica_->excuse_silence(); }
+  void take(const trace::Locate& l) { replica_->locate(l.peer, l.at); }
+  void take(const trace::Retune& r) { replica_->retune(r.technique); }
+  void take(const trace::Push& p) { replica_->push(p.body, p.velocity); }
   void take(const trace::Remark&) {}
   void take(const trace::Footer&) {}
   void take(const trace::Confirmed& c, const trace::Truth& truth) {
@@ -107,21 +107,22 @@ class Replay::Again {
   }
   void take(const trace::Step& s, const trace::LiveView& live) {
     compare_rest();
-    if (s.leaving) node_->leave();
+    if (s.leaving) replica_->leave();
     signature_ = s.signature.value_or(sync::Signature{});
-    if (stepped_) node_->step(s.target);
+    if (stepped_) replica_->step(s.target);
     result_.ticks = s.tick;
-    if (node_->now() != s.tick) differ("the trace steps to it, the replay is at tick " + std::to_string(node_->now()));
+    if (replica_->now() != s.tick)
+      differ("the trace steps to it, the replay is at tick " + std::to_string(replica_->now()));
     compare_live(s, live);
     compare_confirmed();
     next_out_ = 0;
     stepped_ = true;
   }
   void take(const trace::Sent& s) {
-    const auto out = node_->outgoing();
+    const auto out = replica_->outgoing();
     const std::string what =
         "datagram " + std::to_string(next_out_ + 1) + " of the tick, to peer " + std::to_string(s.to);
-    if (s.tick != node_->now()) return differ(what + ", bears tick " + std::to_string(s.tick));
+    if (s.tick != replica_->now()) return differ(what + ", bears tick " + std::to_string(s.tick));
     if (next_out_ >= out.size()) return differ(what + ", is not sent again");
     const node::Outgoing& o = out[next_out_++];
     if (o.to != s.to) return differ(what + ", goes to peer " + std::to_string(o.to) + " now");
@@ -131,25 +132,25 @@ class Replay::Again {
   }
   /// What the last step sent beyond what was recorded.
   void compare_rest() {
-    if (stepped_ && next_out_ < node_->outgoing().size())
-      differ("the replay sends " + std::to_string(node_->outgoing().size()) + " datagrams, " +
+    if (stepped_ && next_out_ < replica_->outgoing().size())
+      differ("the replay sends " + std::to_string(replica_->outgoing().size()) + " datagrams, " +
              std::to_string(next_out_) + " were recorded");
   }
 
   ReplayResult& result() { return result_; }
   const Scene& scene() const { return scene_; }
-  const node::Node* node() const { return node_ ? &*node_ : nullptr; }
+  const node::Replica* replica() const { return replica_ ? &*replica_ : nullptr; }
   std::vector<node::MemberChange> take_changes() {
-    return node_ ? node_->take_changes() : std::vector<node::MemberChange>{};
+    return replica_ ? replica_->take_changes() : std::vector<node::MemberChange>{};
   }
 
  private:
-  node::NodeConfig config() {
-    node::NodeConfig c = config_of(header_);
+  node::ReplicaConfig config() {
+    node::ReplicaConfig c = config_of(header_);
     if (header_.is_signed) c.sign = [this](const sync::Bundle&) { return signature_; };
     return c;
   }
-  node::Node::ConfirmedSink sink() {
+  node::Replica::ConfirmedSink sink() {
     return [this](const sync::FoldState& s, const sync::LazyHash& hash) {
       ours_.push_back({{s.tick, hash}, trace::truth_of(s, header_.technique.authority)});
       if (on_confirmed_) on_confirmed_(s, hash);
@@ -157,12 +158,12 @@ class Replay::Again {
   }
 
   void differ(const std::string& what) {
-    if (result_.difference.empty()) result_.difference = "tick " + std::to_string(node_->now()) + ": " + what;
+    if (result_.difference.empty()) result_.difference = "tick " + std::to_string(replica_->now()) + ": " + what;
   }
 
   void compare_live(const trace::Step& s, const trace::LiveView& live) {
-    const world::View& w = node_->live().world();
-    if (node_->live_hash() != s.live_hash) {
+    const world::View& w = replica_->live().world();
+    if (replica_->live_hash() != s.live_hash) {
       for (std::size_t i = 0; i < live.states.size(); ++i) {
         const auto e = static_cast<EntityId>(i);
         if (w.state(e) == live.states[e]) continue;
@@ -172,7 +173,7 @@ class Replay::Again {
       }
       return differ("live hash differs");
     }
-    if (stepped_ && node_->shown().positions() != live.shown) differ("shown positions differ");
+    if (stepped_ && replica_->shown().positions() != live.shown) differ("shown positions differ");
   }
 
   void compare_confirmed() {
@@ -187,20 +188,20 @@ class Replay::Again {
     if (!recorded_.empty()) differ("the replay does not confirm tick " + std::to_string(recorded_.front().tick.tick));
   }
 
-  std::deque<ConfirmedWorld> ours_;  ///< before the node, which confirms tick 0 while it is built
+  std::deque<ConfirmedWorld> ours_;  ///< before the replica, which confirms tick 0 while it is built
   std::deque<ConfirmedWorld> recorded_;
   Scene scene_;
   std::string label_;
   trace::Header header_;
-  node::Node::ConfirmedSink on_confirmed_;
-  std::optional<node::Node> node_;
+  node::Replica::ConfirmedSink on_confirmed_;
+  std::optional<node::Replica> replica_;
   sync::Signature signature_{};  ///< of what the step to come publishes
   bool stepped_ = false;         ///< the first step of a trace is the state before any
   std::size_t next_out_ = 0;
   ReplayResult result_;
 };
 
-Replay::Replay(trace::TraceReader& trace, node::Node::ConfirmedSink on_confirmed)
+Replay::Replay(trace::TraceReader& trace, node::Replica::ConfirmedSink on_confirmed)
     : trace_(trace), again_(std::make_unique<Again>(trace, std::move(on_confirmed))) {}
 
 Replay::~Replay() = default;
@@ -232,8 +233,8 @@ std::optional<trace::Event> Replay::next() {
 const Scene& Replay::scene() const {
   return again_->scene();
 }
-const node::Node* Replay::node() const {
-  return again_->node();
+const node::Replica* Replay::replica() const {
+  return again_->replica();
 }
 std::vector<node::MemberChange> Replay::take_changes() {
   return again_->take_changes();

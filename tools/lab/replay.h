@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/node/node.h"
+#include "common/replica/replica.h"
 #include "common/trace/trace_reader.h"
 
 namespace padr::lab {
@@ -21,26 +21,26 @@ struct ReplayResult {
   bool identical() const { return difference.empty(); }
 };
 
-/// Feeds a trace's inputs and received datagrams to a fresh node in the order they were recorded in, and compares what
-/// it does with what was recorded: the live world's hash after every tick, what is shown, every confirmed hash, every
-/// datagram sent. Stops at the first difference.
+/// Feeds a trace's inputs and received datagrams to a fresh replica in the order they were recorded in, and compares
+/// what it does with what was recorded: the live world's hash after every tick, what is shown, every confirmed hash,
+/// every datagram sent. Stops at the first difference.
 class Replay {
  public:
-  /// `trace` must outlive it. `on_confirmed` sees what the node confirms, and may be empty. Throws UserError if the
+  /// `trace` must outlive it. `on_confirmed` sees what the replica confirms, and may be empty. Throws UserError if the
   /// trace is of a scenario or a physics that this program does not reproduce.
-  explicit Replay(trace::TraceReader& trace, node::Node::ConfirmedSink on_confirmed = {});
+  explicit Replay(trace::TraceReader& trace, node::Replica::ConfirmedSink on_confirmed = {});
   ~Replay();
   Replay(const Replay&) = delete;
   Replay& operator=(const Replay&) = delete;
 
-  /// What the trace has next, after the node has done it; nothing at the end, and after a difference. Spans in it hold
-  /// until the next call. Throws UserError if the trace is damaged.
+  /// What the trace has next, after the replica has done it; nothing at the end, and after a difference. Spans in it
+  /// hold until the next call. Throws UserError if the trace is damaged.
   std::optional<trace::Event> next();
 
   const Scene& scene() const;
   /// Null before the trace has said what it begins with.
-  const node::Node* node() const;
-  /// Who came and went, as the node has it, since the last call.
+  const node::Replica* replica() const;
+  /// Who came and went, as the replica has it, since the last call.
   std::vector<node::MemberChange> take_changes();
   const ReplayResult& result() const;
 

@@ -106,7 +106,7 @@ void RunCommand::prepare_recordings(const support::LoadedScenario& scenario, con
   if (error) throw UserError("--trace: cannot make the folder " + trace_dir_ + ": " + error.message());
   for (int p = 0; p < peers_; ++p) {
     auto file = std::make_shared<support::OutputFile>("--trace", trace_dir_ + "/peer" + std::to_string(p) + ".trace");
-    node::RecordedNode::Recording r;
+    node::RecordedReplica::Recording r;
     r.provenance.program = "padr-lab";
     r.provenance.revision = std::string(support::revision());
     r.provenance.command = command;

@@ -125,8 +125,8 @@ std::string json_summary(const Simulation& s, const RunFacts& f) {
       j.field("deeds", s.fidelity()->deeds(p));
     }
     put(j, rates_of(s, p, 1));
-    j.field("contests_lost", s.node(p).reporter().contests_lost());
-    j.field("snaps", s.node(p).shown().snaps()).field("snap_m", s.node(p).shown().snap_metres());
+    j.field("contests_lost", s.replica(p).reporter().contests_lost());
+    j.field("snaps", s.replica(p).shown().snaps()).field("snap_m", s.replica(p).shown().snap_metres());
     j.end_object();
   }
   return j.end_array().end_object().text();

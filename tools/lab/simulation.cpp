@@ -26,14 +26,14 @@ Simulation::Simulation(SimulationConfig config)
                                                        std::move(viewers));
   }
   for (PeerId p = 0; p < n; ++p) {
-    node::NodeConfig c;
+    node::ReplicaConfig c;
     c.self = p;
     c.peers = config_.peers;
     c.slots = config_.slots > 0 ? config_.slots : config_.peers;
     c.session = 1;
     c.technique = config_.technique;
     const bool authority = config_.technique.authority;
-    nodes_.push_back(std::make_unique<node::RecordedNode>(
+    nodes_.push_back(std::make_unique<node::RecordedReplica>(
         config_.scene, c, p < config_.recordings.size() ? std::move(config_.recordings[p]) : std::nullopt,
         [this, p, authority](const sync::FoldState& s, std::uint64_t hash) {
           hashes_[p].push_back(hash);
@@ -81,28 +81,28 @@ void Simulation::step() {
 Vec2 Simulation::target_of(PeerId p) {
   if (now_ <= config_.ticks) return config_.inputs[p]->target(now_);
   constexpr float kStopped = 0.05F;  // m/s
-  const world::View& live = node(p).live().world();
-  const EntityId avatar = node(p).live().avatar();
+  const world::View& live = replica(p).live().world();
+  const EntityId avatar = replica(p).live().avatar();
   if (!stands_[p] && length(live.velocity(avatar)) < kStopped) stands_[p] = live.position(avatar);
   return stands_[p].value_or(live.position(avatar));
 }
 
 void Simulation::sample_views() {
   for (PeerId p = 0; p < nodes_.size(); ++p) {
-    const world::View& w = node(p).live().world();
+    const world::View& w = replica(p).live().world();
     view_.live.clear();
     for (const world::Kinematics& k : w.kinematics()) view_.live.push_back(k.position);
-    view_.unowned_alone = plays_unowned_alone(node(p).config().technique);
-    view_.shown = now_ == 0 ? view_.live : node(p).shown().positions();
+    view_.unowned_alone = plays_unowned_alone(replica(p).config().technique);
+    view_.shown = now_ == 0 ? view_.live : replica(p).shown().positions();
     meter_.view(p, now_, view_);
-    if (config_.settle_ticks > 0) live_hashes_[p].push_back(node(p).live_hash());
+    if (config_.settle_ticks > 0) live_hashes_[p].push_back(replica(p).live_hash());
   }
   if (fidelity_) sample_fidelity();
 }
 
 void Simulation::sample_fidelity() {
   for (PeerId p = 0; p < nodes_.size(); ++p) {
-    const world::View& w = node(p).live().world();
+    const world::View& w = replica(p).live().world();
     states_[p].clear();
     for (EntityId e = 0; e < w.entities(); ++e) states_[p].push_back(w.state(e));
     player_views_[p] = {true, states_[p], targets_[p]};

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/link/shim.h"
-#include "common/node/recorded_node.h"
+#include "common/replica/recorded_replica.h"
 #include "common/scenarios/input.h"
 #include "common/trace/fidelity.h"
 #include "common/trace/flips.h"
@@ -23,9 +23,9 @@ struct SimulationConfig {
   Technique technique;
   link::NetemSpec netem;  ///< of every directed link
   std::uint64_t netem_seed = 1;
-  std::vector<scenarios::InputSource*> inputs;                           ///< by peer; not owned
-  std::vector<std::optional<node::RecordedNode::Recording>> recordings;  ///< by peer; empty: none is recorded
-  Tick ticks = 0;                                                        ///< with input
+  std::vector<scenarios::InputSource*> inputs;                              ///< by peer; not owned
+  std::vector<std::optional<node::RecordedReplica::Recording>> recordings;  ///< by peer; empty: none is recorded
+  Tick ticks = 0;                                                           ///< with input
   /// Afterwards, hands off: every avatar brakes, and then stands where it has stopped. Time to come to rest and to
   /// agree.
   Tick settle_ticks = 0;
@@ -48,12 +48,12 @@ class Simulation {
   void step();
   /// Ends the traces, if any; no step may follow.
   void finish();
-  /// As Node::retune, before the next step.
+  /// As Replica::retune, before the next step.
   void retune(PeerId p, const Technique& technique) { nodes_[p]->retune(technique); }
 
   Tick now() const { return now_; }
   int peers() const { return config_.peers; }
-  const node::Node& node(PeerId p) const { return nodes_[p]->node(); }
+  const node::Replica& replica(PeerId p) const { return nodes_[p]->replica(); }
   const link::Shim& shim(PeerId from, PeerId to) const { return *shims_[from][to]; }
   const trace::InconsistencyMeter& meter() const { return meter_; }
   /// What this peer alone has seen, at the ticks with input alone.
@@ -85,7 +85,7 @@ class Simulation {
 
   SimulationConfig config_;
   Tick now_ = 0;
-  std::vector<std::unique_ptr<node::RecordedNode>> nodes_;
+  std::vector<std::unique_ptr<node::RecordedReplica>> nodes_;
   std::vector<std::optional<Vec2>> stands_;  ///< by peer: where its avatar stopped after the end of input
   std::vector<std::vector<std::unique_ptr<link::Shim>>> shims_;
   std::vector<std::vector<std::uint64_t>> hashes_;  ///< by peer: of every confirmed tick

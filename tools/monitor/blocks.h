@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "common/monitor/told.h"
+#include "common/monitor/telemetry.h"
 #include "tools/monitor/request.h"
 
 namespace padr::monitor {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/monitor/told.h"
+#include "common/monitor/telemetry.h"
 #include "common/scenarios/path.h"
 #include "tools/monitor/site.h"
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/monitor/told.h"
+#include "common/monitor/telemetry.h"
 #include "common/trace/metrics.h"
 
 namespace padr::monitor {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/monitor/told.h"
+#include "common/monitor/telemetry.h"
 #include "tools/monitor/pieces.h"
 
 namespace padr::monitor {

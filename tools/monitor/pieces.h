@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "common/monitor/told.h"
+#include "common/monitor/telemetry.h"
 
 namespace padr::monitor {
 

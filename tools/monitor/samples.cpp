@@ -129,7 +129,7 @@ Film film_sample(const Sample& s) {
     config.inputs.push_back(inputs.back().get());
     NamedTrace& trace = traces[static_cast<std::size_t>(p)];
     trace.name = "peer " + std::to_string(p) + " of sample " + std::string(s.name);
-    node::RecordedNode::Recording r;
+    node::RecordedReplica::Recording r;
     r.provenance.program = "padr-lab";
     r.provenance.revision = std::string(support::revision());
     r.provenance.command = {lab_command(s)};

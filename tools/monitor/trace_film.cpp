@@ -99,7 +99,7 @@ class Actor {
   trace::PlayerView view(Tick tick) {
     live_.clear();
     if (over_ || at_ != tick || outside_) return {};
-    const world::View& w = replay_->node()->live().world();
+    const world::View& w = replay_->replica()->live().world();
     for (EntityId e = 0; e < w.entities(); ++e) live_.push_back(w.state(e));
     return {true, live_, target_};
   }
@@ -148,14 +148,14 @@ class Actor {
     at_ = step.tick;
     target_ = step.target;
     outside_ = step.outside || step.leaving;
-    const node::Node& node = *replay_->node();
+    const node::Replica& replica = *replay_->replica();
     if (first) {
       say_hello(header().technique, session);
-      sampler_->begin(node, "");
+      sampler_->begin(replica, "");
       tell_events(session);
       return;
     }
-    sampler_->observe(node);
+    sampler_->observe(replica);
     for (const node::MemberChange& c : replay_->take_changes()) sampler_->observe(c);
     tell_events(session);
     if (step.lateness > kMicrosPerSecond / kTicksPerSecond) ++late_;
@@ -164,9 +164,9 @@ class Actor {
     agreed_.clear();
     if (!sampler_->due(at_)) return;
     Frame frame;
-    sampler_->frame(node, step.target, frame);
+    sampler_->frame(replica, step.target, frame);
     tell(session, std::move(frame));
-    Status status = Sampler::status(node);
+    Status status = Sampler::status(replica);
     status.steps = static_cast<std::uint64_t>(at_ - first_);
     status.late_ticks = late_;
     status.worst_late_us = worst_;

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "common/model/user_error.h"
-#include "common/node/node.h"
+#include "common/replica/replica.h"
 #include "common/scenarios/scenarios.h"
 #include "common/trace/fidelity.h"
 #include "common/trace/trace_reader.h"

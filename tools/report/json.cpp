@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "common/sync/admit.h"
+#include "common/sync/validation.h"
 #include "tools/report/outputs.h"
 #include "tools/report/rates.h"
 #include "tools/support/revision.h"

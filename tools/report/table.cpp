@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "common/sync/admit.h"
+#include "common/sync/validation.h"
 #include "tools/report/outputs.h"
 #include "tools/report/rates.h"
 #include "tools/support/text.h"
@@ -135,8 +135,11 @@ std::string links_table(const Report& r) {
            fixed(l.loss_percent(), 2), count(l.duplicates), fixed(l.reordered_percent(), 2), fixed(l.delay_mean_ms, 1),
            fixed(l.delay_p50_ms, 1), fixed(l.delay_p95_ms, 1), fixed(l.jitter_ms, 1)});
   return "\n" + which +
-         ". Of: datagrams sent a second or more before the receiver's trace ends. Lost: those of them that are not in\n"
-         "that trace. Delay: one way, from the start of the tick of sending to reception, by both session clocks.\n" +
+         ". Column `of`: the datagrams that were sent at least 1 s before the end of the receiver's trace. Lost: those "
+         "of\n"
+         "them that are not in that trace. Delay: from the start of the sending tick (sender's session clock) until "
+         "arrival\n"
+         "(receiver's session clock).\n" +
          g.text();
 }
 

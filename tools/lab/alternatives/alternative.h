@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/model/scene.h"
-#include "common/node/node.h"
+#include "common/replica/replica.h"
 #include "tools/lab/alternatives/claims.h"
 #include "tools/lab/alternatives/spec.h"
 
@@ -28,7 +28,7 @@ struct AlternativeStats {
   std::uint64_t datagrams_dropped = 0;  ///< that came and were damaged, foreign, or of no use any more
 };
 
-/// One peer of a session that is kept together by somebody else's technique; driven as node::Node is.
+/// One peer of a session that is kept together by somebody else's technique; driven as node::Replica is.
 class Alternative {
  public:
   virtual ~Alternative() = default;

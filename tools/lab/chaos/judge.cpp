@@ -19,16 +19,16 @@ std::string name(int person) {
 
 }  // namespace
 
-Judge::Judge(Gathering& gathering) : gathering_(gathering) {
-  gathering_.on_confirmed = [this](int person, int life, const sync::FoldState& s, std::uint64_t hash) {
+Judge::Judge(VirtualNetwork& network) : network_(network) {
+  network_.on_confirmed = [this](int person, int life, const sync::FoldState& s, std::uint64_t hash) {
     confirmed(person, life, s, hash);
   };
-  gathering_.on_turn = [this](int person) { turn(person); };
+  network_.on_turn = [this](int person) { turn(person); };
 }
 
 void Judge::blame(const std::string& what) {
   if (violation_.empty())
-    violation_ = "at " + std::to_string(static_cast<double>(gathering_.now()) / 1e6) + " s: " + what;
+    violation_ = "at " + std::to_string(static_cast<double>(network_.now()) / 1e6) + " s: " + what;
 }
 
 void Judge::confirmed(int person, int life, const sync::FoldState& s, std::uint64_t hash) {
@@ -45,7 +45,7 @@ void Judge::confirmed(int person, int life, const sync::FoldState& s, std::uint6
 
 // Nobody among honest peers has cause to cut anybody off.
 void Judge::check_drops(int person) {
-  const auto& dropped = gathering_.peer(person).node().stats().dropped;
+  const auto& dropped = network_.peer(person).replica().stats().dropped;
   for (const sync::DropReason why : {sync::DropReason::kMalformed, sync::DropReason::kEntity, sync::DropReason::kValue,
                                      sync::DropReason::kSignature, sync::DropReason::kCutOff})
     if (dropped[static_cast<std::size_t>(why)] > 0)
@@ -55,10 +55,10 @@ void Judge::check_drops(int person) {
 
 void Judge::turn(int person) {
   if (liars_.contains(person)) return heard_.clear();
-  const node::Participant& p = gathering_.peer(person);
+  const node::Participant& p = network_.peer(person);
   if (p.playing() && liars_.empty()) check_drops(person);
-  if (p.playing() && !p.node().expelled()) {
-    const node::Node& n = p.node();
+  if (p.playing() && !p.replica().expelled()) {
+    const node::Replica& n = p.replica();
     Record r{person, 0, {n.self(), n.config().incarnation}, {}};
     for (PeerId q = 0; q < n.config().slots; ++q)
       if (q != n.self() && n.other(q).there()) r.others.emplace_back(q, n.other(q).incarnation);
@@ -89,20 +89,20 @@ void Judge::compare(Tick t, Record r) {
 
 void Judge::final_check() {
   std::vector<int> all;
-  for (int p = 0; p < gathering_.persons(); ++p)
-    if (gathering_.runs(p) && !gathering_.leaving(p) && !gathering_.knocks_in_vain(p)) all.push_back(p);
+  for (int p = 0; p < network_.persons(); ++p)
+    if (network_.runs(p) && !network_.leaving(p) && !network_.knocks_in_vain(p)) all.push_back(p);
   for (const int p : all) {
-    const node::Participant& a = gathering_.peer(p);
+    const node::Participant& a = network_.peer(p);
     if (!a.playing()) return blame(name(p) + " has not come in");
     if (a.returning()) return blame(name(p) + " is still on its way back");
-    const node::Node& n = a.node();
+    const node::Replica& n = a.replica();
     if (n.now() - n.agreed().confirmed().tick > kMostLag)
       return blame(name(p) + "'s confirmed world is " + std::to_string(n.now() - n.agreed().confirmed().tick) +
                    " ticks behind");
     if (n.stats().hash_mismatches > 0) return blame(name(p) + " has found another's confirmed world to differ");
     for (const int q : all) {
-      if (q == p || !gathering_.peer(q).playing()) continue;
-      const node::Node& m = gathering_.peer(q).node();
+      if (q == p || !network_.peer(q).playing()) continue;
+      const node::Replica& m = network_.peer(q).replica();
       const node::Neighbour& seen = n.other(m.self());
       if (!seen.there() || seen.incarnation != m.config().incarnation)
         return blame(name(p) + " does not know " + name(q) + " as a member");

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/lab/chaos/gathering.h"
+#include "tools/lab/chaos/virtual_network.h"
 
 namespace padr::lab {
 
@@ -17,7 +17,7 @@ namespace padr::lab {
 /// updates of its own that nobody ever got: neither takes the other for a member any more.)
 class Judge {
  public:
-  explicit Judge(Gathering& gathering);
+  explicit Judge(VirtualNetwork& network);
 
   /// This person lies: it is nobody's peer, and what others drop may be its doing.
   void expect_lies_of(int person) { liars_.insert(person); }
@@ -48,7 +48,7 @@ class Judge {
   void compare(Tick t, Record r);
   void blame(const std::string& what);
 
-  Gathering& gathering_;
+  VirtualNetwork& network_;
   std::vector<Heard> heard_;
   std::map<Tick, std::vector<Record>> records_;
   std::set<int> liars_;

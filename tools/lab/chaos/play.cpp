@@ -13,7 +13,7 @@ using Kind = ChaosEvent::Kind;
 /// Does what a script says, and undoes what lasts only for a while.
 class Stage {
  public:
-  Stage(Gathering& g, const Scene& scene) : gathering_(g), scene_(scene) {}
+  Stage(VirtualNetwork& g, const Scene& scene) : network_(g), scene_(scene) {}
 
   void act(const ChaosEvent& e) {
     const std::vector<int> there = those_there();
@@ -21,33 +21,33 @@ class Stage {
     const int who = there[e.pick % there.size()];
     switch (e.kind) {
       case Kind::kStart:
-        gathering_.start(who);
+        network_.start(who);
         return;
       case Kind::kLeave:
-        if (there.size() > 1) gathering_.leave(who);
+        if (there.size() > 1) network_.leave(who);
         return;
       case Kind::kKill:
-        if (there.size() > 1) gathering_.kill(who);
+        if (there.size() > 1) network_.kill(who);
         return;
       case Kind::kPause:
-        gathering_.pause(who, true);
+        network_.pause(who, true);
         undo_.push_back({e.at + e.span, Kind::kPause, who});
         return;
       case Kind::kDivide: {
         std::map<int, int> sides;
-        for (int p = 0; p < gathering_.persons(); ++p) sides[p] = static_cast<int>(e.pick >> (p % 60) & 1U);
-        gathering_.divide(std::move(sides));
+        for (int p = 0; p < network_.persons(); ++p) sides[p] = static_cast<int>(e.pick >> (p % 60) & 1U);
+        network_.divide(std::move(sides));
         undo_.push_back({e.at + e.span, Kind::kDivide, 0});
         return;
       }
       case Kind::kShape:
-        gathering_.shape(link::parse_netem(chaos_links()[e.pick % chaos_links().size()]));
+        network_.shape(link::parse_netem(chaos_links()[e.pick % chaos_links().size()]));
         return;
       case Kind::kFight: {
         const double x = static_cast<double>(e.pick & 0xFFFFU) / 65536;
         const double y = static_cast<double>(e.pick >> 16U & 0xFFFFU) / 65536;
-        gathering_.attract(Vec2{static_cast<float>(scene_.lower.x + x * (scene_.upper.x - scene_.lower.x)),
-                                static_cast<float>(scene_.lower.y + y * (scene_.upper.y - scene_.lower.y))});
+        network_.attract(Vec2{static_cast<float>(scene_.lower.x + x * (scene_.upper.x - scene_.lower.x)),
+                              static_cast<float>(scene_.lower.y + y * (scene_.upper.y - scene_.lower.y))});
         undo_.push_back({e.at + e.span, Kind::kFight, 0});
         return;
       }
@@ -63,9 +63,9 @@ class Stage {
   void undo_until(Micros t) {
     for (const Undo& u : undo_) {
       if (u.at > t) continue;
-      if (u.kind == Kind::kPause) gathering_.pause(u.who, false);
-      if (u.kind == Kind::kDivide) gathering_.divide({});
-      if (u.kind == Kind::kFight) gathering_.attract({});
+      if (u.kind == Kind::kPause) network_.pause(u.who, false);
+      if (u.kind == Kind::kDivide) network_.divide({});
+      if (u.kind == Kind::kFight) network_.attract({});
     }
     std::erase_if(undo_, [t](const Undo& u) { return u.at <= t; });
   }
@@ -78,17 +78,17 @@ class Stage {
   };
   std::vector<int> those_there() const {
     std::vector<int> there;
-    for (int p = 0; p < gathering_.persons(); ++p)
-      if (gathering_.runs(p) && !gathering_.leaving(p) && gathering_.peer(p).playing()) there.push_back(p);
+    for (int p = 0; p < network_.persons(); ++p)
+      if (network_.runs(p) && !network_.leaving(p) && network_.peer(p).playing()) there.push_back(p);
     return there;
   }
 
-  Gathering& gathering_;
+  VirtualNetwork& network_;
   const Scene& scene_;
   std::vector<Undo> undo_;
 };
 
-void fill_outcome(const Gathering& g, const ChaosPlay& how, int founders, ChaosOutcome& out) {
+void fill_outcome(const VirtualNetwork& g, const ChaosPlay& how, int founders, ChaosOutcome& out) {
   out.peers = g.persons();
   for (int p = 0; p < g.persons(); ++p) {
     out.lives += g.peer(p).life() + 1;
@@ -103,7 +103,7 @@ void fill_outcome(const Gathering& g, const ChaosPlay& how, int founders, ChaosO
 }  // namespace
 
 ChaosOutcome play(const ChaosPlay& how, const ChaosScript& script) {
-  GatheringConfig config;
+  VirtualNetworkConfig config;
   config.scene = how.scene;
   config.technique = how.technique;
   config.netem = link::parse_netem(chaos_links().front());
@@ -113,7 +113,7 @@ ChaosOutcome play(const ChaosPlay& how, const ChaosScript& script) {
   config.wanted = script.founders;
   config.most_ppm = 200;                   // as much as cheap quartz is off
   config.refusals = script.seed % 2 == 1;  // some networks tell, some do not
-  Gathering g(std::move(config));
+  VirtualNetwork g(std::move(config));
   Judge judge(g);
   Stage stage(g, how.scene);
   g.start({});

@@ -29,9 +29,9 @@ void Takes::run() {
 
 void Takes::film() {
   for (std::size_t m = 0; m < kMethods.size(); ++m)
-    footage.shown[m].push_back(simulations[m]->node(footage.viewer).shown().positions());
+    footage.shown[m].push_back(simulations[m]->replica(footage.viewer).shown().positions());
   const Simulation& s = *simulations.front();
-  const node::Node& viewer = s.node(footage.viewer);
+  const node::Replica& viewer = s.replica(footage.viewer);
   const world::View& seen = viewer.live().world();
   const std::vector<sync::Authority>& authority = viewer.agreed().predicted_state().authority;
   Footage::Positions truth;
@@ -41,7 +41,7 @@ void Takes::film() {
     const PeerId owner = e < seen.bodies() ? authority[e].holder() : static_cast<PeerId>(e - seen.bodies());
     foreign.push_back(owner != footage.viewer && owner != kNoPeer);
     angles.push_back(seen.state(e).angle);
-    truth.push_back((foreign.back() ? s.node(owner).live().world() : seen).position(e));
+    truth.push_back((foreign.back() ? s.replica(owner).live().world() : seen).position(e));
   }
   footage.truth.push_back(std::move(truth));
   footage.angles.push_back(std::move(angles));

@@ -5,13 +5,13 @@
 namespace padr::lab {
 namespace {
 
-const node::Node* node_in(const crowd::CrowdPeer& peer, crowd::Region r) {
+const node::Replica* node_in(const crowd::CrowdPeer& peer, crowd::Region r) {
   for (const crowd::Post& post : peer.posts())
-    if (post.region == r) return &post.peer->node();
+    if (post.region == r) return &post.peer->replica();
   return nullptr;
 }
 
-std::optional<Vec2> avatar_as_seen(const node::Node& n, const Endpoint& of) {
+std::optional<Vec2> avatar_as_seen(const node::Replica& n, const Endpoint& of) {
   for (PeerId p = 0; p < n.config().slots; ++p)
     if (p != n.self() && n.other(p).there() && same_place(n.other(p).at, of) &&
         n.agreed().predicted_state().avatars[p].present)
@@ -43,7 +43,7 @@ void Census::find_truth(const CrowdRun& run) {
   bodies_.clear();
   for (int i = 0; i < run.persons(); ++i)
     for (const crowd::Post& post : run.peer(i).posts()) {
-      const node::Node& n = post.peer->node();
+      const node::Replica& n = post.peer->replica();
       const sync::FoldState& s = n.agreed().predicted_state();
       for (EntityId b = 0; b < s.residents.slots.size(); ++b) {
         const sync::Resident& who = s.residents.slots[b];
@@ -65,7 +65,7 @@ void Census::look_at_avatars(const CrowdRun& run, int person) {
       for (const int other : cell->second) {
         const Vec2 truth = run.peer(other).avatar().position;
         if (other == person || distance(self, truth) > near_) continue;
-        const node::Node* n = node_in(run.peer(person), run.peer(other).home());
+        const node::Replica* n = node_in(run.peer(person), run.peer(other).home());
         const auto seen = n != nullptr ? avatar_as_seen(*n, run.place_of(other)) : std::nullopt;
         if (!seen) {
           ++unseen_;
@@ -81,7 +81,7 @@ void Census::look_at_bodies(const CrowdRun& run, int person) {
   const Vec2 self = run.peer(person).avatar().position;
   std::map<sync::BodyName, Truth> seen;
   for (const crowd::Post& post : run.peer(person).posts()) {
-    const node::Node& n = post.peer->node();
+    const node::Replica& n = post.peer->replica();
     const auto& slots = n.live().residents().slots;
     for (EntityId b = 0; b < slots.size(); ++b) {
       if (!slots[b].present) continue;

@@ -267,7 +267,7 @@ CrowdRow CrowdCommand::Watched::row(double seconds) const {
   r.late = (after.late - before_.late) * each_second / kTicksPerSecond;
   for (int i = 0; i < run_.persons(); ++i) {
     r.failed += run_.peer(i).stats().failed;
-    r.bodies_over += run_.peer(i).customs().entries();
+    r.bodies_over += run_.peer(i).handover().entries();
   }
   r.bodies = inventory_of(run_, plane_);
   r.compared = run_.compared();

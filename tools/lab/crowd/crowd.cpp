@@ -160,7 +160,7 @@ void CrowdRun::shove(std::size_t person, Tick t) {
   if (standing_ || !p.peer->playing() || !rng.chance(config_.shoves / kTicksPerSecond)) return;
   std::vector<std::pair<crowd::Region, EntityId>> near;
   for (const crowd::Post& post : p.peer->posts()) {
-    const node::Node& n = post.peer->node();
+    const node::Replica& n = post.peer->replica();
     for (EntityId b = 0; b < n.live().residents().slots.size(); ++b)
       if (n.live().residents().slots[b].present &&
           distance(n.live().world().position(b), p.peer->avatar().position) < kNear)

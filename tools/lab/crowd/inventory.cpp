@@ -14,7 +14,7 @@ Inventory inventory_of(const CrowdRun& run, const crowd::Plane& plane) {
     ours.insert(crowd::id_of(region));
     for (const crowd::Post& post : run.peer(members.front()).posts()) {
       if (post.region != region) continue;
-      for (const sync::Resident& r : post.peer->node().agreed().confirmed().residents.slots) {
+      for (const sync::Resident& r : post.peer->replica().agreed().confirmed().residents.slots) {
         if (!r.present) continue;
         if (found[r.name]++ > 0) ++inv.doubled;
         if (r.name.region != crowd::id_of(region)) ++inv.abroad;

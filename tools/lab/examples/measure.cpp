@@ -144,8 +144,8 @@ class Play {
         simulation_(config(story, take, technique, netem)) {}
 
   Simulation& simulation() { return simulation_; }
-  const world::View& truth() const { return simulation_.node(0).live().world(); }
-  const world::View& believed() const { return simulation_.node(1).live().world(); }
+  const world::View& truth() const { return simulation_.replica(0).live().world(); }
+  const world::View& believed() const { return simulation_.replica(1).live().world(); }
 
  private:
   SimulationConfig config(const Story& story, int take, const Technique& technique, const link::NetemSpec& netem) {
@@ -190,11 +190,11 @@ Cost measure(const Story& story, int take, const TrueStory& truth, const Techniq
   Costing costing(truth, story.scene.bodies.size());
   play.simulation().run([&](Tick now) {
     costing.tick(play.truth(), play.believed(), now);
-    if (play.simulation().node(0).prediction().interaction) costing.warned(now);
+    if (play.simulation().replica(0).prediction().interaction) costing.warned(now);
     if (on_tick) on_tick({now, states_of(play.truth()), states_of(play.believed())});
   });
   Cost cost = costing.result();
-  const node::NodeStats& stats = play.simulation().node(0).stats();
+  const node::ReplicaStats& stats = play.simulation().replica(0).stats();
   for (const std::uint64_t n : stats.updates_by_cause) cost.updates += static_cast<double>(n);
   cost.kbit = static_cast<double>(stats.wire_bytes_sent) * 8 / 1000;
   return cost;

@@ -158,8 +158,8 @@ std::string table(const Plan& plan, const Results& r, const std::vector<Claim>& 
   }
   s += "\n";
   for (const Claim& c : claims)
-    s += "Figure " + c.figure + ": " + padded(c.id, 24) + " of the means: " + (c.on_average ? "yes" : "NO ") +
-         ", of single runs: in " + share_text(c) + "\n";
+    s += "Figure " + c.figure + ": " + padded(c.id, 24) + " holds for the means: " + (c.on_average ? "yes" : "NO ") +
+         "; holds in single runs: " + share_text(c) + "\n";
   return s;
 }
 

@@ -27,7 +27,7 @@ bool touches_body(const sync::LiveWorld& live) {
   });
 }
 
-void note_traffic(const node::NodeStats& stats, FigureRun& r) {
+void note_traffic(const node::ReplicaStats& stats, FigureRun& r) {
   r.updates_by_cause = stats.updates_by_cause;
   for (const std::uint64_t n : r.updates_by_cause) r.updates += n;
   r.datagrams = stats.datagrams_sent;
@@ -68,14 +68,14 @@ FigureRun run_figure(const Case& c, const Setting& s, const link::NetemSpec& net
   std::vector<bool> predicted;
   simulation.run([&](Tick now) {
     if (now > ticks) return;
-    const node::Node& node = simulation.node(kDriver);
-    const world::View& live = node.live().world();
-    r.threshold_m.push_back(node.threshold());
-    r.touching.push_back(touches_body(node.live()));
-    r.path.push_back(live.position(node.live().avatar()));
-    predicted.push_back(node.prediction().interaction);
+    const node::Replica& replica = simulation.replica(kDriver);
+    const world::View& live = replica.live().world();
+    r.threshold_m.push_back(replica.threshold());
+    r.touching.push_back(touches_body(replica.live()));
+    r.path.push_back(live.position(replica.live().avatar()));
+    predicted.push_back(replica.prediction().interaction);
     if (now < ticks) return;
-    note_traffic(node.stats(), r);
+    note_traffic(replica.stats(), r);
     for (EntityId b = 0; b < live.bodies(); ++b) r.bodies_end.push_back(live.state(b));
   });
   r.watched = simulation.seen_with_input(kWatcher);

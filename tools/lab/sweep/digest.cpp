@@ -130,7 +130,7 @@ std::string digest(const StoredRows& stored, std::size_t most) {
     for (const Group& g : groups) widths[k] = std::max(widths[k], g.key[k].size());
     heading += format("%-*s  ", static_cast<int>(widths[k]), name.c_str());
   }
-  std::string text = fixed + "; inconsistency in m, means over seeds; +-: 95 % interval of the mean\n" + heading +
+  std::string text = fixed + "; inconsistency in m, means over seeds; mean +- half of its 95 % interval\n" + heading +
                      "  runs     mean      +-  avatars   bodies     peak   " + (at.has_fidelity ? "fidelity   " : "") +
                      "kbit/s\n";
   for (const Group& g : groups) {

@@ -1,0 +1,163 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "common/channel/outbox.h"
+#include "common/channel/parcel.h"
+#include "common/channel/replay_window.h"
+#include "common/wire/handshake.h"
+
+namespace padr::node {
+
+struct ChannelConfig {
+  wire::Key session{};  ///< the session's key
+  /// 32 bytes that nobody can guess and no other run of the program has: the secret key and the cookies come of them.
+  wire::Key seed{};
+  wire::SealMode mode = wire::SealMode::kAuth;  ///< of what goes out; not kNone
+  /// Told of the keys of those who have proven theirs, or whom we were told of: once for each direction, who sends, who
+  /// receives (public keys), and the key. Of so many peers at most: whoever has the session's key can come under any
+  /// number of names.
+  std::function<void(const PublicKey& from, const PublicKey& to, const wire::Key& key)> on_key;
+  std::size_t most_keys = 4096;
+};
+
+/// Why a datagram went no further.
+enum class ChannelDrop : std::uint8_t {
+  kForm,      ///< not of this protocol and version
+  kUnsealed,  ///< of this protocol, without a seal
+  kStranger,  ///< sealed by somebody with whom there are no keys
+  kReplay,    ///< has been here, or is too old to tell
+  kTag,       ///< tampered with, or made with another key
+  kCookie,    ///< an introduction from an address that has not proven itself
+  kFull,      ///< no room for yet another peer
+};
+inline constexpr std::size_t kChannelDrops = 7;
+inline constexpr std::array<std::string_view, kChannelDrops> kChannelDropNames{"form", "unsealed", "stranger", "replay",
+                                                                               "tag",  "cookie",   "full"};
+
+struct ChannelStats {
+  std::uint64_t datagrams = 0;  ///< that came
+  std::uint64_t passed = 0;
+  std::uint64_t handshakes = 0;  ///< messages of it that were right
+  std::uint64_t moves = 0;       ///< peers that were found at another address than before
+  std::array<std::uint64_t, kChannelDrops> dropped{};
+};
+
+/// Between the network and a peer in a session with a key: seals what goes out, and lets in what was sealed by somebody
+/// who has the session's key, for us, once. Whoever comes in is named by place and public key; a peer whose place
+/// changes keeps its name. Whoever passes datagrams on can make it seem to have moved, so that what is for it goes to
+/// where it was, too, until enough has come from the new place.
+///
+/// Two programs get to know one another's keys by a handshake, or from others whom they know: endpoints that carry a
+/// key are enough to begin with, and the handshake goes on beside until there is an answer. Everything is repeated by
+/// those who send: there are no timers here.
+class SecureChannels {
+ public:
+  explicit SecureChannels(ChannelConfig config);
+
+  const PublicKey& key() const { return public_; }
+  /// Of the same pair.
+  wire::SigningKey signing_key() const { return wire::signing_key(secret_); }
+
+  struct Arrival {
+    Endpoint from;
+    std::span<const std::byte> datagram;  ///< unsealed; until the next one arrives
+  };
+  /// A datagram has arrived from `place`.
+  std::optional<Arrival> receive(const Endpoint& place, std::span<const std::byte> datagram, Micros local);
+  /// Seals an unsealed datagram for whoever `to` names; without a key in it, for whoever is found at that place.
+  /// `state_to`: as in Parcel.
+  void send(const Endpoint& to, PeerId state_to, std::span<const std::byte> datagram, Micros local);
+  /// What to send, by place, in order, since the last time; until the next call of anything.
+  std::span<const Parcel> take_outgoing() { return outgoing_.take(); }
+
+  const ChannelStats& stats() const { return stats_; }
+  std::size_t channels() const { return channels_.size(); }
+  /// Places that were sent something, and of which nobody's key is known yet.
+  std::size_t callers() const { return callers_.size(); }
+
+  static constexpr std::size_t kMostChannels = 256;
+  static constexpr std::size_t kMostWaiting = 8;
+  /// No more keys are told.
+  bool has_told_all_keys() const { return keys_told_ == config_.most_keys; }
+  static constexpr int kSettled = 8;
+
+ private:
+  /// Somebody whose public key we know.
+  struct Channel {
+    PublicKey key{};
+    std::uint32_t id = 0;
+    wire::PairKeys keys;
+    Endpoint name;  ///< as we were told of it, or first met it
+    Endpoint at;    ///< where it is, by what it sent last
+    Endpoint home;  ///< where it was before, until it has settled there
+    int here = 0;   ///< of its newest datagrams in a row, how many came from there; counted to kSettled
+    NumberWindow<4096> window;
+    bool met = false;  ///< something of it has come
+    Micros heard = 0;  ///< when, or when we began
+    Micros greeted = kNever;
+    std::uint64_t nonce = 0;  ///< of the last Hello; 0: none is out
+    std::optional<wire::Tag> cookie;
+    Micros baked = 0;  ///< when the cookie came
+  };
+  /// Somebody of whom we know only the place.
+  struct Caller {
+    Endpoint place;
+    std::uint64_t nonce = 0;
+    Micros greeted = kNever;
+    Micros since = 0;
+    Parcel waiting;  ///< what was to be sent last
+  };
+  static constexpr Micros kNever = -(Micros{1} << 60U);
+
+  Channel* known(const PublicKey& key);
+  Channel* lately_at(const Endpoint& place, Micros local);
+  Channel* make(const PublicKey& key, const Endpoint& at, Micros local);
+  /// What would be kept of somebody; nothing if it is no key.
+  std::optional<Channel> channel_to(const PublicKey& key, const Endpoint& at, Micros local) const;
+  /// Without forgetting anybody who was there a moment ago.
+  bool has_room(Micros local);
+  std::list<Channel>::iterator quietest();
+  /// Whoever has been quiet for the longest makes room.
+  Channel& keep(const Channel& c);
+  void tell_keys(const Channel& c);
+  void greet(const Endpoint& place, std::uint64_t& nonce, Micros& greeted, Micros pace, Micros local);
+  void call(const Endpoint& to, PeerId state_to, std::span<const std::byte> datagram, Micros local);
+  void post(Channel& to, PeerId state_to, std::span<const std::byte> datagram);
+  void introduce(Channel& to);
+  void keep_company(Channel& c, Micros local);
+  void heard(Channel& c, const Endpoint& place, std::uint64_t number, Micros local);
+  wire::Tag cookie_for(const Endpoint& place, const PublicKey& key, std::int64_t age) const;
+  std::optional<Arrival> drop(ChannelDrop why);
+  /// That a datagram with this number is new, and of whom it says; counts it as dropped if not.
+  bool proven(const Channel& c, std::uint64_t number, std::span<const std::byte> datagram);
+  void take(const Endpoint& place, const wire::Hello& hello, Micros local);
+  void take(const Endpoint& place, const wire::Cookie& cookie, Micros local);
+  void take(const Endpoint& place, const wire::Introduction& in, std::span<const std::byte> datagram, Micros local);
+  void take(const Endpoint& place, const wire::Acceptance& in, std::span<const std::byte> datagram, Micros local);
+
+  ChannelConfig config_;
+  wire::Key secret_;
+  PublicKey public_;
+  std::uint32_t id_;
+  wire::Key handshake_;
+  wire::Key cookies_;
+  std::uint64_t nonces_;      ///< state of their generator
+  std::uint64_t number_ = 0;  ///< of the last datagram sealed, for whomever
+  std::list<Channel> channels_;
+  std::list<Caller> callers_;
+  std::size_t keys_told_ = 0;
+  Outbox outgoing_;
+  wire::Bytes sealed_;    ///< what is being sent
+  wire::Bytes unsealed_;  ///< what has arrived
+  ChannelStats stats_;
+};
+
+}  // namespace padr::node

@@ -1,0 +1,203 @@
+#include "common/membership/admissions.h"
+
+#include <algorithm>
+
+#include "common/membership/session_objection.h"
+#include "common/wire/secret.h"
+#include "common/wire/transfer_codec.h"
+
+namespace padr::node {
+namespace {
+
+/// Time for which a transfer is kept for a joiner; a joiner takes well under a second.
+constexpr Micros kStay = 8 * kMicrosPerSecond;
+/// Most pieces in reply to one Pull.
+constexpr int kBurst = 64;
+constexpr std::uint64_t kSpread = 127;
+/// Silence of a peer after which its slot may come free.
+constexpr Tick kMayBeGone = kTicksPerSecond;
+
+}  // namespace
+
+Admissions::Guest* Admissions::guest_at(const Endpoint& where, std::uint64_t nonce) {
+  const auto it =
+      std::find_if(guests_.begin(), guests_.end(), [&](const Guest& g) { return g.at == where && g.nonce == nonce; });
+  return it == guests_.end() ? nullptr : &*it;
+}
+
+// Not 0.
+std::uint64_t Admissions::cookie_for(const Endpoint& where, std::uint64_t nonce) const {
+  wire::Key key{};
+  for (unsigned i = 0; i < 8; ++i) key[i] = static_cast<std::uint8_t>(session_.config.secret >> (8 * i));
+  wire::Bytes text;
+  for (const std::uint8_t b : where.address) text.push_back(static_cast<std::byte>(b));
+  for (unsigned i = 0; i < 16; i += 8) text.push_back(static_cast<std::byte>(where.port >> i));
+  for (unsigned i = 0; i < 64; i += 8) text.push_back(static_cast<std::byte>(nonce >> i));
+  const wire::Tag tag = wire::tag_of(key, text);
+  std::uint64_t cookie = 0;
+  for (unsigned i = 0; i < 8; ++i) cookie |= std::to_integer<std::uint64_t>(tag[i]) << (8 * i);
+  return std::max<std::uint64_t>(cookie, 1);
+}
+
+void Admissions::refuse(const Endpoint& from, const wire::Join& join, const std::string& reason) {
+  session_.send(from, wire::Refuse{join.nonce, reason});
+  session_.note("refused " + to_string(from) + ": " + reason, true);
+}
+
+void Admissions::on_join(const Endpoint& from, const wire::Join& join, const RecordedReplica& replica, Micros local) {
+  if (!session_.may_answer(local)) return;
+  Guest* guest = guest_at(from, join.nonce);
+  if (guest == nullptr) {
+    const std::string reason = objection(session_.config, join);
+    if (!reason.empty()) return refuse(from, join, reason);
+    guest = take_in(from, join, replica.replica(), local);
+    if (guest == nullptr) return;
+  }
+  wire::Welcome w;
+  w.nonce = join.nonce;
+  w.peer = guest->slot;
+  w.slots = session_.slots;
+  w.wanted = session_.wanted;
+  w.running = true;
+  w.incarnation = guest->incarnation;
+  w.cookie = guest->cookie;
+  session_.send(from, w);
+}
+
+Admissions::Guest* Admissions::take_in(const Endpoint& from, const wire::Join& join, const Replica& replica,
+                                       Micros local) {
+  std::erase_if(guests_, [&](const Guest& g) { return same_place(g.at, from) && !g.ordered; });  // started anew
+  const auto slot = free_slot(replica);
+  if (!slot) {
+    if (!may_come_free(replica))
+      refuse(from, join,
+             "the session is full: " + std::to_string(session_.slots) + " of " + std::to_string(session_.slots) +
+                 " slots are taken");
+    return nullptr;
+  }
+  Guest g;
+  g.at = from;
+  g.nonce = join.nonce;
+  g.cookie = cookie_for(from, join.nonce);
+  g.slot = *slot;
+  g.since = local;
+  // Never another peer's incarnation: late datagrams name by it whom they mean.
+  g.incarnation = replica.newest_incarnation();
+  for (const Guest& other : guests_) g.incarnation = std::max(g.incarnation, other.incarnation);
+  // And hardly ever one that the other part of a partition gives at the same time.
+  g.incarnation += 1 + static_cast<std::uint32_t>(join.nonce % kSpread);
+  guests_.push_back(std::move(g));
+  return &guests_.back();
+}
+
+bool Admissions::is_free(PeerId p, const Replica& replica) const {
+  const sync::UpdateLog& log = replica.agreed().log();
+  const bool empty = !replica.other(p).reachable() || replica.departed(p);
+  return p != session_.self && empty && log.closed(p) && !log.waits(p);
+}
+
+std::optional<PeerId> Admissions::free_slot(const Replica& replica) const {
+  for (PeerId p = 0; p < session_.slots; ++p) {
+    const bool promised = std::any_of(guests_.begin(), guests_.end(), [p](const Guest& g) { return g.slot == p; });
+    if (is_free(p, replica) && !promised) return p;
+  }
+  return std::nullopt;
+}
+
+// The coordinator before has left. It may have admitted a joiner by an order that is not here yet.
+bool Admissions::knows_all_orders(const Replica& replica) const {
+  const sync::UpdateLog& log = replica.agreed().log();
+  for (PeerId p = 0; p < session_.slots; ++p)
+    if (p != session_.self && log.closed(p) && log.waits(p)) return false;
+  return true;
+}
+
+bool Admissions::may_come_free(const Replica& replica) const {
+  if (!guests_.empty()) return true;
+  for (PeerId p = 0; p < session_.slots; ++p) {
+    const Neighbour& n = replica.other(p);
+    if (p != session_.self && (!n.there() || replica.unanswered(p) > kMayBeGone)) return true;
+  }
+  return false;
+}
+
+bool Admissions::on_ping(const Endpoint& from, const wire::Ping& ping, Micros local) {
+  const bool known = std::any_of(guests_.begin(), guests_.end(), [&](const Guest& g) { return g.at == from; });
+  if (known) session_.send(from, wire::Pong{ping.sent, session_.clock.now(local), session_.present});
+  return known;
+}
+
+void Admissions::on_pull(const Endpoint& from, const wire::Pull& pull, const RecordedReplica& replica,
+                         std::vector<Endpoint> gone) {
+  Guest* guest = guest_at(from, pull.nonce);
+  // All pieces together are many times as long as a Pull: an address that is not proven gets none.
+  if (guest == nullptr || pull.cookie != guest->cookie) return;
+  guest->proven = true;
+  if (guest->pieces.empty()) {
+    sync::Transfer t = replica.replica().transfer();
+    t.gone = std::move(gone);
+    const wire::Bytes all = wire::encode_transfer(t);
+    guest->have = t.have;
+    for (std::size_t at = 0; at < all.size(); at += wire::kPieceBytes) {
+      const std::size_t n = std::min(wire::kPieceBytes, all.size() - at);
+      guest->pieces.emplace_back(all.begin() + static_cast<std::ptrdiff_t>(at),
+                                 all.begin() + static_cast<std::ptrdiff_t>(at + n));
+    }
+  }
+  const auto count = static_cast<std::uint32_t>(guest->pieces.size());
+  for (std::uint32_t i = 0; i < kBurst && pull.from + i < count; ++i)
+    if ((pull.wanted >> i & 1U) != 0)
+      session_.send(from, wire::Piece{pull.nonce, pull.from + i, count, guest->pieces[pull.from + i]});
+}
+
+// A peer that was removed, or left, after the joiner got its transfer sends the joiner nothing, and the members had no
+// reason to publish updates that all of them had.
+void Admissions::pass_on_what_nobody_sends(const Guest& guest, RecordedReplica& replica) {
+  const sync::UpdateLog& log = replica.replica().agreed().log();
+  for (PeerId p = 0; p < session_.slots; ++p) {
+    if (p == session_.self) continue;
+    const Neighbour& n = replica.replica().other(p);
+    const std::uint32_t end = n.there() ? n.first : log.have(p);
+    for (const sync::Bundle& b : log.of(p, guest.have[p])) {
+      if (b.index >= end) break;
+      sync::Bundle order;
+      order.passed_on.push_back(b);
+      replica.order(order);
+    }
+  }
+}
+
+void Admissions::on_enter(const Endpoint& from, const wire::Enter& enter, RecordedReplica& replica, bool may_admit) {
+  Guest* guest = guest_at(from, enter.nonce);
+  if (guest == nullptr || guest->pieces.empty() || guest->ordered || !may_admit) return;
+  if (!knows_all_orders(replica.replica())) return;
+  const bool taken = !is_free(guest->slot, replica.replica()) ||
+                     guest->incarnation <= replica.replica().other(guest->slot).incarnation;
+  if (taken) {  // by whom another coordinator has let in meanwhile; the guest misses our answers, and begins anew
+    std::erase_if(guests_, [guest](const Guest& g) { return &g == guest; });
+    return;
+  }
+  guest->ordered = true;
+  pass_on_what_nobody_sends(*guest, replica);
+  sync::Admission a;
+  a.slot = guest->slot;
+  a.incarnation = guest->incarnation;
+  a.first = replica.replica().agreed().log().have(guest->slot);
+  a.at = from;
+  a.have = guest->have;
+  sync::Bundle order;
+  order.admission = std::move(a);
+  replica.order(order);
+}
+
+void Admissions::pass_on(const Endpoint& from, const wire::Enter& enter, const Endpoint& coordinator) {
+  const Guest* guest = guest_at(from, enter.nonce);
+  if (guest != nullptr && guest->proven && !guest->ordered && !same_place(coordinator, from))
+    session_.send(from, wire::Redirect{enter.nonce, coordinator});
+}
+
+void Admissions::advance(Micros local) {
+  std::erase_if(guests_, [local](const Guest& g) { return local - g.since > kStay; });
+}
+
+}  // namespace padr::node

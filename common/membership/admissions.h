@@ -1,0 +1,58 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "common/membership/session_state.h"
+#include "common/replica/recorded_replica.h"
+
+namespace padr::node {
+
+/// Admits joiners to a running session, at the coordinator: gives each a slot, the agreed world and the time, and
+/// publishes its admission once it has all of them.
+class Admissions {
+ public:
+  explicit Admissions(SessionState& session) : session_(session) {}
+
+  void on_join(const Endpoint& from, const wire::Join& join, const RecordedReplica& replica, Micros local);
+  bool on_ping(const Endpoint& from, const wire::Ping& ping, Micros local);
+  /// `gone`: see sync::Transfer.
+  void on_pull(const Endpoint& from, const wire::Pull& pull, const RecordedReplica& replica,
+               std::vector<Endpoint> gone);
+  /// `may_admit`: no eviction is under way.
+  void on_enter(const Endpoint& from, const wire::Enter& enter, RecordedReplica& replica, bool may_admit);
+  /// Another peer is the coordinator now: redirects the joiner to it, unless it is admitted already.
+  void pass_on(const Endpoint& from, const wire::Enter& enter, const Endpoint& coordinator);
+  /// Forgets joiners that have not come in.
+  void advance(Micros local);
+  /// Joiners that are being admitted; one a slot at most.
+  std::size_t guests() const { return guests_.size(); }
+
+ private:
+  struct Guest {
+    Endpoint at;
+    std::uint64_t nonce = 0;
+    std::uint64_t cookie = 0;
+    bool proven = false;  ///< it has received the cookie at its address
+    PeerId slot = kNoPeer;
+    std::uint32_t incarnation = 0;
+    Micros since = 0;
+    std::vector<wire::Bytes> pieces;
+    std::vector<std::uint32_t> have;  ///< with the pieces
+    bool ordered = false;
+  };
+  Guest* guest_at(const Endpoint& where, std::uint64_t nonce);
+  std::uint64_t cookie_for(const Endpoint& where, std::uint64_t nonce) const;
+  bool is_free(PeerId p, const Replica& replica) const;
+  std::optional<PeerId> free_slot(const Replica& replica) const;
+  bool knows_all_orders(const Replica& replica) const;
+  bool may_come_free(const Replica& replica) const;
+  Guest* take_in(const Endpoint& from, const wire::Join& join, const Replica& replica, Micros local);
+  void pass_on_what_nobody_sends(const Guest& guest, RecordedReplica& replica);
+  void refuse(const Endpoint& from, const wire::Join& join, const std::string& reason);
+
+  SessionState& session_;
+  std::vector<Guest> guests_;
+};
+
+}  // namespace padr::node

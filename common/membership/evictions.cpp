@@ -1,0 +1,285 @@
+#include "common/membership/evictions.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/membership/misbehaviour_policy.h"
+
+namespace padr::node {
+
+PeerId Evictions::coordinator(const Replica& replica) const {
+  for (PeerId p = 0; p < replica.config().slots; ++p) {
+    if (p == replica.self()) {
+      if (replica.member() && !replica.leaving()) return p;
+    } else if (replica.other(p).there() && !suspected(replica, p) && !lost_.contains(p)) {
+      return p;
+    }
+  }
+  return kNoPeer;
+}
+
+// A peer that stood still itself excuses the silence of the others for that time, so it takes a lost coordinator for
+// alive longer than the next coordinator does. But it must not reply later than the rest: if the lost peer came back
+// meanwhile, half of the members would have frozen it and half not, and neither half could go on without the other.
+bool Evictions::follows(PeerId from, const wire::Poll& poll, const Replica& replica) const {
+  if (coordinator(replica) == from) return true;
+  for (PeerId p = 0; p < from; ++p) {
+    if (p == replica.self()) {
+      if (replica.member() && !replica.leaving()) return false;
+      continue;
+    }
+    const Neighbour& n = replica.other(p);
+    if (!n.there() || suspected(replica, p) || lost_.contains(p)) continue;
+    const bool asked_about = std::any_of(poll.lost.begin(), poll.lost.end(), [&](const wire::Seat& s) {
+      return s.slot == p && s.incarnation == n.incarnation;
+    });
+    const bool excused = replica.now() - n.excused < kSilence;  // a peer that did listen knows better
+    if (!asked_about || !excused || n.answer_mark > replica.now() - kHeardLately) return false;
+  }
+  return replica.other(from).there() && !suspected(replica, from) && !lost_.contains(from);
+}
+
+void Evictions::on_poll(PeerId from, const wire::Poll& poll, RecordedReplica& replica) {
+  if (poll.freeze && !follows(from, poll, replica.replica())) return;  // not ours to follow, or not yet
+  wire::Answer answer;
+  answer.frozen = poll.freeze;
+  answer.tick = replica.replica().now();
+  for (const wire::Seat& s : poll.lost) {
+    if (s.slot >= session_.slots || s.slot == session_.self || s.slot == from) continue;
+    const Neighbour& n = replica.replica().other(s.slot);
+    const bool same = n.incarnation == s.incarnation;
+    if (poll.freeze) {
+      if (n.reachable() && same && !n.frozen) replica.freeze(s.slot, true);
+      if (n.frozen) frozen_for_[s.slot] = from;
+      answered_[{from, s.slot}] = s.incarnation;
+    }
+    answer.lost.push_back({s.slot, s.incarnation, replica.replica().agreed().log().have(s.slot)});
+    if (!same || n.frozen || n.answer_mark < 0) continue;
+    const auto ago = static_cast<std::uint32_t>(std::max(0, answer.tick - n.answer_mark));
+    answer.lost.back().heard = std::min(ago + 1, wire::kMostHeard);
+  }
+  if (!answer.lost.empty()) session_.send(replica.replica().other(from).at, answer);
+}
+
+void Evictions::on_answer(PeerId from, const wire::Answer& answer, const Replica& replica) {
+  for (const wire::Seat& s : answer.lost) {
+    const auto doubted = doubted_.find(s.slot);
+    if (doubted != doubted_.end() && doubted->second.incarnation == s.incarnation)
+      doubted->second.heard[from] =
+          s.heard > 0 ? std::min(answer.tick, replica.now()) + 1 - static_cast<Tick>(s.heard) : -1;
+    if (!answer.frozen) continue;
+    const auto it = lost_.find(s.slot);
+    if (it == lost_.end() || it->second.incarnation != s.incarnation) continue;
+    // No log has more beyond what another lacks.
+    const std::uint32_t most = replica.agreed().log().have(s.slot) + sync::UpdateLog::kMostBeyond;
+    if (it->second.have.insert_or_assign(from, std::min(s.have, most)).second) moved_ = replica.now();
+  }
+}
+
+void Evictions::on_fetch(PeerId from, const wire::Fetch& fetch, const Replica& replica) {
+  if (fetch.slot >= session_.slots || !replica.other(fetch.slot).frozen) return;
+  wire::Fetched f{fetch.slot, fetch.incarnation, replica.agreed().log().of(fetch.slot, fetch.from)};
+  if (!f.updates.empty()) session_.send(replica.other(from).at, f);
+}
+
+void Evictions::on_fetched(const wire::Fetched& fetched, const Replica& replica,
+                           const MisbehaviourPolicy& misbehaviour) {
+  const auto it = lost_.find(fetched.slot);
+  if (it == lost_.end() || it->second.incarnation != fetched.incarnation) return;
+  for (const sync::Bundle& b : fetched.updates)
+    if (b.index >= it->second.least && b.index < it->second.most && !it->second.fetched.contains(b.index) &&
+        misbehaviour.said(b, replica) &&
+        sync::admit(b, replica.live().world().scene(), session_.slots) == sync::DropReason::kNone) {
+      it->second.fetched.emplace(b.index, b);
+      moved_ = replica.now();
+    }
+}
+
+void Evictions::thaw(RecordedReplica& replica) {
+  for (auto it = frozen_for_.begin(); it != frozen_for_.end();) {
+    const Replica& n = replica.replica();
+    if (!n.other(it->first).frozen) {  // it is out, or somebody else sits there
+      it = frozen_for_.erase(it);
+    } else if (!n.other(it->second).reachable()) {  // who asked is gone, and so is the question
+      replica.freeze(it->first, false);
+      it = frozen_for_.erase(it);
+    } else {
+      ++it;
+    }
+  }
+}
+
+// The lowest peer that answers will have to decide.
+bool Evictions::is_first_well(const Replica& replica) const {
+  if (!replica.member() || replica.leaving()) return false;
+  for (PeerId p = 0; p < session_.self; ++p)
+    if (replica.other(p).there() && replica.unanswered(p) < kDoubt && !lost_.contains(p)) return false;
+  return true;
+}
+
+void Evictions::doubt(const Replica& replica) {
+  const bool first = is_first_well(replica);
+  wire::Poll question;
+  for (PeerId p = 0; p < replica.config().slots; ++p) {
+    const Neighbour& n = replica.other(p);
+    if (!first || p == session_.self || !n.there() || replica.unanswered(p) < kDoubt || lost_.contains(p)) {
+      doubted_.erase(p);
+      continue;
+    }
+    Doubted& d = doubted_[p];
+    if (d.incarnation != n.incarnation) d = {n.incarnation, {}, false};
+    if (question.lost.size() < wire::kMostLost) question.lost.push_back({p, n.incarnation});
+  }
+  if (question.lost.empty() || replica.now() - doubts_asked_ < kAskAgain) return;
+  doubts_asked_ = replica.now();
+  poll(question, replica);
+}
+
+LastHeard Evictions::hearsay(PeerId p, const Replica& replica) const {
+  const Neighbour& n = replica.other(p);
+  const bool deaf = n.given_up < 0 && replica.silence(p) < kTicksPerSecond;
+  LastHeard h{replica.now(), replica.unanswered(p), {}, n.given_up_for_good, deaf, {}};
+  if (n.given_up >= 0) h.refused = n.given_up;
+  const Doubted& d = doubted_.at(p);
+  for (PeerId q = 0; q < replica.config().slots; ++q) {
+    // Those of another side, who have frozen us, hear one another, but do not answer.
+    if (q == p || !counts(q, replica) || replica.unanswered(q) >= kDoubt) continue;
+    const auto said = d.heard.find(q);
+    h.heard.push_back(said == d.heard.end() ? std::nullopt : std::optional(said->second));
+  }
+  return h;
+}
+
+void Evictions::notice(RecordedReplica& replica) {
+  const Replica& n = replica.replica();
+  for (PeerId p = 0; p < n.config().slots; ++p) {
+    if (p == session_.self || !n.other(p).there() || !suspected(n, p) || lost_.contains(p)) continue;
+    if (coordinator(n) != session_.self) return;
+    const auto doubted = doubted_.find(p);
+    if (doubted == doubted_.end()) continue;
+    if (const LastHeard h = hearsay(p, n); !may_evict(h)) {
+      if (is_heard(h) && !h.deaf && !std::exchange(doubted->second.told, true))
+        session_.note("peer " + std::to_string(p) + " does not answer, but others hear it: it stays", true);
+      continue;
+    }
+    doubted_.erase(doubted);
+    replica.freeze(p, true);
+    lost_[p].incarnation = n.other(p).incarnation;
+    asked_ = n.now() - kAskAgain;
+    moved_ = n.now();
+    session_.note("peer " + std::to_string(p) + " has been silent for " + std::to_string(kSilence / kTicksPerSecond) +
+                      " s: asking the others for its updates",
+                  true);
+  }
+}
+
+/// Whether p is waited for. An update that only a lost peer had will never be sent.
+bool Evictions::counts(PeerId p, const Replica& replica) const {
+  return p != session_.self && replica.other(p).reachable() && !replica.departed(p) && !lost_.contains(p);
+}
+
+std::vector<PeerId> Evictions::withholding(const Replica& replica) const {
+  std::vector<PeerId> who;
+  if (lost_.empty() || ordered()) return who;
+  for (PeerId p = 0; p < replica.config().slots; ++p) {
+    // Who has been held up itself could not have heard the answers.
+    if (!counts(p, replica) || replica.now() - std::max(moved_, replica.other(p).excused) < kWithheld) continue;
+    const bool silent =
+        std::any_of(lost_.begin(), lost_.end(), [p](const auto& entry) { return !entry.second.have.contains(p); });
+    const auto of = missing_ ? lost_.find(missing_->of) : lost_.end();
+    if (silent || (of != lost_.end() && of->second.have.at(p) > missing_->index)) who.push_back(p);
+  }
+  return who;
+}
+
+bool Evictions::all_answered(const Replica& replica) const {
+  for (PeerId p = 0; p < replica.config().slots; ++p) {
+    if (!counts(p, replica)) continue;
+    for (const auto& [slot, lost] : lost_)
+      if (!lost.have.contains(p)) return false;
+  }
+  return true;
+}
+
+void Evictions::ask(const Replica& replica) {
+  if (replica.now() - asked_ < kAskAgain) return;
+  asked_ = replica.now();
+  wire::Poll question{{}, true};
+  for (const auto& [slot, lost] : lost_)
+    if (question.lost.size() < wire::kMostLost) question.lost.push_back({slot, lost.incarnation});
+  poll(question, replica);
+}
+
+void Evictions::poll(const wire::Poll& poll, const Replica& replica) {
+  for (PeerId p = 0; p < replica.config().slots; ++p)
+    if (p != session_.self && replica.other(p).reachable() && !lost_.contains(p))
+      session_.send(replica.other(p).at, poll);
+}
+
+void Evictions::advance(RecordedReplica& replica) {
+  thaw(replica);
+  doubt(replica.replica());
+  notice(replica);
+  std::erase_if(lost_, [&](const auto& entry) { return !replica.replica().other(entry.first).frozen; });
+  missing_.reset();
+  if (lost_.empty() || ordered()) return;
+  if (!all_answered(replica.replica())) return ask(replica.replica());
+  for (auto& [p, lost] : lost_)
+    if (!gather(p, lost, replica.replica())) return;
+  bury(replica);
+}
+
+bool Evictions::ordered() const {
+  return std::any_of(lost_.begin(), lost_.end(), [](const auto& entry) { return entry.second.ordered; });
+}
+
+// Whether all updates of it are here that some member has and another may lack.
+bool Evictions::gather(PeerId p, Lost& lost, const Replica& replica) {
+  const sync::UpdateLog& log = replica.agreed().log();
+  lost.least = lost.most = log.have(p);
+  for (const auto& [q, have] : lost.have) {
+    if (!counts(q, replica)) continue;
+    lost.least = std::min(lost.least, have);
+    lost.most = std::max(lost.most, have);
+  }
+  for (const sync::Bundle& b : log.of(p, lost.least)) lost.fetched.emplace(b.index, b);
+  for (std::uint32_t i = lost.least; i < lost.most; ++i) {
+    const auto found = lost.fetched.find(i);
+    if (found != lost.fetched.end()) {
+      if (found->second.tick >= replica.now()) return false;  // its clock was ahead
+      continue;
+    }
+    missing_ = {p, i};
+    fetch(p, lost, i, replica);
+    return false;
+  }
+  return true;
+}
+
+// A member may have an update and keep it no more: a late joiner has it in the state that it began with. So they are
+// asked one after the other.
+void Evictions::fetch(PeerId p, Lost& lost, std::uint32_t index, const Replica& replica) {
+  if (replica.now() - asked_ < kAskAgain) return;
+  std::vector<PeerId> had;
+  for (const auto& [q, have] : lost.have)
+    if (have > index && counts(q, replica)) had.push_back(q);
+  if (had.empty()) return;
+  asked_ = replica.now();
+  session_.send(replica.other(had[lost.fetches++ % had.size()]).at, wire::Fetch{p, lost.incarnation, index});
+}
+
+void Evictions::bury(RecordedReplica& replica) {
+  sync::Bundle last;
+  for (auto& [p, lost] : lost_) {
+    for (std::uint32_t i = lost.least; i < lost.most; ++i) {
+      sync::Bundle order;
+      order.passed_on.push_back(lost.fetched.at(i));
+      replica.order(order);
+    }
+    last.removals.push_back({p, lost.incarnation, lost.most});
+    lost.ordered = true;
+  }
+  replica.order(last);
+}
+
+}  // namespace padr::node

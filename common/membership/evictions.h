@@ -1,0 +1,109 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "common/membership/last_heard.h"
+#include "common/membership/session_state.h"
+#include "common/replica/recorded_replica.h"
+
+namespace padr::node {
+
+class MisbehaviourPolicy;
+
+/// Evicts peers that fall silent, so that no confirmed world ever has to be taken back.
+///
+/// The coordinator is the lowest living peer. It asks all peers that it hears when they heard the silent peer last; a
+/// peer that anybody hears stays (see last_heard.h). Then it asks how many of the lost peer's updates they have. A
+/// member that replies takes no more updates from the lost peer, so the highest reply is the end of its log. The
+/// coordinator publishes in its own log the updates that a member lacks, and then the removal, with the number of the
+/// last update, at its present tick. These are delivered and repeated like any update. If the coordinator is lost
+/// meanwhile, the next one evicts both.
+class Evictions {
+ public:
+  explicit Evictions(SessionState& session) : session_(session) {}
+
+  void on_poll(PeerId from, const wire::Poll& poll, RecordedReplica& replica);
+  void on_answer(PeerId from, const wire::Answer& answer, const Replica& replica);
+  void on_fetch(PeerId from, const wire::Fetch& fetch, const Replica& replica);
+  void on_fetched(const wire::Fetched& fetched, const Replica& replica, const MisbehaviourPolicy& misbehaviour);
+  /// Once a tick.
+  void advance(RecordedReplica& replica);
+
+  /// The lowest peer that is alive, as far as this peer can tell.
+  PeerId coordinator(const Replica& replica) const;
+  /// Whether p has given no sign of life for kSilence, direct or relayed.
+  static bool suspected(const Replica& replica, PeerId p) { return replica.unanswered(p) >= kSilence; }
+  /// Another peer has the slot now: polls of the former one do not count for it.
+  void forget_asker(PeerId slot) {
+    std::erase_if(answered_, [slot](const auto& entry) { return entry.first.first == slot; });
+  }
+  /// Members that are heard but, for kWithheld, have not replied to a poll or not sent an update that they claim to
+  /// have. They block every eviction.
+  std::vector<PeerId> withholding(const Replica& replica) const;
+  bool busy() const { return !lost_.empty(); }
+  /// Whether this peer has replied to a poll of `by` about the peer in the slot: then `by` may evict that peer.
+  bool answered(PeerId by, PeerId slot) const { return answered_.contains({by, slot}); }
+  bool answered(PeerId by, PeerId slot, std::uint32_t incarnation) const {
+    const auto it = answered_.find({by, slot});
+    return it != answered_.end() && it->second == incarnation;
+  }
+
+  static constexpr Tick kAskAgain = 6;
+  /// Timeout for poll replies: worst honest delay plus margin. An honest peer may stand still for almost kSilence, wait
+  /// kSilence more until it misses the lost peer itself, and then reply over a bad link. Shorter than the time after
+  /// which members join anew because nothing is confirmed.
+  static constexpr Tick kWithheld = 2 * kSilence + 90;
+
+ private:
+  struct Lost {
+    std::uint32_t incarnation = 0;
+    std::map<PeerId, std::uint32_t> have;           ///< updates that each member has, by its reply
+    std::map<std::uint32_t, sync::Bundle> fetched;  ///< by number
+    std::uint32_t least = 0;                        ///< every member has the updates below this
+    std::uint32_t most = 0;                         ///< no member has updates from this on
+    bool ordered = false;
+    std::size_t fetches = 0;
+  };
+  /// Whether `from` may evict somebody, as far as this peer can tell.
+  bool follows(PeerId from, const wire::Poll& poll, const Replica& replica) const;
+  void thaw(RecordedReplica& replica);
+  void doubt(const Replica& replica);
+  bool is_first_well(const Replica& replica) const;
+  LastHeard hearsay(PeerId p, const Replica& replica) const;
+  void notice(RecordedReplica& replica);
+  bool counts(PeerId p, const Replica& replica) const;
+  bool all_answered(const Replica& replica) const;
+  void ask(const Replica& replica);
+  void poll(const wire::Poll& poll, const Replica& replica);
+  bool ordered() const;
+  bool gather(PeerId p, Lost& lost, const Replica& replica);
+  void fetch(PeerId p, Lost& lost, std::uint32_t index, const Replica& replica);
+  void bury(RecordedReplica& replica);
+
+  /// A silent peer, and when others heard it last.
+  struct Doubted {
+    std::uint32_t incarnation = 0;
+    std::map<PeerId, Tick> heard;
+    bool told = false;  ///< people were told that it stays
+  };
+
+  SessionState& session_;
+  std::map<PeerId, Doubted> doubted_;
+  Tick doubts_asked_ = 0;
+  std::map<PeerId, Lost> lost_;  ///< as the coordinator
+  std::map<std::pair<PeerId, PeerId>, std::uint32_t>
+      answered_;                         ///< replied to, by asker and slot: the incarnation asked about
+  std::map<PeerId, PeerId> frozen_for_;  ///< peers frozen here, and for whose poll
+  Tick asked_ = 0;
+  Tick moved_ = 0;  ///< tick of the last progress: news of a lost peer, or one more lost
+  struct Missing {
+    PeerId of = kNoPeer;
+    std::uint32_t index = 0;
+  };
+  std::optional<Missing> missing_;  ///< the update that is being fetched
+};
+
+}  // namespace padr::node

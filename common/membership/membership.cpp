@@ -1,0 +1,184 @@
+#include "common/membership/membership.h"
+
+#include <iterator>
+#include <utility>
+
+namespace padr::node {
+namespace {
+
+/// The confirmed world may wait until a peer is declared gone; only a longer wait means that this peer is stuck.
+constexpr Tick kStuck = 12 * kTicksPerSecond;
+/// That nobody listens there has to be said for so long, and nothing heard meanwhile.
+constexpr Tick kRefused = kTicksPerSecond / 10;
+
+}  // namespace
+
+Membership::Membership(SessionState& session, RecordedReplica& replica)
+    : session_(session),
+      replica_(replica),
+      admissions_(session),
+      evictions_(session),
+      relay_(session),
+      misbehaviour_(session),
+      merge_(session) {
+  replica.set_judge(
+      [this](const sync::StatePacket& packet) { return misbehaviour_.judge(packet, replica_.replica(), evictions_); });
+}
+
+void Membership::on_join(const Endpoint& from, const wire::Join& join, Micros local) {
+  const PeerId c = coordinator();
+  if (!replica_.replica().member() || c == kNoPeer || way_back()) return;  // it asks again
+  if (misbehaviour_.bars(from.key, replica_.replica())) {
+    if (session_.may_answer(local)) session_.send(from, wire::Refuse{join.nonce, "it has been cut off"});
+    return;
+  }
+  if (c == session_.self) return admissions_.on_join(from, join, replica_, local);
+  if (session_.may_answer(local)) session_.send(from, wire::Redirect{join.nonce, replica_.replica().other(c).at});
+}
+
+void Membership::receive(const Endpoint& from, const wire::Header& header, const wire::MembershipMessage& message,
+                         std::size_t bytes, Micros local) {
+  if (const auto* probe = std::get_if<wire::Probe>(&message))
+    return merge_.on_probe(from, header.sender, *probe, bytes, replica_.replica(), local);
+  if (const auto* pull = std::get_if<wire::Pull>(&message))
+    return admissions_.on_pull(from, *pull, replica_, merge_.gone());
+  if (const auto* enter = std::get_if<wire::Enter>(&message)) {
+    const PeerId c = coordinator();
+    if (c != session_.self && c != kNoPeer) return admissions_.pass_on(from, *enter, replica_.replica().other(c).at);
+    return admissions_.on_enter(from, *enter, replica_, c == session_.self && !evictions_.busy() && !doubts());
+  }
+  const PeerId member = header.sender;
+  if (!is_at(member, from) || !replica_.replica().other(member).reachable() || !hears(member)) return;
+  if (const auto* poll = std::get_if<wire::Poll>(&message)) evictions_.on_poll(member, *poll, replica_);
+  if (const auto* answer = std::get_if<wire::Answer>(&message))
+    evictions_.on_answer(member, *answer, replica_.replica());
+  if (const auto* fetch = std::get_if<wire::Fetch>(&message)) {
+    evictions_.on_fetch(member, *fetch, replica_.replica());
+    relay_.on_fetch(member, *fetch, replica_.replica());
+  }
+  if (const auto* fetched = std::get_if<wire::Fetched>(&message)) {
+    evictions_.on_fetched(*fetched, replica_.replica(), misbehaviour_);
+    relay_.on_fetched(member, *fetched, replica_);
+  }
+}
+
+bool Membership::doubts() const {
+  const Replica& n = replica_.replica();
+  for (PeerId p = 0; p < n.config().slots; ++p)
+    if (p != session_.self && n.other(p).there() && Evictions::suspected(n, p)) return true;
+  return false;
+}
+
+// Where a process has ended, its machine says so long before silence does. One word may be of a datagram that was there
+// before the process was.
+void Membership::on_unreachable(const Endpoint& at) {
+  const Replica& n = replica_.replica();
+  for (PeerId p = 0; p < session_.slots; ++p) {
+    if (!is_at(p, at) || !n.other(p).there()) continue;
+    Tick& since = refused_.try_emplace(p, n.now()).first->second;
+    if (n.other(p).heard >= since) {
+      since = n.now();
+    } else if (n.now() - since >= kRefused && !Evictions::suspected(n, p)) {
+      session_.note("nobody listens at peer " + std::to_string(p) + "'s address any more", true);
+      replica_.give_up(p, false);
+    }
+  }
+}
+
+// One process is one peer: if another slot's was there, that life of it is over. Several may come to be known at once,
+// so this is asked when all of them are: where somebody was who sat there before says nothing of who does now.
+void Membership::note_former_lives(const std::vector<MemberChange>& changes) {
+  for (const MemberChange& c : changes) {
+    if (c.kind != MemberChange::Kind::kAdmitted || c.slot == session_.self) continue;
+    for (PeerId p = 0; p < session_.slots; ++p) {
+      const Neighbour& n = replica_.replica().other(p);
+      if (p != session_.self && p != c.slot && same_place(n.at, replica_.replica().other(c.slot).at) &&
+          n.incarnation < c.incarnation)
+        former_[p] = n.incarnation;
+    }
+  }
+}
+
+// Until it knows that it has been let in anew it goes on as before, and what it says meanwhile is no sign of life.
+void Membership::end_former_lives() {
+  for (auto it = former_.begin(); it != former_.end();) {
+    const Neighbour& n = replica_.replica().other(it->first);
+    const bool over = !n.there() || n.incarnation != it->second;
+    if (!over && !n.given_up_for_good) replica_.give_up(it->first);
+    it = over ? former_.erase(it) : std::next(it);
+  }
+}
+
+void Membership::follow_changes() {
+  const std::vector<MemberChange> changes = replica_.take_changes();
+  for (const MemberChange& c : changes) {
+    const std::string who = "peer " + std::to_string(c.slot);
+    if (c.kind == MemberChange::Kind::kAdmitted && c.slot != session_.self)
+      session_.note(who + " at " + to_string(c.at) + " joins at tick " + std::to_string(c.tick));
+    if (c.kind == MemberChange::Kind::kAdmitted && c.slot == session_.self)
+      session_.note("admitted at tick " + std::to_string(c.tick) + " as " + who);
+    if (c.kind == MemberChange::Kind::kLeft) session_.note(who + " has left");
+    if (c.kind == MemberChange::Kind::kRemoved)
+      session_.note(who + " is lost: out from tick " + std::to_string(c.tick), true);
+    if (c.kind == MemberChange::Kind::kAdmitted) evictions_.forget_asker(c.slot);
+    merge_.on_change(c);
+    changes_.push_back(c);
+  }
+  note_former_lives(changes);
+}
+
+void Membership::advance(Micros local) {
+  misbehaviour_.advance(replica_, evictions_);
+  evictions_.advance(replica_);
+  relay_.advance(replica_.replica());
+  follow_changes();
+  end_former_lives();
+  merge_.advance(replica_.replica());
+  watch_confirmed();
+  admissions_.advance(local);
+  int present = 1;
+  for (PeerId p = 0; p < session_.slots; ++p)
+    if (p != session_.self && replica_.replica().other(p).there()) ++present;
+  session_.present = present;
+}
+
+std::vector<MemberChange> Membership::take_changes() {
+  return std::exchange(changes_, {});
+}
+
+void Membership::watch_confirmed() {
+  const Tick confirmed = replica_.replica().agreed().confirmed().tick;
+  if (confirmed != confirmed_) confirmed_at_ = replica_.replica().now();
+  confirmed_ = confirmed;
+}
+
+bool Membership::stuck() const {
+  return replica_.replica().now() - confirmed_at_ > kStuck;
+}
+
+// Who agrees with the coordinator is right, whoever else says otherwise.
+std::string Membership::why_back() const {
+  const Replica& n = replica_.replica();
+  const PeerId c = coordinator();
+  if (c == session_.self || c == kNoPeer) return "";
+  if (n.other(c).differs)
+    return "CONFIRMED WORLDS DIFFER from peer " + std::to_string(c) + "'s at tick " +
+           std::to_string(n.stats().first_mismatch);
+  if (stuck()) return "nothing has been confirmed for " + std::to_string(kStuck / kTicksPerSecond) + " s";
+  return n.expelled() ? "the others have declared this peer gone" : "";
+}
+
+std::optional<Endpoint> Membership::way_back() const {
+  const Replica& n = replica_.replica();
+  if (n.leaving()) return std::nullopt;
+  if (const auto winner = merge_.winner(n)) return winner;
+  if (why_back().empty()) return std::nullopt;
+  return n.other(coordinator()).at;
+}
+
+void Membership::announce_way_back() {
+  const std::string why = why_back();
+  if (!why.empty() && !std::exchange(told_, true)) session_.note(why + ": joining anew", true);
+}
+
+}  // namespace padr::node

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "common/membership/admissions.h"
+#include "common/membership/evictions.h"
+#include "common/membership/misbehaviour_policy.h"
+#include "common/membership/partition_merge.h"
+#include "common/membership/relay.h"
+
+namespace padr::node {
+
+/// One member's part in deciding who is in a running session: hands each message to the rule that it concerns, once a
+/// tick follows what changed, and says when this peer has to join anew.
+class Membership {
+ public:
+  /// Both must outlive it.
+  Membership(SessionState& session, RecordedReplica& replica);
+
+  void on_join(const Endpoint& from, const wire::Join& join, Micros local);
+  /// False if it is not from a joiner.
+  bool on_ping(const Endpoint& from, const wire::Ping& ping, Micros local) {
+    return admissions_.on_ping(from, ping, local);
+  }
+  /// `bytes`: of the whole datagram.
+  void receive(const Endpoint& from, const wire::Header& header, const wire::MembershipMessage& message,
+               std::size_t bytes, Micros local);
+  /// A state datagram from an address of no member, or of a removed peer.
+  void on_stranger(const Endpoint& from, std::size_t bytes, Micros local) {
+    merge_.on_stranger(from, bytes, replica_.replica(), local);
+  }
+  /// Whether slot p is another one's, and who sits or sat there last is at this address.
+  bool is_at(PeerId p, const Endpoint& where) const {
+    return p < session_.slots && p != session_.self && replica_.replica().other(p).at == where;
+  }
+  /// Whether anything of a member is listened to.
+  bool hears(PeerId p) const { return misbehaviour_.hears(p, replica_.replica()); }
+  /// A state datagram of a member's was dropped.
+  void on_drop(PeerId p, sync::DropReason why, Micros local) {
+    misbehaviour_.on_drop(p, why, replica_, evictions_, local);
+  }
+  /// The machine at `at` says that nobody listens there.
+  void on_unreachable(const Endpoint& at);
+  /// Sends one Probe there: who is in this session.
+  void knock(const Endpoint& at) { merge_.knock(at, replica_.replica()); }
+  /// The address of a member of a session that this peer was in before.
+  void remember(const Endpoint& at) { merge_.remember(at, replica_.replica().now()); }
+  /// Once a tick, after the replica's step.
+  void advance(Micros local);
+  /// Address to join anew, because this peer was evicted or its world differs from the others'; nothing if all is well.
+  std::optional<Endpoint> way_back() const;
+  /// Notes once, for people, that this peer joins anew, and why.
+  void announce_way_back();
+  PeerId coordinator() const { return evictions_.coordinator(replica_.replica()); }
+  /// Who came and went since the last call.
+  std::vector<MemberChange> take_changes();
+
+ private:
+  void follow_changes();
+  void note_former_lives(const std::vector<MemberChange>& changes);
+  void end_former_lives();
+  /// Whether an eviction may be near.
+  bool doubts() const;
+  void watch_confirmed();
+  bool stuck() const;
+  std::string why_back() const;
+
+  SessionState& session_;
+  RecordedReplica& replica_;
+  Admissions admissions_;
+  Evictions evictions_;
+  Relay relay_;
+  MisbehaviourPolicy misbehaviour_;
+  PartitionMerge merge_;
+  std::vector<MemberChange> changes_;
+  std::map<PeerId, Tick> refused_;          ///< since when its machine reports that nobody listens there
+  std::map<PeerId, std::uint32_t> former_;  ///< slots and incarnations that their peers have left for a newer one
+  Tick confirmed_ = -1;                     ///< the tick confirmed here, and since when
+  Tick confirmed_at_ = 0;
+  bool told_ = false;
+};
+
+}  // namespace padr::node

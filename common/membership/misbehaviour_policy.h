@@ -1,0 +1,90 @@
+#pragma once
+
+#include <array>
+#include <deque>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/membership/session_state.h"
+#include "common/replica/recorded_replica.h"
+
+namespace padr::node {
+
+class Evictions;
+
+/// The rules for what a member may send, beyond the range of values: only the coordinator gives orders, every update is
+/// signed by its peer, and a member that keeps sending invalid datagrams is cut off.
+///
+/// Signatures and cut-offs apply only in a session with a key; without one, anybody can send in a member's name.
+class MisbehaviourPolicy {
+ public:
+  explicit MisbehaviourPolicy(SessionState& session) : session_(session), watches_(kMaxPeers) {}
+
+  /// See Replica::Judge.
+  sync::DropReason judge(const sync::StatePacket& packet, const Replica& replica, const Evictions& evictions) const;
+  /// Whether an update, and those that it passes on, have valid signatures, as far as this peer can tell: it may not
+  /// know the keys of peers that were gone before it joined.
+  bool said(const sync::Bundle& update, const Replica& replica) const;
+  /// A datagram of p's was dropped.
+  void on_drop(PeerId p, sync::DropReason why, RecordedReplica& replica, const Evictions& evictions, Micros local);
+  /// Once a tick.
+  void advance(RecordedReplica& replica, const Evictions& evictions);
+  /// Whether a joiner with this key is still barred.
+  bool bars(const PublicKey& key, const Replica& replica) const;
+  /// Keys with offences on record; kMostOffenders at most.
+  std::size_t offenders() const { return offenders_.size(); }
+  /// Whether p is listened to.
+  bool hears(PeerId p, const Replica& replica) const;
+
+  static constexpr std::size_t kNonsense = 20;  ///< datagrams within kWithin and p is cut off
+  static constexpr Tick kWithin = 10 * kTicksPerSecond;
+  /// Time for which p may repeat an order that it has no right to give: what gives the right may still be on its way.
+  static constexpr Tick kInsists = 4 * kTicksPerSecond;
+  /// Time for which a member that is heard may withhold promised updates; they hold up every confirmed world.
+  static constexpr Tick kArrears = 8 * kTicksPerSecond;
+  static constexpr Tick kBarred = 60 * kTicksPerSecond;  ///< first ban for arrears; doubles each time
+  static constexpr std::size_t kMostOffenders = 64;
+  static constexpr Tick kMuted = 2 * kTicksPerSecond;
+  static constexpr Micros kTellAgain = 10 * kMicrosPerSecond;
+
+ private:
+  struct Watch {
+    std::uint32_t incarnation = 0;
+    /// The present series of orders that it had no right to give: the first and the latest.
+    struct Series {
+      Tick since = 0;
+      Tick last = 0;
+    };
+    std::optional<Series> unlawful;
+    Tick deaf_until = -1;
+    struct Told {
+      std::uint64_t drops = 0;  ///< since the last word
+      Micros at = std::numeric_limits<Micros>::min() / 2;
+    };
+    std::array<Told, sync::kDropReasons> told{};
+  };
+  /// Offences of one key, in whatever slot and incarnation.
+  struct Offender {
+    PublicKey key{};
+    std::deque<Tick> nonsense;  ///< the latest, kNonsense at most
+    Tick barred_until = 0;
+    int times = 0;
+  };
+  Offender& offender(PeerId p, const Replica& replica);
+  Watch& watch(PeerId p, const Replica& replica);
+  bool is_too_much(PeerId p, sync::DropReason why, const Replica& replica);
+  void bar(PeerId p, bool for_good, const Replica& replica);
+  void tell(PeerId p, sync::DropReason why, Watch& w, Micros local);
+  void cut_off(PeerId p, Watch& w, const std::string& why, RecordedReplica& replica, const Evictions& evictions);
+
+  SessionState& session_;
+  std::vector<Watch> watches_;       ///< by slot
+  std::vector<Offender> offenders_;  ///< kMostOffenders at most
+};
+
+/// Whether the updates in a transfer have valid signatures, as far as the transfer has the keys.
+bool said(const sync::Transfer& transfer, std::uint16_t session);
+
+}  // namespace padr::node

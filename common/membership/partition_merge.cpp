@@ -1,0 +1,136 @@
+#include "common/membership/partition_merge.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace padr::node {
+
+void PartitionMerge::on_change(const MemberChange& change) {
+  if (change.kind == MemberChange::Kind::kAdmitted)
+    std::erase_if(gone_, [&](const Gone& g) { return same_place(g.at, change.at); });
+  if (change.kind == MemberChange::Kind::kRemoved) remember(change.at, change.tick);
+}
+
+void PartitionMerge::remember(const Endpoint& at, Tick now) {
+  const bool known = std::any_of(gone_.begin(), gone_.end(), [&](const Gone& g) { return g.at == at; });
+  if (!at.is_set() || known) return;
+  if (gone_.size() == kMost) gone_.erase(gone_.begin());
+  gone_.push_back({at, now});
+}
+
+std::vector<Endpoint> PartitionMerge::gone() const {
+  std::vector<Endpoint> places;
+  for (const Gone& g : gone_) places.push_back(g.at);
+  return places;
+}
+
+bool PartitionMerge::member_at(const Endpoint& where, const Replica& replica) const {
+  for (PeerId p = 0; p < replica.config().slots; ++p)
+    if (p != session_.self && replica.other(p).at == where && replica.other(p).reachable()) return true;
+  return false;
+}
+
+PartitionMerge::Side PartitionMerge::ours(const Replica& replica) const {
+  Side s;
+  for (PeerId p = 0; p < replica.config().slots; ++p) {
+    const Neighbour& n = replica.other(p);
+    const auto disowned = disowned_by_.find(p);
+    const bool out = disowned != disowned_by_.end() && disowned->second == n.incarnation;
+    if (p == replica.self()) {
+      s.push_back({p, replica.config().incarnation, 0});
+    } else if (n.there() && n.proven && !out && !Evictions::suspected(replica, p)) {
+      s.push_back({p, n.incarnation, 0});
+    }
+  }
+  return s;
+}
+
+void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, std::size_t bytes,
+                              const Replica& replica, Micros local) {
+  if (!replica.member() || sender >= session_.slots) return;
+  if (sender == session_.self && probe.incarnation == replica.config().incarnation) {  // our own knock, at our own door
+    std::erase_if(gone_, [&](const Gone& g) { return g.at == from; });
+    return;
+  }
+  const Neighbour& n = replica.other(sender);
+  const bool known = n.there() && n.incarnation == probe.incarnation && n.at == from;
+  if (replica.now() - replica.in_since() < kGrace) return;  // we have hardly heard those among whom we are
+  if (known) {
+    // Or said before its sender heard that we are in.
+    if (probe.knows_you || probe.newest < replica.config().incarnation) return;
+    disowned_by_[sender] = n.incarnation;
+  } else if (member_at(from, replica)) {
+    return;  // said in another life
+  }
+  const Side us = ours(replica);
+  // Two sides have nobody in common. As long as somebody seems to be on both, somebody's word is old.
+  const bool disjoint = std::none_of(us.begin(), us.end(), [&](const wire::Seat& s) {
+    return std::find(probe.members.begin(), probe.members.end(), s) != probe.members.end();
+  });
+  const bool larger = probe.members.size() > us.size();
+  const bool senior =
+      probe.members.size() == us.size() &&
+      std::lexicographical_compare(probe.members.begin(), probe.members.end(), us.begin(), us.end(),
+                                   [](const wire::Seat& a, const wire::Seat& b) {
+                                     return std::pair(a.slot, a.incarnation) < std::pair(b.slot, b.incarnation);
+                                   });
+  if (disjoint && (larger || senior)) {
+    if (!winner_)
+      session_.note("met " + std::to_string(probe.members.size()) + " peers that go on without us, who are " +
+                        std::to_string(us.size()) + ": joining them by " + to_string(from),
+                    true);
+    winner_ = from;
+    won_at_ = replica.now();
+    return;
+  }
+  if (winner_ == from) winner_.reset();
+  if (!session_.may_answer(local)) return;
+  send_probe(from, known, replica);
+  if (!known) hold_back_beyond(from, bytes);
+}
+
+// Whoever that is has proven nothing, and gets no more than it has sent: where we are many, an answer to some of its
+// probes.
+void PartitionMerge::hold_back_beyond(const Endpoint& to, std::size_t bytes) {
+  if (session_.config.sealed) return;
+  auto it = std::find_if(credits_.begin(), credits_.end(), [&](const Credit& c) { return c.at == to; });
+  if (it == credits_.end()) {
+    if (credits_.size() == kMost) credits_.erase(credits_.begin());
+    credits_.push_back({to, 0});
+    it = std::prev(credits_.end());
+  }
+  it->bytes = std::min(it->bytes + bytes, wire::kMaxDatagram);
+  const std::size_t answer = session_.outgoing.back().bytes.size();
+  if (answer > it->bytes)
+    session_.outgoing.pop_back();
+  else
+    it->bytes -= answer;
+}
+
+std::optional<Endpoint> PartitionMerge::winner(const Replica& replica) const {
+  return winner_ && replica.now() - won_at_ < kLately ? winner_ : std::nullopt;
+}
+
+void PartitionMerge::send_probe(const Endpoint& to, bool knows, const Replica& replica) {
+  session_.send(to, wire::Probe{replica.config().incarnation, ours(replica), knows, replica.newest_incarnation()});
+}
+
+void PartitionMerge::on_stranger(const Endpoint& from, std::size_t bytes, const Replica& replica, Micros local) {
+  if (!replica.member() || member_at(from, replica) || !session_.may_answer(local)) return;
+  send_probe(from, false, replica);
+  // Whoever that is has proven nothing: no answer is larger than what provoked it.
+  if (session_.outgoing.back().bytes.size() > bytes) session_.outgoing.pop_back();
+}
+
+void PartitionMerge::knock(const Endpoint& at, const Replica& replica) {
+  if (replica.member() && !member_at(at, replica)) send_probe(at, false, replica);
+}
+
+void PartitionMerge::advance(const Replica& replica) {
+  if (!replica.member() || replica.now() - probed_ < kPace) return;
+  probed_ = replica.now();
+  std::erase_if(gone_, [&](const Gone& g) { return replica.now() - g.since > kRemember || member_at(g.at, replica); });
+  for (const Gone& g : gone_) send_probe(g.at, false, replica);
+}
+
+}  // namespace padr::node

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/membership/evictions.h"
+
+namespace padr::node {
+
+/// Merges the two parts of a session after a partition, in which each part evicted the other.
+///
+/// Each part goes on sending Probes to the addresses of the peers that it lost. When a Probe arrives, the part with
+/// more living peers wins; of two alike, the part with the lowest slot, or the lowest incarnation in it. The peers of
+/// the other part join the winner anew and take over its world.
+class PartitionMerge {
+ public:
+  explicit PartitionMerge(SessionState& session) : session_(session) {}
+
+  void on_change(const MemberChange& change);
+  void on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, std::size_t bytes,
+                const Replica& replica, Micros local);
+  /// A state datagram of this session has come from an address of no member.
+  void on_stranger(const Endpoint& from, std::size_t bytes, const Replica& replica, Micros local);
+  /// Sends one Probe to an address of no member.
+  void knock(const Endpoint& at, const Replica& replica);
+  /// Once a tick.
+  void advance(const Replica& replica);
+
+  /// Sends Probes there from now on, too.
+  void remember(const Endpoint& at, Tick now);
+  std::vector<Endpoint> gone() const;
+  /// Address of a winning part that was heard lately, to join it anew.
+  std::optional<Endpoint> winner(const Replica& replica) const;
+
+  static constexpr Tick kPace = kTicksPerSecond / 3;
+  static constexpr Tick kGrace = kTicksPerSecond;
+  static constexpr Tick kLately = 2 * kTicksPerSecond;
+  static constexpr Tick kRemember = 20 * 60 * kTicksPerSecond;
+  static constexpr std::size_t kMost = sync::Transfer::kMostGone;
+
+ private:
+  struct Gone {
+    Endpoint at;
+    Tick since = 0;
+  };
+  /// Bytes that an address of no member has sent and not got back.
+  struct Credit {
+    Endpoint at;
+    std::size_t bytes = 0;
+  };
+  using Side = std::vector<wire::Seat>;
+  bool member_at(const Endpoint& where, const Replica& replica) const;
+  Side ours(const Replica& replica) const;
+  void send_probe(const Endpoint& to, bool knows, const Replica& replica);
+  /// Drops the reply that is about to be sent, if it is larger than what that address has sent so far.
+  void hold_back_beyond(const Endpoint& to, std::size_t bytes);
+
+  SessionState& session_;
+  std::vector<Gone> gone_;
+  std::vector<Credit> credits_;                  ///< kMost at most
+  std::map<PeerId, std::uint32_t> disowned_by_;  ///< and their incarnations
+  std::optional<Endpoint> winner_;
+  Tick probed_ = 0;
+  Tick won_at_ = 0;
+};
+
+}  // namespace padr::node

@@ -1,0 +1,121 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/membership/session_clock.h"
+#include "common/model/endpoint.h"
+#include "common/model/ids.h"
+#include "common/wire/membership_codec.h"
+#include "common/wire/session_codec.h"
+
+namespace padr::node {
+
+struct SessionConfig {
+  std::optional<Endpoint> join;  ///< any member; absent: found a session
+  // The founder's to say:
+  int wanted = 2;  ///< peers to wait for, 1 .. slots
+  int slots = 2;   ///< avatar slots, wanted .. kMaxPeers
+  // What all must have alike; a Participant fills it in:
+  std::uint64_t scene_hash = 0;
+  std::uint64_t fingerprint = 0;  ///< of physics: see world::physics_fingerprint, which takes some milliseconds once
+  bool authority = true;
+  std::string scenario;  ///< for messages to people: name and seed
+  /// Draws the session's number, or the joiner's nonce. Two runs must not have the same.
+  std::uint64_t seed = 0;
+  /// Nobody else knows or guesses it: of it are the cookies by which a newcomer proves its address.
+  std::uint64_t secret = 0;
+  /// Known beforehand, as in a crowd; 0: drawn by the founder.
+  std::uint16_t number = 0;
+  /// A region of a crowd is founded: alone, at once, and it is this session time (us) now.
+  std::optional<Micros> begins_at{};
+  bool sealed = false;  ///< it has a key; for messages to people
+  /// us from the beginning to the start of the session at most; 0: no limit.
+  Micros patience = 30 * kMicrosPerSecond;
+};
+
+enum class SessionPhase : std::uint8_t {
+  kJoining,    ///< asks to be let in
+  kGathering,  ///< is a member and waits for the others
+  kEntering,   ///< the session runs: gets the agreed world, then is admitted
+  kStarted,    ///< who is there at tick 0 is known, and when that is
+  kFailed,     ///< see failure()
+};
+
+struct SessionDatagram {
+  Endpoint to;
+  wire::Bytes bytes;
+};
+
+struct SessionNote {
+  bool problem = false;
+  std::string text;
+};
+
+/// How often peers repeat themselves, and how long they wait; us.
+struct SessionPace {
+  static constexpr Micros kTick = 10'000;         ///< timers are looked at this often
+  static constexpr Micros kJoin = 200'000;        ///< between two Joins
+  static constexpr Micros kUnheard = 700'000;     ///< after being passed on, until asking where it asked first
+  static constexpr Micros kPing = 33'000;         ///< between two Pings until the clock is agreed
+  static constexpr Micros kIdlePing = 200'000;    ///< afterwards: says that we are there
+  static constexpr Micros kStart = 60'000;        ///< between two Starts to one member before tick 0
+  static constexpr Micros kLateStart = 250'000;   ///< afterwards
+  static constexpr Micros kUnproven = 3'000'000;  ///< for a newcomer to show that its address is its own
+  static constexpr Micros kSilence = 5'000'000;   ///< until a member counts as gone
+  static constexpr Micros kStartLead = 600'000;   ///< between the last arrival and tick 0 at least
+  static constexpr Micros kMostStartLead = 5'000'000;
+  static constexpr int kStartLeadTrips = 6;    ///< and so many round trips of the farthest member more
+  static constexpr std::size_t kSamples = 24;  ///< of the clock before it counts as agreed
+};
+
+/// What a session knows, and its way to the outside: the founder's and the joiner's part both work on it.
+struct SessionState {
+  SessionConfig config;
+  SessionPhase phase = SessionPhase::kJoining;
+  std::string failure;
+  PeerId self = kNoPeer;
+  std::uint32_t incarnation = 0;  ///< of this peer in its slot
+  std::uint16_t number = 0;
+  int slots = 0;
+  int wanted = 0;
+  int present = 0;
+  wire::Roster beginners;  ///< who is there at tick 0, by slot; empty for whoever comes later
+  SessionClock clock;
+  Micros born = 0;
+  std::vector<SessionDatagram> outgoing;
+  std::vector<SessionNote> notes;
+
+  void send(const Endpoint& to, const wire::SessionMessage& message) {
+    outgoing.push_back({to, wire::seal({wire::Kind::kSession, self, number}, wire::encode_session(message))});
+  }
+  void send(const Endpoint& to, const wire::MembershipMessage& message) {
+    outgoing.push_back({to, wire::seal({wire::Kind::kMembership, self, number}, wire::encode_membership(message))});
+  }
+  /// Answers to anybody who asks: at most kAnswers at once and as many a second, so that nobody is flooded through us.
+  bool may_answer(Micros local) {
+    answers_ = std::min(kAnswers, answers_ + static_cast<double>(local - answered_) * kAnswers / kMicrosPerSecond);
+    answered_ = local;
+    if (answers_ < 1) return false;
+    answers_ -= 1;
+    return true;
+  }
+  void note(std::string text, bool problem = false) {
+    if (notes.size() < kNotesKept) notes.push_back({problem, std::move(text)});
+  }
+  void fail(std::string text) {
+    phase = SessionPhase::kFailed;
+    failure = std::move(text);
+  }
+
+ private:
+  static constexpr double kAnswers = 50;
+  static constexpr std::size_t kNotesKept = 64;
+  double answers_ = kAnswers;
+  Micros answered_ = 0;
+};
+
+}  // namespace padr::node

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <vector>
+
+#include "common/membership/session_state.h"
+
+namespace padr::node {
+
+/// A newcomer to a session that runs: agrees its clock with the coordinator, pulls the agreed world piece by piece, and
+/// then asks to be admitted. What gets lost is asked for again.
+class LateJoiner {
+ public:
+  /// `by` has welcomed our Join.
+  LateJoiner(SessionState& session, const Endpoint& by, const wire::Welcome& welcome, Micros local);
+
+  void on_pong(const Endpoint& from, const wire::Pong& pong, Micros local);
+  void on_piece(const Endpoint& from, const wire::Piece& piece, Micros local);
+  /// Who lets us in may not any more.
+  void on_redirect(const Endpoint& from, const wire::Redirect& redirect);
+  /// The machine at `at` says that nobody listens there.
+  void on_unreachable(const Endpoint& at);
+  void advance(Micros local);
+  /// Asks to be admitted from now on.
+  void enter(Micros local);
+
+  /// All is here: `transfer` has it, and the session's clock is set.
+  bool ready() const { return ready_; }
+  const wire::Bytes& transfer() const { return transfer_; }
+  /// Who lets us in has ended, fallen silent, or sends us elsewhere.
+  bool lost() const { return lost_; }
+  const Endpoint& by() const { return by_; }
+  Micros round_trip() const { return offset_.round_trip(); }
+
+  static constexpr Micros kPing = 10'000;
+  static constexpr Micros kIdlePing = 500'000;
+  static constexpr std::size_t kSamples = 8;
+  static constexpr Micros kAgain = 50'000;        ///< between two Enters, and Pulls of what is missing at least
+  static constexpr Micros kPatience = 2'500'000;  ///< with a coordinator that says nothing any more
+
+ private:
+  void pull(Micros local);
+  void finish_if_complete();
+
+  SessionState& session_;
+  Endpoint by_;
+  std::uint64_t nonce_;
+  std::uint64_t cookie_;
+  OffsetEstimator offset_;
+  std::vector<wire::Bytes> pieces_;
+  std::size_t missing_ = 0;
+  wire::Bytes transfer_;
+  Micros heard_;
+  Micros pinged_ = 0;
+  Micros pulled_ = 0;
+  Micros entered_ = 0;
+  bool ready_ = false;
+  bool entering_ = false;
+  bool lost_ = false;
+};
+
+}  // namespace padr::node

@@ -1,0 +1,390 @@
+#include "common/participant/participant.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+#include <utility>
+
+#include "common/membership/misbehaviour_policy.h"
+#include "common/model/rng.h"
+#include "common/model/seen_from.h"
+#include "common/model/user_error.h"
+#include "common/wire/signature.h"
+#include "common/wire/transfer_codec.h"
+#include "common/world/world.h"
+
+namespace padr::node {
+namespace {
+
+/// A step that is later than this means that the process was held up. It heard no peer because it did not listen.
+constexpr Micros kHeldUp = 400'000;
+/// A transfer's tick against the session's by our clock: what lies further off is not of this session, or would take us
+/// for ever to step up to. Ticks.
+constexpr Tick kMostAhead = 2 * kTicksPerSecond;
+constexpr Tick kMostBehind = 120 * kTicksPerSecond;
+/// The clock is corrected so often; what it is corrected by is measured over seconds.
+constexpr Tick kSteerEvery = kTicksPerSecond / 2;
+/// A newcomer steps so many ticks in one call at most: datagrams must get their turn.
+constexpr Tick kAtOnce = kTicksPerSecond;
+/// Between two attempts to come back.
+constexpr Micros kTryAgain = 500'000;
+constexpr Micros kReturnPatience = 6 * kMicrosPerSecond;
+/// Between two words about datagrams that do not fit the session's key.
+constexpr Micros kWarnAgain = 10 * kMicrosPerSecond;
+
+/// Throws UserError for a session that cannot be founded in this scene.
+void check_founder(const SessionConfig& c, const Scene& scene) {
+  const auto most = std::min<std::size_t>(scene.avatar.spawns.size(), kMaxPeers);
+  if (c.slots < 1 || static_cast<std::size_t>(c.slots) > most)
+    throw UserError("slots: " + std::to_string(c.slots) + " is not allowed; give 1 to " + std::to_string(most) +
+                    ", the scenario's places to start from");
+  if (c.wanted < 1 || c.wanted > c.slots)
+    throw UserError("wanted: " + std::to_string(c.wanted) + " is not allowed; give 1 to " + std::to_string(c.slots) +
+                    ", the slots");
+}
+
+}  // namespace
+
+Participant::Participant(const Scene& scene, ParticipantConfig config, Micros local)
+    : scene_(scene), config_(std::move(config)), local_(local), warned_(local - kWarnAgain), born_(local) {
+  if (config_.channels) channels_.emplace(*config_.channels);
+  SessionConfig& session = config_.session;
+  if (!session.join) check_founder(session, scene_);
+  session.sealed = channels_.has_value();
+  session.scene_hash = scene_hash(scene_);
+  session.authority = config_.replica.technique.authority;
+  if (session.fingerprint == 0) session.fingerprint = world::physics_fingerprint();
+  coming_.session = std::make_unique<Session>(config_.session, local);
+}
+
+Participant::~Participant() = default;
+
+ReplicaConfig Participant::replica_config(const Session& session) const {
+  ReplicaConfig c = config_.replica;
+  c.self = session.self();
+  c.slots = session.slots();
+  c.session = session.number();
+  c.incarnation = session.incarnation();
+  if (channels_)
+    c.sign = [key = channels_->signing_key(), said = wire::Said{c.session, c.incarnation}](const sync::Bundle& b) {
+      return wire::sign_update(key, said, b);
+    };
+  return c;
+}
+
+Replica::ConfirmedSink Participant::sink() {
+  if (!config_.on_confirmed) return {};
+  return [this, life = lives_](const sync::FoldState& s, std::uint64_t hash) { config_.on_confirmed(life, s, hash); };
+}
+
+void Participant::receive(const Endpoint& from, std::span<const std::byte> datagram, Micros local) {
+  local_ = local;
+  if (!channels_) return take(from, datagram, local);
+  const auto arrival = channels_->receive(from, datagram, local);
+  warn_of_last_key();
+  if (arrival) return take(arrival->from, arrival->datagram, local);
+  warn_of_drops(from, local);
+}
+
+// Who has another key or none at all keeps trying: somebody should know why nobody answers.
+void Participant::warn_of_drops(const Endpoint& place, Micros local) {
+  const auto& dropped = channels_->stats().dropped;
+  const std::uint64_t drops =
+      dropped[static_cast<std::size_t>(ChannelDrop::kUnsealed)] + dropped[static_cast<std::size_t>(ChannelDrop::kTag)];
+  if (drops == drops_told_ || local - warned_ < kWarnAgain) return;
+  notes_.push_back({true, std::to_string(drops - drops_told_) + " datagrams were not made with this session's key, " +
+                              "the last by " + to_string(place)});
+  drops_told_ = drops;
+  warned_ = local;
+}
+
+void Participant::warn_of_last_key() {
+  if (!channels_->has_told_all_keys() || std::exchange(last_key_told_, true)) return;
+  notes_.push_back({true, "the keys of " + std::to_string(config_.channels->most_keys) +
+                              " peers have been logged, and no more will be"});
+}
+
+void Participant::post(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes) {
+  if (!config_.tamper) return hand_over(to, state_to, bytes);
+  for (const Parcel& p : config_.tamper({to, state_to, wire::Bytes(bytes.begin(), bytes.end())}))
+    hand_over(p.to, p.state_to, p.bytes);
+}
+
+void Participant::hand_over(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes) {
+  if (channels_) return channels_->send(to, state_to, bytes, local_);
+  outgoing_.add(to, state_to, bytes);
+}
+
+void Participant::take(const Endpoint& from, std::span<const std::byte> datagram, Micros local) {
+  for (Life* life : {&life_, &coming_}) {
+    if (!life->session) continue;
+    const auto peer = life->session->receive(from, datagram, local);
+    if (!peer || !life->membership) continue;
+    if (!life->membership->hears(*peer)) {
+      life->replica->count_drop(*peer, sync::DropReason::kCutOff);
+      continue;
+    }
+    const auto why = life->replica->receive(datagram, life->session->session_now(local));
+    if (why == sync::DropReason::kNone) continue;
+    if (why == sync::DropReason::kForeign) life->membership->on_stranger(from, datagram.size(), local);
+    // Whoever has been held up itself finds everybody ahead of it.
+    const Tick due = life->replica->replica().now() + 1;
+    const bool behind = life->session->session_now(local) - tick_start(due) > kHeldUp;
+    if (why != sync::DropReason::kTick || !behind) life->membership->on_drop(*peer, why, local);
+  }
+}
+
+// Nothing proves that the network has said so: in a session with a key it does not count.
+void Participant::unreachable(const Endpoint& at, Micros local) {
+  if (channels_) return;
+  for (Life* life : {&life_, &coming_})
+    if (life->session) life->session->unreachable(at, local);
+}
+
+void Participant::advance(Micros local) {
+  local_ = local;
+  for (Life* life : {&life_, &coming_})
+    if (life->session && local >= life->session->next_due()) life->session->advance(local);
+  if (coming_.session) be_born(local);
+  collect(life_);
+  collect(coming_);
+}
+
+void Participant::be_born(Micros local) {
+  Session& s = *coming_.session;
+  if (s.phase() == SessionPhase::kFailed && life_.session) {
+    collect(coming_);
+    coming_ = {};
+    try_again_ = local + kTryAgain;
+  } else if (s.lost_introducer()) {
+    ask_again(local);
+  } else if (!coming_.replica && (s.phase() == SessionPhase::kStarted || s.may_enter())) {
+    if (const std::string why = no_room_for(s); !why.empty()) return s.state().fail(why);
+    if (s.phase() == SessionPhase::kStarted && config_.session.begins_at && !config_.session.join)
+      found_region();
+    else if (s.phase() == SessionPhase::kStarted)
+      begin_at_tick_0();
+    else
+      begin_later(local);
+  } else if (coming_.replica && coming_.replica->replica().member()) {
+    s.admitted();
+    take_over();
+  } else if (coming_.membership) {
+    watch(coming_, local);
+  } else if (coming_.replica) {
+    catch_up(coming_, local);
+  }
+}
+
+// Who was letting us in for the first time has ended: somebody else will.
+void Participant::ask_again(Micros local) {
+  SessionConfig c = config_.session;
+  if (c.patience > 0) c.patience -= local - born_;
+  if (config_.session.patience > 0 && c.patience <= 0) return;
+  collect(coming_);
+  coming_ = {};
+  c.seed = derive_seed(c.seed, 0xA6A, ++tries_);
+  coming_.session = std::make_unique<Session>(c, local);
+}
+
+// The number of slots is the founder's to say: it may be mistaken, or lie.
+std::string Participant::no_room_for(const Session& session) const {
+  const std::size_t places = scene_.avatar.spawns.size();
+  if (static_cast<std::size_t>(session.slots()) <= places) return "";
+  return "the session has more avatar slots (" + std::to_string(session.slots()) +
+         ") than the scenario has places to start from (" + std::to_string(places) + ")";
+}
+
+// Not in yet: steps along, so that it is up to date when it is.
+void Participant::watch(Life& life, Micros local) {
+  const Micros now = life.session->session_now(local);
+  for (Tick i = 0; i < kAtOnce && tick_start(life.replica->replica().now() + 1) <= now; ++i) {
+    life.replica->step({});
+    life.membership->advance(local);
+  }
+}
+
+// From the tick of the agreed world that it was given to the present one; then it asks to be let in.
+void Participant::catch_up(Life& life, Micros local) {
+  if (!life.replica->catch_up(kAtOnce)) return;
+  life.membership = std::make_unique<Membership>(life.session->state(), *life.replica);
+  // Members among them are forgotten again; a slot's address says nothing, its peer may be gone.
+  for (const Endpoint& at : std::exchange(life.gone, {})) life.membership->remember(at);
+  life.session->hand_over_to(life.membership.get());
+  life.session->enter(local);
+}
+
+void Participant::begin_at_tick_0() {
+  ReplicaConfig c = replica_config(*coming_.session);
+  const wire::Roster& beginners = coming_.session->beginners();
+  c.peers = static_cast<int>(beginners.size());
+  coming_.replica = std::make_unique<RecordedReplica>(
+      scene_, c, config_.recording ? config_.recording(lives_) : std::nullopt, sink());
+  for (PeerId p = 0; p < beginners.size(); ++p) coming_.replica->locate(p, beginners[p]);
+  take_over();
+}
+
+void Participant::found_region() {
+  const ReplicaConfig c = replica_config(*coming_.session);
+  const auto now = static_cast<Tick>(*config_.session.begins_at * kTicksPerSecond / kMicrosPerSecond);
+  const sync::Transfer start = sync::founding(scene_, c.slots, c.technique.authority, now, c.incarnation);
+  coming_.replica = std::make_unique<RecordedReplica>(
+      scene_, c, start, now, config_.recording ? config_.recording(lives_) : std::nullopt, sink());
+  coming_.replica->catch_up(0);  // it is there already
+  take_over();
+}
+
+void Participant::begin_later(Micros local) {
+  Session& s = *coming_.session;
+  auto transfer = wire::decode_transfer(s.transfer(), scene_, s.slots());
+  if (!transfer || transfer->slots.size() <= s.introducer_number()) {
+    s.state().fail("the transfer of " + to_string(s.introducer()) + " does not decode");
+    return;
+  }
+  const Tick now = static_cast<Tick>(s.session_now(local) * kTicksPerSecond / kMicrosPerSecond);
+  const Tick then = transfer->state.tick;
+  if (then > now + kMostAhead || then < now - kMostBehind) {
+    s.state().fail("the transfer of " + to_string(s.introducer()) + " is of tick " + std::to_string(then) +
+                   ", but the session is at " + std::to_string(now));
+    return;
+  }
+  transfer->slots[s.introducer_number()].at = s.introducer();
+  if (channels_ && !said(*transfer, s.number())) {
+    s.state().fail("the transfer of " + to_string(s.introducer()) + " has updates without a valid signature");
+    return;
+  }
+  for (sync::Transfer::Slot& slot : transfer->slots)
+    if (slot.at.is_set()) slot.at = as_seen_from(slot.at, s.introducer());
+  if (life_.replica) {
+    const sync::FoldState* ours = life_.replica->replica().agreed().confirmed_at(transfer->state.tick);
+    const std::string difference = ours == nullptr ? "" : first_difference(*ours, transfer->state);
+    if (!difference.empty()) s.state().note("here and there " + difference, true);
+  }
+  coming_.replica =
+      std::make_unique<RecordedReplica>(scene_, replica_config(s), *transfer, std::max(now, transfer->state.tick),
+                                        config_.recording ? config_.recording(lives_) : std::nullopt, sink());
+  for (const Endpoint& at : transfer->gone) coming_.gone.push_back(as_seen_from(at, s.introducer()));
+  catch_up(coming_, local);
+}
+
+void Participant::take_over() {
+  Life before = std::move(life_);
+  life_ = std::move(coming_);
+  coming_ = {};
+  ++lives_;
+  if (!life_.membership) {
+    life_.membership = std::make_unique<Membership>(life_.session->state(), *life_.replica);
+    life_.session->hand_over_to(life_.membership.get());
+  }
+  if (!before.session) return;
+  collect(before);
+  for (PeerId p = 0; p < before.session->slots(); ++p)
+    life_.membership->remember(before.replica->replica().other(p).at);
+  before.replica->finish(true);
+}
+
+void Participant::look_for_way_back(Micros local) {
+  const auto where = life_.membership->way_back();
+  if (where) life_.membership->announce_way_back();
+  if (!where && coming_.session && !coming_.replica) coming_ = {};  // no need any more
+  if (coming_.session || local < try_again_ || !where || !where->is_set()) return;
+  SessionConfig c = config_.session;
+  c.join = *where;
+  c.seed = derive_seed(c.seed, 0xBAC, ++tries_);
+  c.patience = kReturnPatience;
+  coming_.session = std::make_unique<Session>(c, local);
+}
+
+Micros Participant::next_due() const {
+  Micros due = std::numeric_limits<Micros>::max();
+  for (const Life* life : {&life_, &coming_})
+    if (life->session) due = std::min(due, life->session->next_due());
+  return due;
+}
+
+Micros Participant::next_step() const {
+  return life_.session->local_at(tick_start(replica().now() + 1));
+}
+
+void Participant::step(Vec2 target, Micros local) {
+  const Micros lateness = before_step(local);
+  life_.replica->step(target, lateness);
+  after_step(local);
+}
+
+void Participant::step_led(const BodyState& from, const BodyState& to, Vec2 target, Micros local) {
+  before_step(local);
+  life_.replica->step_led(from, to, target);
+  after_step(local);
+}
+
+Micros Participant::before_step(Micros local) {
+  local_ = local;
+  const Micros lateness = life_.session->session_now(local) - tick_start(replica().now() + 1);
+  if (lateness > kHeldUp) life_.replica->excuse_silence();
+  return lateness;
+}
+
+void Participant::after_step(Micros local) {
+  life_.membership->advance(local);
+  for (const Outgoing& o : life_.replica->outgoing()) post(replica().other(o.to).at, o.to, o.bytes);
+  look_for_way_back(local);
+  collect(life_);
+  collect(coming_);
+  if (!config_.steers || std::abs(replica().now() - steered_) < kSteerEvery) return;
+  steered_ = replica().now();
+  steer(local);
+}
+
+// The clock that counts is that of the lowest peer that is there.
+void Participant::steer(Micros local) {
+  bool lower = false;
+  for (PeerId p = 0; p < replica().self(); ++p) lower = lower || replica().other(p).there();
+  life_.session->steer(local, lower ? replica().clock_lead() : 0);
+}
+
+void Participant::retune(const Technique& technique) {
+  config_.replica.technique = technique;
+  for (Life* life : {&life_, &coming_})
+    if (life->replica) life->replica->retune(technique);
+}
+
+void Participant::knock(const Endpoint& at) {
+  if (life_.membership) life_.membership->knock(at);
+}
+
+void Participant::leave() {
+  if (life_.replica) {
+    life_.replica->leave();
+    coming_ = {};
+  } else {
+    coming_.session->leave();
+    collect(coming_);
+  }
+}
+
+void Participant::collect(Life& life) {
+  if (!life.session) return;
+  for (const SessionDatagram& d : life.session->take_outgoing()) post(d.to, kNoPeer, d.bytes);
+  for (SessionNote& n : life.session->take_notes()) notes_.push_back(std::move(n));
+  if (!life.membership) return;
+  for (const MemberChange& c : life.membership->take_changes()) changes_.push_back(c);
+}
+
+std::span<const Parcel> Participant::take_outgoing() {
+  return channels_ ? channels_->take_outgoing() : outgoing_.take();
+}
+
+std::vector<SessionNote> Participant::take_notes() {
+  return std::exchange(notes_, {});
+}
+
+std::vector<MemberChange> Participant::take_changes() {
+  return std::exchange(changes_, {});
+}
+
+void Participant::finish() {
+  if (life_.replica) life_.replica->finish();
+}
+
+}  // namespace padr::node

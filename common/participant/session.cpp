@@ -1,0 +1,195 @@
+#include "common/participant/session.h"
+
+#include <cassert>
+#include <utility>
+
+#include "common/participant/session_founder.h"
+#include "common/participant/session_joiner.h"
+
+namespace padr::node {
+
+Session::Session(const SessionConfig& config, Micros local) {
+  assert(config.join || (config.wanted >= 1 && config.wanted <= config.slots && config.slots <= kMaxPeers));
+  session_.config = config;
+  session_.born = local;
+  session_.number = config.number;
+  if (config.join) {
+    joiner_ = std::make_unique<Joiner>(session_, local);
+  } else {
+    founder_ = std::make_unique<Founder>(session_, local);
+  }
+}
+
+Session::~Session() = default;
+
+std::optional<PeerId> Session::receive(const Endpoint& from, std::span<const std::byte> datagram, Micros local) {
+  ++stats_.datagrams;
+  wire::SealError error{};
+  std::uint8_t version = 0;
+  const auto opened = wire::open(datagram, error, &version);
+  if (!opened) {
+    if (error == wire::SealError::kVersion) {
+      ++stats_.version;
+      other_version(from, datagram, version, local);
+    } else {
+      ++stats_.seal;
+    }
+    return std::nullopt;
+  }
+  const wire::Header& h = opened->header;
+  if (h.kind == wire::Kind::kState) {
+    const bool ours = h.session == session_.number && session_.number != 0;
+    if (!ours || !is_at(h.sender, from)) {
+      ++stats_.foreign;
+      if (ours && membership_ != nullptr) membership_->on_stranger(from, datagram.size(), local);
+      return std::nullopt;
+    }
+    ++stats_.state;
+    return h.sender;
+  }
+  if (h.kind == wire::Kind::kMembership) {
+    take_membership(from, *opened, datagram.size(), local);
+    return std::nullopt;
+  }
+  const auto message = wire::decode_session(opened->payload);
+  // Who asks to join has proven nothing yet: what is no larger than an answer gets none.
+  const bool small_join =
+      message && std::holds_alternative<wire::Join>(*message) && datagram.size() < wire::kMaxDatagram;
+  if (!message || small_join) {
+    ++stats_.malformed;
+    return std::nullopt;
+  }
+  // Those who want to join do not know the session's number, nor does an answer from outside it.
+  const bool any_number = std::holds_alternative<wire::Join>(*message) || session_.phase == SessionPhase::kJoining;
+  if (!any_number && h.session != session_.number) {
+    ++stats_.foreign;
+    return std::nullopt;
+  }
+  ++stats_.session;
+  dispatch(from, h, *message, local);
+  return std::nullopt;
+}
+
+bool Session::is_at(PeerId p, const Endpoint& where) const {
+  if (membership_ != nullptr) return membership_->is_at(p, where);
+  return p < session_.beginners.size() && p != session_.self && session_.beginners[p] == where;
+}
+
+void Session::unreachable(const Endpoint& at, Micros local) {
+  if (membership_ != nullptr) membership_->on_unreachable(at);
+  if (session_.phase == SessionPhase::kEntering && late_joiner_) late_joiner_->on_unreachable(at);
+  if (joiner_) joiner_->on_unreachable(at, local);
+}
+
+void Session::take_membership(const Endpoint& from, const wire::Opened& opened, std::size_t bytes, Micros local) {
+  const wire::Header& header = opened.header;
+  const auto message = wire::decode_membership(opened.payload);
+  if (!message) {
+    ++stats_.malformed;
+    return;
+  }
+  if (header.session != session_.number || session_.number == 0) {
+    ++stats_.foreign;
+    return;
+  }
+  ++stats_.session;
+  if (const auto* piece = std::get_if<wire::Piece>(&*message)) {
+    if (late_joiner_ && session_.phase == SessionPhase::kEntering) late_joiner_->on_piece(from, *piece, local);
+  } else if (membership_ != nullptr) {
+    membership_->receive(from, header, *message, bytes, local);
+  }
+}
+
+void Session::dispatch(const Endpoint& from, const wire::Header& header, const wire::SessionMessage& message,
+                       Micros local) {
+  if (session_.phase == SessionPhase::kFailed) return;
+  if (membership_ != nullptr) {
+    if (const auto* join = std::get_if<wire::Join>(&message)) return membership_->on_join(from, *join, local);
+    // A founding peer that comes back asks for the session's time, not for the founder's.
+    const auto* ping = std::get_if<wire::Ping>(&message);
+    if (ping != nullptr && membership_->on_ping(from, *ping, local)) return;
+  }
+  if (founder_) {
+    if (const auto* join = std::get_if<wire::Join>(&message)) founder_->on_join(from, *join, local);
+    if (const auto* ping = std::get_if<wire::Ping>(&message)) founder_->on_ping(from, *ping, local);
+    if (const auto* ready = std::get_if<wire::Ready>(&message)) founder_->on_ready(from, *ready, local);
+    if (const auto* bye = std::get_if<wire::Bye>(&message)) founder_->on_bye(from, *bye);
+    return;
+  }
+  if (const auto* join = std::get_if<wire::Join>(&message)) joiner_->on_join(from, *join, local);
+  if (const auto* welcome = std::get_if<wire::Welcome>(&message)) {
+    joiner_->on_welcome(from, header, *welcome, local);
+    if (session_.phase == SessionPhase::kEntering && !late_joiner_) {
+      admissions_ = header.sender;
+      late_joiner_ = std::make_unique<LateJoiner>(session_, from, *welcome, local);
+    }
+  }
+  if (const auto* redirect = std::get_if<wire::Redirect>(&message)) {
+    if (late_joiner_) late_joiner_->on_redirect(from, *redirect);
+    joiner_->on_redirect(from, *redirect, local);
+  }
+  if (const auto* refuse = std::get_if<wire::Refuse>(&message)) joiner_->on_refuse(from, *refuse);
+  if (const auto* pong = std::get_if<wire::Pong>(&message)) {
+    if (late_joiner_ && session_.phase == SessionPhase::kEntering) return late_joiner_->on_pong(from, *pong, local);
+    joiner_->on_pong(from, *pong, local);
+  }
+  if (const auto* start = std::get_if<wire::Start>(&message)) joiner_->on_start(from, *start, local);
+  if (const auto* bye = std::get_if<wire::Bye>(&message)) joiner_->on_bye(from, *bye);
+}
+
+// Magic, version, kind and tag are where they are in every version of the protocol, and a Join always fills a datagram
+// of the largest size. So a newcomer of another version can be told, by a datagram that it cannot read but whose
+// version it can see. Nothing smaller is answered: two versions would answer each other's answers.
+void Session::other_version(const Endpoint& from, std::span<const std::byte> datagram, std::uint8_t version,
+                            Micros local) {
+  if (session_.phase == SessionPhase::kFailed) return;
+  if (datagram.size() < wire::kMaxDatagram) {
+    if (joiner_) joiner_->on_other_version(from, version);
+    return;
+  }
+  if (!session_.may_answer(local)) return;
+  const std::string reason = "protocol version differs: " + std::to_string(wire::kProtocolVersion) +
+                             " in the session, " + std::to_string(version) + " in the newcomer";
+  session_.send(from, wire::Refuse{0, reason});
+  session_.note("refused " + to_string(from) + ": " + reason, true);
+}
+
+void Session::advance(Micros local) {
+  if (founder_) {
+    founder_->advance(local);
+  } else if (late_joiner_) {
+    if (session_.phase == SessionPhase::kEntering) late_joiner_->advance(local);
+  } else {
+    joiner_->advance(local);
+  }
+  next_due_ = local + SessionPace::kTick;
+}
+
+void Session::leave() {
+  const std::string reason = "it was stopped";
+  if (session_.phase == SessionPhase::kStarted || session_.phase == SessionPhase::kFailed) return;
+  if (founder_) {
+    founder_->leave(reason);
+  } else {
+    joiner_->leave(reason);
+  }
+}
+
+std::vector<SessionDatagram> Session::take_outgoing() {
+  return std::exchange(session_.outgoing, {});
+}
+
+std::vector<SessionNote> Session::take_notes() {
+  return std::exchange(session_.notes, {});
+}
+
+void Session::admitted() {
+  session_.phase = SessionPhase::kStarted;
+}
+
+Micros Session::round_trip() const {
+  if (late_joiner_) return late_joiner_->round_trip();
+  return joiner_ ? joiner_->round_trip() : 0;
+}
+
+}  // namespace padr::node

@@ -1,0 +1,121 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/membership/membership.h"
+#include "common/membership/session_clock.h"
+#include "common/membership/session_state.h"
+#include "common/model/endpoint.h"
+#include "common/model/ids.h"
+#include "common/participant/late_joiner.h"
+
+namespace padr::node {
+
+class Founder;
+class Joiner;
+
+/// What came to a session's socket, by what became of it.
+struct SessionStats {
+  std::uint64_t datagrams = 0;
+  std::uint64_t state = 0;      ///< for the replica
+  std::uint64_t session = 0;    ///< understood here
+  std::uint64_t seal = 0;       ///< too short or long, wrong magic, kind or tag
+  std::uint64_t version = 0;    ///< of another protocol version
+  std::uint64_t foreign = 0;    ///< another session, or not from the member it claims to be from
+  std::uint64_t malformed = 0;  ///< does not decode
+};
+
+/// How peers come together: founding, joining through any member, waiting for one another, agreeing on a clock and on
+/// the moment of tick 0; and, from then on, who is at which address and what time it is in the session.
+///
+/// Pure: local time is microseconds on any monotonic clock of the caller's, the same for all calls. Everything is
+/// repeated until answered, at a bounded rate, so any loss below 100 % only costs time. What others send is never
+/// trusted further than its values' ranges: see SessionStats.
+class Session {
+ public:
+  Session(const SessionConfig& config, Micros local);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// A datagram has arrived. If it is a state datagram of this session from the member it claims to be from, that
+  /// member's number is returned, and the datagram is the replica's to read.
+  std::optional<PeerId> receive(const Endpoint& from, std::span<const std::byte> datagram, Micros local);
+  /// The machine at `at` says that nobody listens there.
+  void unreachable(const Endpoint& at, Micros local);
+  /// Does what is due; call at least whenever next_due() has come.
+  void advance(Micros local);
+  Micros next_due() const { return next_due_; }
+  /// Says goodbye to those who wait with us for the start. After the start, leaving is the replica's affair.
+  void leave();
+
+  /// What to send, in order; empty afterwards.
+  std::vector<SessionDatagram> take_outgoing();
+  /// What people should know; empty afterwards.
+  std::vector<SessionNote> take_notes();
+
+  SessionPhase phase() const { return session_.phase; }
+  /// Why, once the phase is kFailed.
+  const std::string& failure() const { return session_.failure; }
+  /// It failed because who was letting us in has ended, fallen silent, or sent us elsewhere.
+  bool lost_introducer() const {
+    return session_.phase == SessionPhase::kFailed && late_joiner_ && late_joiner_->lost();
+  }
+  /// This peer's number; kNoPeer until it is a member.
+  PeerId self() const { return session_.self; }
+  /// Drawn by the founder, never 0; 0 until known.
+  std::uint16_t number() const { return session_.number; }
+  int slots() const { return session_.slots; }
+  int wanted() const { return session_.wanted; }
+  /// Members known to be there before the start, this one included.
+  int present() const { return session_.present; }
+  /// By peer number, once started; this peer's own entry is how the founder sees it, the founder's own is not set.
+  const wire::Roster& beginners() const { return session_.beginners; }
+  /// Least round trip to the founder so far, us; 0 for the founder.
+  Micros round_trip() const;
+  const SessionStats& stats() const { return stats_; }
+
+  /// While kEntering: the agreed world has come, see transfer(), and the clock runs.
+  bool may_enter() const { return late_joiner_ && late_joiner_->ready(); }
+  const wire::Bytes& transfer() const { return late_joiner_->transfer(); }
+  /// Who lets us in.
+  const Endpoint& introducer() const { return late_joiner_->by(); }
+  PeerId introducer_number() const { return admissions_; }
+  /// Asks to be admitted; `admitted` when that has happened.
+  void enter(Micros local) { late_joiner_->enter(local); }
+  void admitted();
+  std::uint32_t incarnation() const { return session_.incarnation; }
+  /// Once started, or entering with may_enter(): who is there is that one's affair from now on.
+  void hand_over_to(Membership* membership) { membership_ = membership; }
+  SessionState& state() { return session_; }
+
+  /// Once started: session microseconds, negative before tick 0.
+  Micros session_now(Micros local) const { return session_.clock.now(local); }
+  Micros local_at(Micros session) const { return session_.clock.local_at(session); }
+  /// We are `lead` us ahead of the peer whose clock counts; see SessionClock.
+  void steer(Micros local, Micros lead) { session_.clock.steer(local, lead); }
+  const SessionClock& clock() const { return session_.clock; }
+
+ private:
+  /// Whether another one's slot p is at this address; before a membership takes over, by who is there at tick 0.
+  bool is_at(PeerId p, const Endpoint& where) const;
+  void dispatch(const Endpoint& from, const wire::Header& header, const wire::SessionMessage& message, Micros local);
+  void take_membership(const Endpoint& from, const wire::Opened& opened, std::size_t bytes, Micros local);
+  void other_version(const Endpoint& from, std::span<const std::byte> datagram, std::uint8_t version, Micros local);
+
+  SessionState session_;
+  std::unique_ptr<Founder> founder_;  ///< one of the two
+  std::unique_ptr<Joiner> joiner_;
+  std::unique_ptr<LateJoiner> late_joiner_;
+  PeerId admissions_ = kNoPeer;
+  Membership* membership_ = nullptr;
+  SessionStats stats_;
+  Micros next_due_ = 0;
+};
+
+}  // namespace padr::node

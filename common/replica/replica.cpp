@@ -1,0 +1,400 @@
+#include "common/replica/replica.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "common/model/precision.h"
+#include "common/wire/codec.h"
+
+namespace padr::node {
+namespace {
+
+// Peers' marks come so many ticks after one another: no divisor of any of their intervals.
+constexpr Tick kPhase = 11;
+// Looking ahead is the dearest thing a frame does besides physics; the low threshold lingers longer than this anyway.
+constexpr Tick kLookEvery = 3;
+// A link that loses less is calm: see OutLink.
+constexpr float kCalmLoss = 0.02F;
+// A peer that has left and been silent for this long has ended.
+constexpr Tick kDeparted = 60;
+// Updates are kept this long though everybody has them: a newcomer has what its source had when it asked.
+constexpr Tick kKept = 15 * kTicksPerSecond;
+// Hashes go out with marks, each once; where there is so much to tell that there are none, this often.
+constexpr Tick kTellCheck = 60;
+// Nothing new for this long, and marks are less urgent.
+constexpr Tick kQuiet = kTicksPerSecond;
+// Four marks: time to hear that somebody else leaves too, and to tell that we have everything, though some get lost.
+constexpr Tick kLastAcks = 62;
+
+void add(Hasher& h, Vec2 position, float angle, Vec2 velocity, float spin, bool awake) {
+  for (const float v : {position.x, position.y, angle, velocity.x, velocity.y, spin}) h.add(v);
+  h.add(static_cast<std::uint64_t>(awake));
+}
+
+}  // namespace
+
+Replica::ConfirmedSink Replica::check_and(ConfirmedSink sink) {
+  return [this, sink = std::move(sink)](const sync::FoldState& s, const sync::LazyHash& hash) {
+    if (s.tick % kCheckEvery == 0) checks_.add_own(s.tick, static_cast<std::uint32_t>(std::uint64_t{hash}) | 1U);
+    if (sink) sink(s, hash);
+  };
+}
+
+Replica::Replica(const Scene& scene, const ReplicaConfig& config, ConfirmedSink on_confirmed)
+    : scene_(scene),
+      config_(config),
+      agreed_(scene, config.agreed(), check_and(std::move(on_confirmed))),
+      live_(scene, agreed_.predicted_state(), config.self, config.technique.authority),
+      reporter_(scene, config.self, config.technique),
+      predictor_(scene, config.slots, config.self, config.technique),
+      threshold_(config.technique),
+      shown_(config.technique.convergence, static_cast<std::size_t>(live_.world().entities())),
+      others_(static_cast<std::size_t>(config.slots)),
+      member_(true),
+      joined_(true) {
+  assert(config.peers <= config.slots && config.self < config.peers);
+  for (PeerId p = 0; p < config.peers; ++p) others_[p].presence = Presence::kThere;
+  if (config.sign) reporter_.limit_bodies(sync::kMaxBodiesPerSigned);
+  shown_.begin(live_.world().kinematics());
+  refresh_own();
+}
+
+Replica::Replica(const Scene& scene, const ReplicaConfig& config, const sync::Transfer& start,
+                 ConfirmedSink on_confirmed, Later)
+    : scene_(scene),
+      config_(config),
+      agreed_(scene, config.agreed(), start, check_and(std::move(on_confirmed))),
+      live_(scene, agreed_.predicted_state(), config.self, config.technique.authority),
+      reporter_(scene, config.self, config.technique),
+      predictor_(scene, config.slots, config.self, config.technique),
+      threshold_(config.technique),
+      shown_(config.technique.convergence, static_cast<std::size_t>(live_.world().entities())),
+      others_(static_cast<std::size_t>(config.slots)) {
+  assert(config.self < config.slots);
+  if (config.sign) reporter_.limit_bodies(sync::kMaxBodiesPerSigned);
+  shown_.begin(live_.world().kinematics());
+}
+
+// The loop of the paper's Figure 5: sample input, apply received updates, step, contacts -> update; else predict, adapt
+// the threshold, test the model error, update if it is exceeded.
+void Replica::step(Vec2 target) {
+  if (agreed_.catch_up()) adopt();
+  if (jolt_ != Vec2{} && joined_) live_.jolt(std::exchange(jolt_, {}));
+  const Vec2 velocity_before = live_.world().velocity(live_.avatar());
+  agreed_.step();
+  live_.step(target, agreed_.predicted_state());
+  go_on(target, velocity_before);
+}
+
+void Replica::step_led(const BodyState& from, const BodyState& to, Vec2 target) {
+  if (agreed_.catch_up()) adopt();
+  BodyState way = from;
+  way.velocity = (to.position - from.position) * static_cast<float>(kTicksPerSecond);
+  way.awake = from.awake || to.awake;
+  live_.place(way);
+  agreed_.step();
+  live_.step_led(agreed_.predicted_state());
+  reaction_ = live_.world().velocity(live_.avatar()) - way.velocity;
+  live_.place(to);
+  go_on(target, from.velocity);
+}
+
+void Replica::go_on(Vec2 target, Vec2 velocity_before) {
+  if (member_ && now() > in_since_ && !gone_ && !publish_order()) report(target, velocity_before);
+  adopt(!agreed_.catch_up());
+  shown_.advance(live_.world().kinematics(), own_);
+  agreed_.confirm();
+  settle_checks();
+  send();
+  through_ticks_ = gone_ && all_through() ? through_ticks_ + 1 : 0;
+}
+
+bool Replica::delivered() const {
+  return through_ticks_ >= kLastAcks;
+}
+
+void Replica::adopt(bool as_stepped) {
+  refresh_own();
+  const std::vector<bool>& kept = kept_from_live();
+  const bool same = own_is_predicted(kept);
+  live_.adopt(agreed_.predicted_state(), same ? own_ : kept, same, as_stepped);
+  joined_ = member_;
+  for (const sync::LiveWorld::Jump& j : live_.jumps()) shown_.correct(j.entity, j.from);
+}
+
+// Of a slot into which another body has come, what was in it is no truth any more. What has been told rounded is true
+// as it was told.
+const std::vector<bool>& Replica::kept_from_live() {
+  kept_ = own_;
+  if (config_.technique.authority && config_.technique.unowned == Unowned::kLive && member_) {
+    for (const EntityId b : unowned_.kept(agreed_.predicted_state(), live_.world(), config_.self)) kept_[b] = true;
+  } else {
+    unowned_.reset();
+  }
+  if (config_.technique.precision == Precision::kRounded && !own_log_.empty() && own_log_.back().tick == now())
+    for (const sync::BodyUpdate& u : own_log_.back().bodies)
+      if (u.has_state && u.state != live_.world().state(u.body)) kept_[u.body] = false;
+  const std::vector<sync::Resident>& predicted = agreed_.predicted_state().residents.slots;
+  for (EntityId b = 0; b < predicted.size(); ++b)
+    if (live_.residents().slots[b] != predicted[b]) kept_[b] = false;
+  return kept_;
+}
+
+// Where the own entities are as predicted, the memory of their contacts may be too: then live and predicted are one,
+// and drift apart only when something new happens here.
+bool Replica::own_is_predicted(const std::vector<bool>& own) const {
+  const sync::FoldState& p = agreed_.predicted_state();
+  for (const EntityId e : mine_) {
+    if (!own[e]) continue;
+    const world::Kinematics& k = p.world.entities[e];
+    if (live_.world().state(e) != BodyState{k.position, k.angle, k.velocity, k.spin, k.awake}) return false;
+  }
+  for (const EntityId b : unowned_.kept())
+    if (own[b]) return false;
+  return config_.technique.authority;
+}
+
+void Replica::refresh_own() {
+  const sync::FoldState& p = agreed_.predicted_state();
+  own_.assign(static_cast<std::size_t>(live_.world().entities()), false);
+  mine_.clear();
+  for (std::size_t b = 0; b < p.authority.size(); ++b)
+    if (!config_.technique.authority || p.authority[b].holder() == config_.self)
+      mine_.push_back(static_cast<EntityId>(b));
+  if (joined_ && !gone_) mine_.push_back(live_.avatar());
+  for (const EntityId e : mine_) own_[e] = true;
+}
+
+void Replica::report(Vec2 target, Vec2 velocity_before) {
+  if (leaving_ && orders_.empty()) {
+    sync::Bundle last;
+    last.peer = config_.self;
+    last.tick = now();
+    last.leave = true;
+    gone_ = true;
+    ++stats_.updates_by_cause[static_cast<std::size_t>(sync::Cause::kLeave)];
+    publish(last);
+    return;
+  }
+  sync::Reporter::Situation s;
+  s.live = &live_;
+  s.predicted = &agreed_.predicted_state();
+  s.target = target;
+  s.acceleration = (live_.world().velocity(live_.avatar()) - velocity_before) * static_cast<float>(kTicksPerSecond);
+  reporter_.watch_avatar(s);
+  look_ahead(target);
+  s.threshold = threshold();
+  std::uint32_t everyone = own_end();
+  for (PeerId p = 0; p < config_.slots; ++p) {
+    if (p == config_.self || !others_[p].there()) continue;
+    s.round_trip = std::max(s.round_trip, static_cast<Tick>(others_[p].link.round_trip()) + 1);
+    everyone = std::min(everyone, others_[p].link.acked());
+  }
+  const bool all = everyone >= own_first_ + own_log_.size();
+  s.everyone_has = all ? now() - 1
+                       : (everyone > own_first_ ? own_log_[everyone - own_first_ - 1].tick
+                                                : (own_log_.empty() ? now() - 1 : own_log_.front().tick - 1));
+  s.pushed = push_bodies();
+  const sync::Bundle& bundle = reporter_.report(s);
+  forget_pushes(bundle);
+  live_.settle(bundle);
+  take_on_rounded(bundle);
+  if (bundle.avatar) ++stats_.updates_by_cause[static_cast<std::size_t>(bundle.avatar->cause)];
+  for (const sync::BodyUpdate& u : bundle.bodies) ++stats_.updates_by_cause[static_cast<std::size_t>(u.cause)];
+  if (bundle.avatar || !bundle.bodies.empty()) {
+    publish(bundle);
+  } else {
+    publish_heartbeat();
+  }
+}
+
+// The avatar is where its owner has told everybody that it is. Bodies follow when what is predicted is taken over.
+void Replica::take_on_rounded(const sync::Bundle& told) {
+  if (config_.technique.precision != Precision::kRounded || !told.avatar || !told.avatar->awake) return;
+  BodyState s = live_.world().state(live_.avatar());
+  if (s.position == told.avatar->position && s.velocity == told.avatar->velocity) return;
+  s.position = told.avatar->position;
+  s.velocity = told.avatar->velocity;
+  live_.place(s);
+}
+
+// The paper predicts at every turn of its loop; its techniques here do so every kLookEvery ticks. Otherwise looks are
+// taken, as often at most, when it depends on them whether something is told: an avatar whose model is right within the
+// low threshold may be as near to bodies as it likes.
+void Replica::look_ahead(Vec2 target) {
+  const bool always = config_.technique.update_every_contact;
+  if (always ? now() % kLookEvery == 0 : now() - looked_ >= kLookEvery) {
+    const bool look = always || reporter_.depends_on_threshold(coarseness_);
+    prediction_ = look ? predictor_.predict(live_.world(), target, agreed_.predicted_state()) : sync::Prediction{};
+    if (look) looked_ = now();
+  }
+  threshold_.adapt(prediction_, reporter_.holding(), now());
+}
+
+void Replica::retune(const Technique& technique) {
+  assert(technique.authority == config_.technique.authority);
+  const bool other_world = technique.replay != config_.technique.replay;
+  config_.technique = technique;
+  reporter_.retune(technique);
+  predictor_.retune(technique);
+  threshold_.retune(technique);
+  shown_.retune(technique.convergence, live_.world().kinematics());
+  agreed_.set_replay(technique.replay);
+  agreed_.set_time_stamps(technique.time_stamps);
+  if (other_world) adopt();
+}
+
+bool Replica::may_push(EntityId b) const {
+  if (!member_ || gone_ || leaving_ || b >= live_.world().bodies()) return false;
+  return !config_.technique.authority || reporter_.may_change(agreed_.predicted_state(), b);
+}
+
+std::vector<EntityId> Replica::push_bodies() {
+  std::vector<EntityId> pushed;
+  std::erase_if(pushes_, [this](const auto& push) { return !may_push(push.first); });
+  for (const auto& [b, velocity] : pushes_) {
+    live_.push(b, velocity);
+    pushed.push_back(b);
+  }
+  return pushed;
+}
+
+// What did not fit the bundle and is not owned yet is put back to what was predicted, and has to be pushed again. Where
+// it is not put back, it waits to be told.
+void Replica::forget_pushes(const sync::Bundle& told) {
+  std::erase_if(pushes_, [&](const auto& push) {
+    const auto is_it = [&push](const sync::BodyUpdate& u) { return u.body == push.first && u.has_state; };
+    return own_[push.first] || std::any_of(told.bodies.begin(), told.bodies.end(), is_it);
+  });
+  if (config_.technique.unowned == Unowned::kLive)
+    for (auto& [b, velocity] : pushes_) velocity = {};
+}
+
+void Replica::publish(const sync::Bundle& bundle) {
+  sync::Bundle own = own_pool_.copy(bundle);
+  own.index = own_end();
+  if (config_.sign) own.signature = config_.sign(own);
+  ++stats_.bundles;
+  file(own);
+  own_log_.push_back(std::move(own));
+}
+
+bool Replica::publish_order() {
+  if (orders_.empty()) return false;
+  sync::Bundle bundle = std::move(orders_.front());
+  orders_.pop_front();
+  bundle.peer = config_.self;
+  bundle.tick = now();
+  publish(bundle);
+  return true;
+}
+
+std::optional<sync::Signature> Replica::signed_now() const {
+  if (own_log_.empty() || own_log_.back().tick != now()) return std::nullopt;
+  return own_log_.back().signature;
+}
+
+void Replica::send() {
+  sent_ = 0;
+  std::uint32_t everyone = own_end();
+  for (PeerId p = 0; p < config_.slots; ++p) {
+    Neighbour& to = others_[p];
+    if (p == config_.self || !member_ || !to.reachable() || departed(p)) continue;
+    const sync::UpdateLog& log = agreed_.log();
+    const bool staying = !gone_ && to.there();
+    const bool calm = to.window.judged() && to.window.loss() < kCalmLoss && staying;
+    const bool quiet = now() - news_ > kQuiet && staying;
+    const sync::OutLink::Context context{now(), log.have(p), log.have_beyond(p),    to.promised > log.have(p),
+                                         calm,  quiet,       config_.self * kPhase, to.repeats};
+    sync::StatePacket* packet =
+        to.link.compose(context, own_log_, own_first_, wire::encoded_size, wire::kMaxPayload - wire::kStateOverhead);
+    everyone = std::min(everyone, to.link.acked());
+    if (packet == nullptr) continue;
+    to.repeats = false;
+    fill(*packet, p);
+    if (sent_ == outgoing_.size()) outgoing_.emplace_back().bytes.reserve(wire::kMaxDatagram);
+    Outgoing& o = outgoing_[sent_++];
+    o.to = p;
+    wire::seal({wire::Kind::kState, config_.self, config_.session}, encoder_.encode(*packet), o.bytes);
+    ++stats_.datagrams_sent;
+    stats_.wire_bytes_sent += o.bytes.size() + kIpUdpBytes;
+  }
+  stats_.repeats = repeats_of_gone_;
+  for (const Neighbour& n : others_) stats_.repeats += n.link.repeats();
+  keep_logs(everyone);
+}
+
+void Replica::keep_logs(std::uint32_t everyone) {
+  while (own_first_ < everyone && !own_log_.empty() && own_log_.front().tick < now() - kKept) {
+    own_pool_.give_back(own_log_.pop_front());
+    ++own_first_;
+  }
+  // Whoever falls silent may have told somebody what others lack. Nobody but a newcomer lacks what all have confirmed.
+  Tick all = std::min(agreed_.confirmed().tick, now() - kKept);
+  for (PeerId p = 0; p < config_.slots; ++p)
+    if (p != config_.self && others_[p].there()) all = std::min(all, others_[p].confirmed);
+  agreed_.keep_from(all);
+}
+
+void Replica::fill(sync::StatePacket& packet, PeerId p) {
+  Neighbour& to = others_[p];
+  packet.incarnation = config_.incarnation;
+  packet.to_incarnation = to.incarnation;
+  // Marks carry what is not urgent.
+  const bool mark = packet.updates.empty();
+  const HashChecks::Own newest = checks_.newest();
+  const bool late = now() - to.checked >= kTellCheck;
+  if (mark || late) packet.loss = static_cast<std::uint32_t>(to.window.loss() * 100);
+  if (!late && (!mark || newest.tick <= to.told_check)) return;
+  to.checked = now();
+  to.told_check = newest.tick;
+  if (to.clock.measured()) packet.transit = static_cast<std::int32_t>(to.clock.least() / 100);
+  if (newest.tick < 0) return;
+  packet.check_tick = newest.tick;
+  packet.check_hash = newest.hash;
+}
+
+// Peers that have left linger, and want our last updates as we want theirs; one that is silent has gone for good.
+bool Replica::departed(PeerId p) const {
+  return has_left(p) && silence(p) > kDeparted;
+}
+
+bool Replica::all_through() const {
+  for (PeerId p = 0; p < config_.slots; ++p) {
+    if (p == config_.self || !others_[p].reachable() || departed(p)) continue;
+    if (others_[p].link.acked() < own_end()) return false;
+    if (agreed_.log().have(p) < others_[p].promised) return false;
+  }
+  return true;
+}
+
+Micros Replica::clock_lead() const {
+  for (PeerId p = 0; p < config_.slots; ++p)
+    if (p != config_.self && others_[p].there()) return others_[p].clock.lead();
+  return 0;
+}
+
+float Replica::own_error() const {
+  const sync::FoldState& predicted = agreed_.predicted_state();
+  float sum = 0;
+  for (const EntityId e : mine_) sum += distance(live_.world().position(e), predicted.world.entities[e].position);
+  return sum;
+}
+
+std::uint64_t Replica::live_hash() const {
+  Hasher h;
+  for (EntityId e = 0; e < live_.world().entities(); ++e) {
+    const BodyState s = live_.world().state(e);
+    add(h, s.position, s.angle, s.velocity, s.spin, s.awake);
+  }
+  return h.value();
+}
+
+std::uint64_t state_hash(const sync::FoldState& s) {
+  Hasher h;
+  for (const world::Kinematics& k : s.world.entities) add(h, k.position, k.angle, k.velocity, k.spin, k.awake);
+  return h.value();
+}
+
+}  // namespace padr::node

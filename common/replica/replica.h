@@ -1,0 +1,312 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/model/scene.h"
+#include "common/model/technique.h"
+#include "common/reckoning/live_world.h"
+#include "common/reckoning/reporter.h"
+#include "common/reckoning/threshold.h"
+#include "common/reckoning/unowned.h"
+#include "common/replica/hash_checks.h"
+#include "common/replica/neighbour.h"
+#include "common/shown/convergence.h"
+#include "common/sync/agreed_world.h"
+#include "common/sync/transfer.h"
+#include "common/sync/validation.h"
+#include "common/wire/codec.h"
+#include "common/wire/seal.h"
+
+namespace padr::node {
+
+struct ReplicaConfig {
+  PeerId self = 0;
+  int peers = 1;                  ///< of the session at tick 0
+  int slots = 1;                  ///< avatar slots, >= peers
+  std::uint32_t incarnation = 0;  ///< of this peer in its slot; above 0 for one that came later
+  std::uint16_t session = 0;      ///< in every datagram's header
+  Technique technique;
+  sync::Fault fault;             ///< for tests only
+  std::size_t kept_ticks = 512;  ///< see AgreedConfig
+  /// In a session with a key: signs an update of this peer's. Empty: they go out unsigned.
+  std::function<sync::Signature(const sync::Bundle&)> sign{};
+
+  sync::AgreedConfig agreed() const {
+    sync::AgreedConfig c{slots, peers, self, technique.authority, technique.replay, fault, kept_ticks};
+    c.time_stamps = technique.time_stamps;
+    return c;
+  }
+};
+
+/// Somebody has come or gone, as far as is known here.
+struct MemberChange {
+  enum class Kind : std::uint8_t { kAdmitted, kLeft, kRemoved };
+  Kind kind = Kind::kAdmitted;
+  PeerId slot = kNoPeer;
+  std::uint32_t incarnation = 0;
+  Endpoint at;  ///< as it is to be reached from here; not set if not known
+  Tick tick = 0;
+  PeerId by = kNoPeer;  ///< who said so
+};
+
+/// Bytes of IPv4 and UDP headers that every datagram costs besides its payload.
+inline constexpr std::size_t kIpUdpBytes = 28;
+
+struct Outgoing {
+  PeerId to = kNoPeer;
+  wire::Bytes bytes;
+};
+
+/// Counters since the start; never reset.
+struct ReplicaStats {
+  std::array<std::uint64_t, sync::kCauses> updates_by_cause{};  ///< entity updates told, each once however often sent
+  std::uint64_t bundles = 0;
+  std::uint64_t datagrams_sent = 0;
+  std::uint64_t wire_bytes_sent = 0;  ///< IP and UDP headers included
+  std::uint64_t repeats = 0;          ///< bundles sent again
+  std::uint64_t datagrams_received = 0;
+  std::array<std::uint64_t, sync::kDropReasons> dropped{};
+  std::uint64_t hash_checks = 0;
+  std::uint64_t hash_mismatches = 0;
+  Tick first_mismatch = -1;
+};
+
+/// One peer's brain: everything between bytes in, input in, and bytes out. No clock and no socket: the same object runs
+/// in the real process, in the lab and in tests, and the same calls give the same bits.
+class Replica {
+ public:
+  using ConfirmedSink = sync::AgreedWorld::ConfirmedSink;
+  /// What is believable may still be said by who has no right to, or may have been made up: kNone if it may pass.
+  using Judge = std::function<sync::DropReason(const sync::StatePacket& packet)>;
+
+  /// One who is there at tick 0.
+  Replica(const Scene& scene, const ReplicaConfig& config, ConfirmedSink on_confirmed = {});
+  /// One who comes while the session runs, at tick `now`: watches until somebody admits it. It begins at the transfer's
+  /// tick: nothing but catch_up may be called until that is done.
+  Replica(const Scene& scene, const ReplicaConfig& config, const sync::Transfer& start, Tick now,
+          ConfirmedSink on_confirmed = {});
+  /// Steps towards the tick at which it comes, by so many ticks at most; whether it is there.
+  bool catch_up(Tick most);
+  // What it is built of refers to it.
+  Replica(const Replica&) = delete;
+  Replica& operator=(const Replica&) = delete;
+
+  /// A state datagram of this session has arrived, `now` in session microseconds. Why it was dropped, if it was.
+  sync::DropReason receive(std::span<const std::byte> datagram, Micros now);
+  /// Asked before anything of a datagram is taken in. What it objects to leaves no trace but in the counters.
+  void set_judge(Judge judge) { judge_ = std::move(judge); }
+  /// A datagram of p's was not even looked at.
+  void count_drop(PeerId p, sync::DropReason why);
+  /// It is not listened to any more, or not for now.
+  void count_cut_off(PeerId p) { ++others_[p].cut_offs; }
+  /// The signature of what this peer published with the last step, if it did and signs.
+  std::optional<sync::Signature> signed_now() const;
+  /// Advances to the next tick with the avatar driven towards `target` (m); `outgoing` then holds what to send.
+  void step(Vec2 target);
+  /// The same in a region of a crowd where this peer is a guest: the avatar moves as another of its worlds has it, from
+  /// one place to another in this tick, and is drawn towards `target` there.
+  void step_led(const BodyState& from, const BodyState& to, Vec2 target);
+  /// By how much what the avatar met on its way has changed its velocity, m/s.
+  Vec2 reaction() const { return reaction_; }
+  /// Adds to the avatar's velocity, m/s, before the next step: something in another of its worlds has.
+  void jolt(Vec2 velocity) { jolt_ = jolt_ + velocity; }
+  /// The avatar's threshold is so many times the usual one, >= 1, until a contact is predicted: nobody is near.
+  void set_coarseness(float times) { coarseness_ = times; }
+  /// One datagram per receiver at most, of the last step.
+  std::span<const Outgoing> outgoing() const { return {outgoing_.data(), sent_}; }
+  /// The next step tells everybody that this peer goes. Keep stepping until `delivered`.
+  void leave() { leaving_ = true; }
+  /// After leaving: everybody who is still there has all of this peer's updates, this peer has all that it knows of
+  /// theirs, and there has been time to tell. It may end.
+  bool delivered() const;
+  bool has_left(PeerId p) const { return others_[p].presence == Presence::kLeft; }
+
+  // Who is there. What the coordinator decides is published by `order`, one order a tick, and is a part of the agreed
+  // world: everybody applies it at the same tick.
+
+  /// To be published in place of an ordinary update: has an admission, a removal or a passed-on update, nothing else.
+  void order(const sync::Bundle& order) { orders_.push_back(order); }
+  std::size_t orders() const { return orders_.size(); }
+  /// Takes nothing more from p, whose end is being agreed on, or takes again what it says.
+  void freeze(PeerId p, bool frozen);
+  /// This peer's avatar is, or was once, part of the session.
+  bool member() const { return member_; }
+  /// The tick of its admission; its updates are of later ones.
+  Tick in_since() const { return in_since_; }
+  /// This peer has been declared gone by others, or knows of updates that they have declared void.
+  bool expelled() const { return expelled_; }
+  /// Whose confirmed world differs from ours, the lowest; kNoPeer if nobody's does.
+  PeerId differs_from() const { return differs_from_; }
+  /// All that a newcomer needs to go on from here.
+  sync::Transfer transfer() const;
+  const Neighbour& other(PeerId p) const { return others_[p]; }
+  /// Where p of tick 0 is; for passing on.
+  void locate(PeerId p, const Endpoint& at) { others_[p].at = at; }
+  /// A peer that has left and been silent since has ended.
+  bool departed(PeerId p) const;
+  /// The highest incarnation that this peer has heard of, its own included.
+  std::uint32_t newest_incarnation() const;
+  /// This peer has said goodbye, or will with its next step.
+  bool leaving() const { return leaving_; }
+  /// Since the last call.
+  std::vector<MemberChange> take_changes();
+  /// Counts as silent from now on, until it answers again. `for_good`: it does not matter whether others hear it.
+  void give_up(PeerId p, bool for_good);
+  /// Updates of p, as somebody has them who hears it while we do not. They are judged as if they came from p itself,
+  /// and none is taken if one is not. An update also says, like a mark, that those before it are all of earlier ticks.
+  sync::DropReason relay(PeerId p, std::uint32_t incarnation, const std::vector<sync::Bundle>& updates);
+  /// Plays by other knobs from the next step on. All but `authority` are a peer's own affair; that must stay.
+  void retune(const Technique& technique);
+  /// Whether a push of this body would be followed now: nobody else holds it, and this peer is in the session.
+  bool may_push(EntityId b) const;
+  /// With the next report this peer takes authority over the body, unless it may not after all, and adds to its
+  /// velocity (m/s), as if its avatar had touched it. Without dynamic authority it does so in its own world alone.
+  void push(EntityId b, Vec2 velocity) { pushes_[b] = pushes_[b] + velocity; }
+  /// The process was held up: nobody can be blamed for not having been heard meanwhile.
+  void excuse_silence();
+
+  Tick now() const { return agreed_.now(); }
+  PeerId self() const { return config_.self; }
+  const ReplicaConfig& config() const { return config_; }
+  const sync::AgreedWorld& agreed() const { return agreed_; }
+  const sync::LiveWorld& live() const { return live_; }
+  const sync::Shown& shown() const { return shown_; }
+  const ReplicaStats& stats() const { return stats_; }
+  const sync::Reporter& reporter() const { return reporter_; }
+  const sync::OutLink& link(PeerId p) const { return others_[p].link; }
+  float threshold() const { return threshold_.metres() * (prediction_.interaction ? 1 : coarseness_); }
+  /// What the threshold was last adapted to, besides contacts that are there already.
+  const sync::Prediction& prediction() const { return prediction_; }
+  /// What a peer keeps because somebody may still need it; bounded however long a session lasts.
+  struct Kept {
+    std::size_t log_ticks = 0;       ///< ticks with updates above the confirmed one
+    std::size_t own_updates = 0;     ///< bundles not acknowledged by everybody
+    std::size_t pending_checks = 0;  ///< others' hashes of ticks not confirmed here yet
+  };
+  Kept kept() const { return {agreed_.log().size(), own_log_.size(), checks_.waiting()}; }
+  std::uint64_t lookahead_steps() const { return predictor_.steps(); }
+  /// Ticks since anything valid was heard of p; since the start if nothing was.
+  Tick silence(PeerId p) const { return now() - others_[p].heard; }
+  /// By how many ticks what p has told in full lies back, and with it everybody's confirmed world; 0 if nothing of it
+  /// is waited for.
+  Tick arrears(PeerId p) const { return std::max(0, now() - std::max(agreed_.log().complete(p), others_[p].excused)); }
+  /// How old the first update of ours is that p, which may well hear us, has not acknowledged; ticks.
+  Tick unacknowledged(PeerId p) const;
+  /// Ticks since the last sign that p hears us, or that others hear p: since p last said that it had got something new
+  /// of ours, or the tick of its newest update that was relayed.
+  Tick unanswered(PeerId p) const;
+
+  /// Who has not been heard for so long is asked for by others' having it, and no longer than kRelayUntil: what is kept
+  /// for it meanwhile is not told as received.
+  static constexpr Tick kRelayAfter = 90;
+  static constexpr Tick kRelayUntil = 5 * 60 * kTicksPerSecond;
+  /// For whoever does not answer an update is told this often at least.
+  static constexpr Tick kHeartbeat = kTicksPerSecond / 2;
+  /// By how much this peer's session clock leads that of the lowest other peer, in microseconds, as far as delays
+  /// are alike both ways; 0 until measured.
+  Micros clock_lead() const;
+  /// Sum over own entities of the distance between the live and the predicted world (m): what the others are believed
+  /// to have wrong.
+  float own_error() const;
+  /// Hash over the live world's entity states, for comparing runs.
+  std::uint64_t live_hash() const;
+
+ private:
+  // Confirmed ticks whose hash goes round.
+  static constexpr Tick kCheckEvery = 30;
+
+  struct Later {};
+  Replica(const Scene& scene, const ReplicaConfig& config, const sync::Transfer& start, ConfirmedSink on_confirmed,
+          Later);
+
+  ConfirmedSink check_and(ConfirmedSink sink);
+  sync::DropReason take(std::span<const std::byte> datagram, Micros now, PeerId& sender);
+  sync::DropReason check_claims(const sync::StatePacket& packet, PeerId from) const;
+  bool repeats(const sync::StatePacket& packet, PeerId from) const;
+  void note_answer(Neighbour& from, Tick mark);
+  sync::DropReason file_updates(const sync::StatePacket& packet, PeerId from);
+  void file(const sync::Bundle& bundle);
+  void note_changes(const sync::Bundle& bundle);
+  void admit(const sync::Admission& a, const sync::Bundle& by);
+  Endpoint place_of_sayer(const sync::Bundle& said) const;
+  void keep_places(const sync::Transfer& start);
+  void remove(const sync::Removal& r, const sync::Bundle& by);
+  void take_check(const sync::StatePacket& packet, PeerId from);
+  void settle_checks();
+  bool publish_order();
+  void publish_heartbeat();
+  void keep_logs(std::uint32_t everyone);
+  bool all_through() const;
+  /// `as_stepped`: as in LiveWorld::adopt.
+  void adopt(bool as_stepped = false);
+  void report(Vec2 target, Vec2 velocity_before);
+  void take_on_rounded(const sync::Bundle& told);
+  void look_ahead(Vec2 target);
+  std::vector<EntityId> push_bodies();
+  void forget_pushes(const sync::Bundle& told);
+  void publish(const sync::Bundle& bundle);
+  void send();
+  void fill(sync::StatePacket& packet, PeerId p);
+  void refresh_own();
+  bool own_is_predicted(const std::vector<bool>& own) const;
+  const std::vector<bool>& kept_from_live();
+  void go_on(Vec2 target, Vec2 velocity_before);
+  void compare(Tick t, std::uint32_t theirs, PeerId from);
+  std::uint32_t own_end() const { return own_first_ + static_cast<std::uint32_t>(own_log_.size()); }
+
+  Scene scene_;
+  ReplicaConfig config_;
+  Judge judge_;
+  HashChecks checks_;  ///< at check ticks; filled by agreed_ from its birth on
+  sync::AgreedWorld agreed_;
+  sync::LiveWorld live_;
+  sync::Reporter reporter_;
+  sync::InteractionPredictor predictor_;
+  sync::Threshold threshold_;
+  sync::Prediction prediction_;
+  Tick looked_ = -1000;  ///< when the last look ahead was taken
+  sync::Shown shown_;
+  Ring<sync::Bundle> own_log_;     ///< not yet acknowledged by everybody, or recent
+  sync::BundlePool own_pool_;      ///< for own_log_
+  std::uint32_t own_first_ = 0;    ///< index of own_log_.front()
+  std::vector<Neighbour> others_;  ///< by slot; the own one is only a place
+  std::deque<sync::Bundle> orders_;
+  std::map<EntityId, Vec2> pushes_;  ///< to be made with the next report, m/s
+  std::vector<MemberChange> changes_;
+  std::vector<EntityId> mine_;  ///< own entities, ascending
+  std::vector<bool> own_;       ///< the same by entity id
+  std::vector<bool> kept_;      ///< scratch
+  sync::UnownedBodies unowned_;
+  std::vector<Outgoing> outgoing_;  ///< with room from earlier ticks
+  std::size_t sent_ = 0;            ///< of outgoing_, this tick
+  wire::StateEncoder encoder_;
+  wire::StateDecoder decoder_;
+  ReplicaStats stats_;
+  std::uint64_t repeats_of_gone_ = 0;
+  bool member_ = false;
+  Tick in_since_ = 0;
+  Tick comes_at_ = 0;  ///< see catch_up
+  Vec2 reaction_;
+  Vec2 jolt_;
+  float coarseness_ = 1;
+  bool joined_ = false;  ///< the own avatar has been taken over from where it was admitted
+  bool expelled_ = false;
+  PeerId differs_from_ = kNoPeer;
+  bool leaving_ = false;
+  bool gone_ = false;
+  Tick news_ = 0;  ///< when the last update that was not here yet came, or was made
+  Tick through_ticks_ = 0;
+};
+
+/// The same hash over the entity states of an agreed world.
+std::uint64_t state_hash(const sync::FoldState& s);
+
+}  // namespace padr::node

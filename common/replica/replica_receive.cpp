@@ -1,0 +1,131 @@
+#include <algorithm>
+
+#include "common/replica/replica.h"
+#include "common/wire/codec.h"
+
+namespace padr::node {
+
+using sync::DropReason;
+
+namespace {
+
+// What lossy links send twice comes earlier.
+constexpr Tick kLate = 16;
+
+}  // namespace
+
+DropReason Replica::receive(std::span<const std::byte> datagram, Micros now) {
+  ++stats_.datagrams_received;
+  PeerId sender = kNoPeer;
+  const DropReason why = take(datagram, now, sender);
+  if (why == DropReason::kNone) return why;
+  ++stats_.dropped[static_cast<std::size_t>(why)];
+  if (sender != kNoPeer) ++others_[sender].dropped[static_cast<std::size_t>(why)];
+  return why;
+}
+
+void Replica::count_drop(PeerId p, DropReason why) {
+  ++stats_.datagrams_received;
+  ++stats_.dropped[static_cast<std::size_t>(why)];
+  ++others_[p].dropped[static_cast<std::size_t>(why)];
+}
+
+DropReason Replica::take(std::span<const std::byte> datagram, Micros now, PeerId& sender) {
+  wire::SealError seal{};
+  const auto opened = wire::open(datagram, seal);
+  if (!opened) return DropReason::kSeal;
+  const wire::Header& h = opened->header;
+  if (h.kind != wire::Kind::kState || h.session != config_.session || h.sender >= config_.slots ||
+      h.sender == config_.self)
+    return DropReason::kForeign;
+  sender = h.sender;
+  Neighbour& from = others_[h.sender];
+  const sync::StatePacket* packet = decoder_.decode(opened->payload, h.sender);
+  if (packet == nullptr) return DropReason::kMalformed;
+  if (!from.reachable() || from.frozen || packet->incarnation != from.incarnation ||
+      packet->to_incarnation != config_.incarnation)
+    return DropReason::kForeign;
+  const DropReason why = sync::admit(*packet, scene_, config_.slots, this->now());
+  if (why != DropReason::kNone) return why;
+  if (const DropReason wrong = check_claims(*packet, h.sender); wrong != DropReason::kNone) return wrong;
+  if (!from.window.would_pass(packet->seq)) return DropReason::kDuplicate;
+  if (judge_)
+    if (const DropReason objection = judge_(*packet); objection != DropReason::kNone) return objection;
+  from.window.pass(packet->seq);
+  from.repeats |= repeats(*packet, h.sender);
+  const DropReason filed = file_updates(*packet, h.sender);
+  if (filed != DropReason::kNone) return filed;
+  from.heard = this->now();
+  if (packet->seen_seq > from.answered_seq) {
+    from.answered_seq = packet->seen_seq;
+    from.proven = true;
+    note_answer(from, packet->mark_tick);
+  } else if (packet->have > from.link.acked()) {  // by whatever way it has got it
+    note_answer(from, packet->mark_tick);
+  }
+  from.link.on_packet(*packet, this->now());
+  from.clock.sample(packet->mark_tick, now);
+  from.arrivals.sample(packet->mark_tick, now);
+  if (packet->transit != 0) from.clock.told(packet->transit);
+  take_check(*packet, h.sender);
+  return DropReason::kNone;
+}
+
+DropReason Replica::check_claims(const sync::StatePacket& packet, PeerId from) const {
+  for (const sync::Bundle& b : packet.updates)
+    if (!agreed_.log().knows(from, b.index))
+      if (const DropReason wrong = sync::admit_claims(b, agreed_.confirmed()); wrong != DropReason::kNone) return wrong;
+  return DropReason::kNone;
+}
+
+// Whether something is sent again that is here: that it has arrived is not known there.
+bool Replica::repeats(const sync::StatePacket& packet, PeerId from) const {
+  return std::any_of(packet.updates.begin(), packet.updates.end(), [&](const sync::Bundle& b) {
+    return agreed_.log().knows(from, b.index) && packet.mark_tick - b.tick > kLate;
+  });
+}
+
+DropReason Replica::file_updates(const sync::StatePacket& packet, PeerId from) {
+  const sync::UpdateLog& log = agreed_.log();
+  // What was promised to be complete is complete: an unknown update below it contradicts its own sender.
+  for (const sync::Bundle& b : packet.updates)
+    if (b.index >= log.have(from) && b.tick <= log.complete(from)) return DropReason::kOrder;
+  if (log.contradicts(from, packet.mark_tick, packet.mark_count)) return DropReason::kOrder;
+  for (const sync::Bundle& b : packet.updates) file(b);
+  // An update just filed may have been its end.
+  if (agreed_.log().closed(from)) return DropReason::kNone;
+  agreed_.mark(from, packet.mark_tick, packet.mark_count);
+  others_[from].promised = std::max(others_[from].promised, packet.mark_count);
+  return DropReason::kNone;
+}
+
+void Replica::take_check(const sync::StatePacket& packet, PeerId from) {
+  if (packet.check_tick < 0 || packet.check_tick % kCheckEvery != 0) return;
+  others_[from].confirmed = std::max(others_[from].confirmed, packet.check_tick);
+  if (packet.check_tick <= agreed_.confirmed().tick) {
+    compare(packet.check_tick, packet.check_hash, from);
+  } else {
+    checks_.put_off({packet.check_tick, from, others_[from].incarnation, packet.check_hash});
+  }
+}
+
+void Replica::settle_checks() {
+  HashChecks::Told told;
+  while (checks_.take(agreed_.confirmed().tick, told))
+    // Who has been declared gone meanwhile went its own way.
+    if (others_[told.from].reachable() && others_[told.from].incarnation == told.incarnation)
+      compare(told.tick, told.hash, told.from);
+}
+
+void Replica::compare(Tick t, std::uint32_t theirs, PeerId from) {
+  const HashChecks::Own* mine = checks_.own(t);
+  if (mine == nullptr) return;
+  ++stats_.hash_checks;
+  if (mine->hash == theirs) return;
+  ++stats_.hash_mismatches;
+  if (stats_.first_mismatch < 0) stats_.first_mismatch = t;
+  differs_from_ = std::min(differs_from_, from);
+  others_[from].differs = true;
+}
+
+}  // namespace padr::node

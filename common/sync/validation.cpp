@@ -1,0 +1,127 @@
+#include "common/sync/validation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/sync/authority.h"
+
+namespace padr::sync {
+namespace {
+
+struct Checker {
+  const Scene& scene;
+  int slots;
+  const AdmitLimits& limits;
+
+  // What is bound for a region of a crowd may have rolled, or been pushed, to the far side of the region that it comes
+  // from before anybody was in both.
+  bool place(Vec2 p) const {
+    const float margin = limits.margin + (scene.region ? 2 * (scene.upper.x - scene.lower.x) : 0);
+    return is_finite(p) && p.x >= scene.lower.x - margin && p.x <= scene.upper.x + margin &&
+           p.y >= scene.lower.y - margin && p.y <= scene.upper.y + margin;
+  }
+  bool speed(Vec2 v) const { return is_finite(v) && length(v) <= std::min(limits.max_speed, scene.max_speed); }
+
+  bool avatar(const AvatarUpdate& u) const {
+    // Targets may lie anywhere a pointer may be; accelerations are bounded by the force over a step, generously.
+    const bool control = is_finite(u.control) && length(u.control) <= limits.max_control;
+    const bool at_rest_is_still = u.awake || u.velocity == Vec2{};
+    return place(u.position) && speed(u.velocity) && control && at_rest_is_still;
+  }
+  bool body(const BodyState& s) const {
+    const bool turn = std::isfinite(s.angle) && std::abs(s.angle) <= limits.max_angle && std::isfinite(s.spin) &&
+                      std::abs(s.spin) <= std::min(limits.max_spin, scene.max_spin);
+    return place(s.position) && speed(s.velocity) && turn;
+  }
+};
+
+// Incarnations and numbers grow by one at a time: 2^30 of either take years.
+constexpr std::uint32_t kMost = 1U << 30U;
+
+bool is_admission(const Admission& a, const Checker& check) {
+  return a.slot < check.slots && a.incarnation > 0 && a.incarnation < kMost && a.first < kMost && a.at.is_set() &&
+         a.have.size() == static_cast<std::size_t>(check.slots) &&
+         std::all_of(a.have.begin(), a.have.end(), [](std::uint32_t have) { return have < kMost; });
+}
+
+bool is_removal(const Removal& r, const Checker& check) {
+  return r.slot < check.slots && r.incarnation < kMost && r.count < kMost;
+}
+
+bool is_passage(const Passage& p, const Checker& check) {
+  if (!check.scene.region || p.crossings == 0 || p.crossings >= kMost) return false;
+  if (p.kind == Passage::Kind::kBound) return p.to != 0 && p.to != check.scene.region->id;
+  if (p.kind == Passage::Kind::kOut) return true;
+  const std::vector<std::uint8_t>& builds = check.scene.region->builds;
+  return check.body(p.state) && std::find(builds.begin(), builds.end(), p.build) != builds.end();
+}
+
+DropReason check_bundle(const Bundle& b, const Checker& check) {
+  if (b.admission && (!is_admission(*b.admission, check) || b.admission->slot == b.peer)) return DropReason::kValue;
+  for (const Removal& r : b.removals)
+    if (!is_removal(r, check) || r.slot == b.peer) return DropReason::kValue;
+  if (b.going && !check.scene.region) return DropReason::kValue;
+  for (const Passage& p : b.passages)
+    if (!is_passage(p, check)) return DropReason::kValue;
+  for (const Bundle& p : b.passed_on) {
+    if (p.peer >= check.slots || p.peer == b.peer || p.index >= kMost || p.tick < 0 || p.tick > b.tick)
+      return DropReason::kValue;
+    if (const DropReason why = check_bundle(p, check); why != DropReason::kNone) return why;
+  }
+  for (const BodyUpdate& u : b.bodies) {
+    if (u.body >= check.scene.bodies.size()) return DropReason::kEntity;
+    if (!u.has_state) continue;
+    // Epochs grow by one a claim: 2^30 of them would take a session of years.
+    if (u.epoch == 0 || u.epoch > (1U << 30U) || u.claimed < 0 || u.claimed > b.tick) return DropReason::kValue;
+    if (!check.body(u.state)) return DropReason::kValue;
+  }
+  return b.avatar && !check.avatar(*b.avatar) ? DropReason::kValue : DropReason::kNone;
+}
+
+}  // namespace
+
+DropReason admit(const StatePacket& p, const Scene& scene, int slots, Tick now, const AdmitLimits& limits) {
+  if (p.mark_tick > now + limits.max_ahead) return DropReason::kTick;
+  const Checker check{scene, slots, limits};
+  for (std::size_t i = 0; i < p.updates.size(); ++i) {
+    const Bundle& b = p.updates[i];
+    if (b.index >= p.mark_count || b.tick > p.mark_tick || b.tick < 0) return DropReason::kOrder;
+    if (i > 0 && (b.index <= p.updates[i - 1].index || b.tick <= p.updates[i - 1].tick)) return DropReason::kOrder;
+    const DropReason why = check_bundle(b, check);
+    if (why != DropReason::kNone) return why;
+  }
+  return DropReason::kNone;
+}
+
+DropReason admit(const Bundle& bundle, const Scene& scene, int slots, const AdmitLimits& limits) {
+  return check_bundle(bundle, Checker{scene, slots, limits});
+}
+
+namespace {
+
+// Claims that were heard and then declared void are not on record, and what others rested on them may be.
+constexpr std::uint64_t kMostVoid = 64;
+// A claim that did not fit its tick's update is told in one of the next.
+constexpr Tick kToldLater = 2 * kTicksPerSecond;
+
+}  // namespace
+
+DropReason admit_claims(const Bundle& b, const FoldState& confirmed) {
+  const auto ticks = static_cast<std::uint64_t>(std::max(0, b.tick - confirmed.tick)) + 1;
+  const std::uint64_t most_rise = kMostVoid + ticks * confirmed.members.size();
+  for (const BodyUpdate& u : b.bodies) {
+    if (!u.has_state) continue;
+    const Authority& record = confirmed.authority[u.body];
+    if (u.epoch > record.epoch + most_rise) return DropReason::kValue;
+    const bool its_own = record.owner == b.peer && record.epoch == u.epoch;
+    const bool old = u.claimed < confirmed.tick - kToldLater;
+    if (old && !its_own && wins({b.peer, u.release, u.epoch, u.claimed}, record, u.body)) return DropReason::kValue;
+  }
+  return DropReason::kNone;
+}
+
+bool believable(const BodyState& state, const Scene& scene, const AdmitLimits& limits) {
+  return Checker{scene, 0, limits}.body(state);
+}
+
+}  // namespace padr::sync

@@ -1,0 +1,96 @@
+// The way in of a peer in a session with a key: datagrams of any bytes, handshakes and sealed ones with right tags and
+// with wrong ones, of somebody who is known and of strangers, from several places.
+#include <algorithm>
+
+#include "common/channel/secure_channels.h"
+#include "tests/fuzz/bytes.h"
+#include "tests/fuzz/good.h"
+
+namespace {
+
+using namespace padr;
+
+constexpr std::size_t kHead = 3;  // of each datagram: what to do with it, from where, its length
+
+Endpoint place(unsigned n) {
+  return ipv4({10, 0, 0, static_cast<std::uint8_t>(n)}, 7000);
+}
+
+node::ChannelConfig config(std::uint8_t seed) {
+  node::ChannelConfig c;
+  c.seed.fill(seed);
+  c.session.fill(9);
+  return c;
+}
+
+/// Somebody with the session's key, and the numbers it would have given out itself.
+struct Friend {
+  wire::Key secret = wire::derive_key(config(2).seed, "secret");
+  PublicKey key = wire::public_key(secret);
+  std::uint64_t number = 1000;
+};
+
+wire::Bytes with_right_tag(std::uint8_t what, std::span<const std::byte> bytes, Friend& who,
+                           const wire::PairKeys& keys) {
+  const wire::Key h = wire::handshake_key(config(1).session);
+  wire::Tag cookie{};
+  std::copy_n(bytes.begin(), std::min(bytes.size(), cookie.size()), cookie.begin());
+  const auto mode = what % 2 == 0 ? wire::SealMode::kAuth : wire::SealMode::kEncrypt;
+  switch (what / 2 % 5) {
+    case 0:
+      return wire::encode_handshake(wire::Hello{who.key, bytes.size()}, h);
+    case 1:
+      return wire::encode_handshake(wire::Cookie{who.key, bytes.size(), cookie}, h);
+    case 2:
+      return wire::encode_handshake(wire::Introduction{who.key, ++who.number, cookie}, keys.out);
+    case 3:
+      return wire::encode_handshake(wire::Acceptance{who.key, ++who.number}, keys.out);
+    default:
+      return wire::seal_with(keys.out, mode, wire::short_id(who.key), ++who.number,
+                             wire::seal({wire::Kind::kSession, what, 1}, bytes));
+  }
+}
+
+}  // namespace
+
+padr::wire::Bytes padr::test::good_input(Rng& rng) {
+  wire::Bytes all;
+  for (int i = 0; i < 30; ++i) {
+    const std::uint32_t size = rng.below(120);
+    all.push_back(static_cast<std::byte>(rng.below(256)));
+    all.push_back(static_cast<std::byte>(rng.below(4)));
+    all.push_back(static_cast<std::byte>(size));
+    for (std::uint32_t k = 0; k < size; ++k) all.push_back(static_cast<std::byte>(rng.below(256)));
+  }
+  return all;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  node::SecureChannels channels(config(1));
+  Friend known;
+  const auto keys = *wire::pair_keys(config(1).session, known.secret, known.key, channels.key());
+  Micros now = 0;
+  for (int i = 0; size > kHead && i < 200; ++i) {
+    const std::uint8_t what = data[0];
+    const Endpoint from = place(data[1] % 4);
+    const std::size_t length = std::min<std::size_t>(data[2], size - kHead);
+    const auto bytes = test::bytes(data + kHead, length);
+    data += kHead + length;
+    size -= kHead + length;
+    now += kMicrosPerSecond / 10;
+    if (what < 32) {
+      Endpoint to = from;
+      if (what < 16) to.key = known.key;
+      channels.send(to, kNoPeer, wire::seal({}, bytes), now);
+    } else if (what < 64) {
+      channels.receive(from, bytes, now);
+    } else {
+      wire::Bytes d = with_right_tag(what, bytes, known, keys);
+      if (what >= 200 && !bytes.empty()) d[std::to_integer<std::size_t>(bytes[0]) % d.size()] ^= std::byte{1};
+      channels.receive(from, d, now);
+    }
+    for (const node::Parcel& p : channels.take_outgoing())
+      if (p.bytes.size() > wire::kMaxSealed || p.to.has_key()) __builtin_trap();
+  }
+  return 0;
+}

@@ -1,0 +1,297 @@
+#include "common/replica/replica.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <deque>
+#include <memory>
+
+#include "common/link/shim.h"
+#include "common/model/precision.h"
+#include "common/scenarios/scenarios.h"
+#include "tests/seed.h"
+
+namespace padr::node {
+namespace {
+
+/// Nodes on a network that the test can pull at.
+class Mesh {
+ public:
+  Mesh(int peers, const char* netem, std::uint64_t seed, const Technique& technique = {},
+       const char* scenario = "arena")
+      : scene_(scenarios::load_embedded(scenario, 1)) {
+    for (PeerId p = 0; p < peers; ++p) {
+      ReplicaConfig c;
+      c.self = p;
+      c.peers = c.slots = peers;
+      c.technique = technique;
+      nodes_.push_back(std::make_unique<Replica>(scene_, c));
+      shims_.emplace_back();
+      for (PeerId q = 0; q < peers; ++q)
+        shims_.back().push_back(std::make_unique<link::Shim>(link::parse_netem(netem), derive_seed(seed, p, q)));
+    }
+  }
+
+  /// From now on everybody goes to where it is to stay.
+  void settle() { still_ = true; }
+  void wake() { still_ = false; }
+
+  void step(const std::vector<bool>& running) {
+    ++now_;
+    const Micros t = tick_start(now_);
+    for (PeerId p = 0; p < nodes_.size(); ++p)
+      for (PeerId q = 0; q < nodes_.size(); ++q)
+        while (auto datagram = shims_[p][q]->release(t))
+          if (running[q]) nodes_[q]->receive(*datagram, t);
+    for (PeerId p = 0; p < nodes_.size(); ++p) {
+      if (!running[p]) continue;
+      const Tick move = still_ ? 0 : now_ / 40;
+      nodes_[p]->step({10.0F + 4.0F * static_cast<float>((move + p) % 3), 7.0F + static_cast<float>(p)});
+      for (const Outgoing& o : nodes_[p]->outgoing()) shims_[p][o.to]->accept(t, o.bytes);
+    }
+  }
+  Replica& operator[](PeerId p) { return *nodes_[p]; }
+  const Replica& operator[](PeerId p) const { return *nodes_[p]; }
+  Tick now() const { return now_; }
+
+ private:
+  Scene scene_;
+  std::vector<std::unique_ptr<Replica>> nodes_;
+  std::vector<std::vector<std::unique_ptr<link::Shim>>> shims_;
+  Tick now_ = 0;
+  bool still_ = false;
+};
+
+// Once, updates that a leaving peer had not yet heard were forgotten as soon as it was known to leave.
+TEST(Replica, AllWhoLeaveAtOnceStillHearEverythingOfOneAnother) {
+  const std::uint64_t base = test::seed(1);
+  for (std::uint64_t seed = base; seed < base + 20; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    constexpr int kPeers = 4;
+    Mesh mesh(kPeers, "delay 100ms 50ms loss 10%", seed);
+    std::vector<bool> running(kPeers, true);
+    std::vector<Tick> ended(kPeers, -1);
+    for (Tick t = 0; t < 240; ++t) mesh.step(running);
+    for (PeerId p = 0; p < kPeers; ++p) mesh[p].leave();
+    const Tick left = mesh.now() + 1;
+    for (Tick t = 0; t < 1200 && running != std::vector<bool>(kPeers, false); ++t) {
+      mesh.step(running);
+      for (PeerId p = 0; p < kPeers; ++p) {
+        if (!running[p] || !mesh[p].delivered()) continue;
+        running[p] = false;
+        ended[p] = mesh.now();
+      }
+    }
+    for (PeerId p = 0; p < kPeers; ++p) {
+      EXPECT_GE(ended[p], left) << "peer " << int{p} << " never got through";
+      EXPECT_GT(mesh[p].agreed().confirmed().tick, left) << "peer " << int{p};
+      for (PeerId q = 0; q < kPeers; ++q) EXPECT_EQ(mesh[p].has_left(q), q != p) << int{p} << " of " << int{q};
+    }
+  }
+}
+
+TEST(Replica, ALeaversAvatarGoesAndItsBodiesAreFree) {
+  Mesh mesh(2, "", 1);
+  std::vector<bool> running(2, true);
+  for (Tick t = 0; t < 300; ++t) mesh.step(running);
+  mesh[1].leave();
+  for (Tick t = 0; t < 30; ++t) mesh.step(running);
+  const sync::FoldState& s = mesh[0].agreed().confirmed();
+  EXPECT_FALSE(s.avatars[1].present);
+  for (const sync::Authority& a : s.authority) EXPECT_NE(a.holder(), 1);
+  EXPECT_TRUE(mesh[0].has_left(1));
+}
+
+TEST(Replica, SurvivesGarbageAndItsOwnAndForeignDatagrams) {
+  Mesh mesh(2, "", 1);
+  std::vector<bool> running(2, true);
+  Rng rng(test::seed());
+  std::vector<wire::Bytes> heard;
+  for (Tick t = 0; t < 120; ++t) {
+    mesh.step(running);
+    for (const Outgoing& o : mesh[1].outgoing()) heard.push_back(o.bytes);
+  }
+  const std::uint64_t hash = mesh[0].live_hash();
+  for (int i = 0; i < 20000; ++i) {
+    wire::Bytes bytes = heard[rng.below(static_cast<std::uint32_t>(heard.size()))];
+    if (i % 3 == 0) bytes.resize(rng.below(static_cast<std::uint32_t>(bytes.size())));
+    if (i % 3 == 1) bytes[rng.below(static_cast<std::uint32_t>(bytes.size()))] ^= std::byte{1};
+    mesh[0].receive(bytes, tick_start(mesh.now()));  // every third whole: heard before
+  }
+  EXPECT_EQ(mesh[0].live_hash(), hash);
+  const ReplicaStats& stats = mesh[0].stats();
+  EXPECT_GT(stats.dropped[static_cast<std::size_t>(sync::DropReason::kDuplicate)], 5000U);
+  EXPECT_GT(stats.dropped[static_cast<std::size_t>(sync::DropReason::kSeal)], 10000U);
+  for (Tick t = 0; t < 120; ++t) mesh.step(running);
+  EXPECT_GT(mesh[0].agreed().confirmed().tick, 200);
+  EXPECT_EQ(stats.hash_mismatches, 0U);
+}
+
+// A newcomer to a session whose confirmed world lags far behind has many ticks to step up to.
+TEST(Replica, ANewcomerCatchesUpInPartsToTheSameBits) {
+  const Scene scene = scenarios::load_embedded("arena", 1);
+  ReplicaConfig founder_config;
+  founder_config.peers = 1;
+  founder_config.slots = 2;
+  Replica founder(scene, founder_config);
+  for (int i = 0; i < 200; ++i) founder.step(scene.bodies.front().position);
+  ReplicaConfig config;
+  config.self = 1;
+  config.slots = 2;
+  config.incarnation = 1;
+  constexpr Tick kPart = 60;
+  constexpr Tick kBehind = 10 * kPart;
+  const sync::Transfer start = founder.transfer();
+  const Tick then = start.state.tick;
+  Replica parts(scene, config, start, then + kBehind);
+  EXPECT_EQ(parts.now(), then);
+  for (Tick t = kPart; t < kBehind; t += kPart) {
+    EXPECT_FALSE(parts.catch_up(kPart));
+    EXPECT_EQ(parts.now(), then + t);
+  }
+  EXPECT_TRUE(parts.catch_up(kPart));
+  EXPECT_EQ(parts.now(), then + kBehind);
+  Replica at_once(scene, config, start, then + kBehind);
+  EXPECT_TRUE(at_once.catch_up(kBehind));
+  EXPECT_EQ(parts.live_hash(), at_once.live_hash());
+  EXPECT_EQ(state_hash(parts.agreed().predicted_state()), state_hash(at_once.agreed().predicted_state()));
+}
+
+TEST(Replica, OneDatagramPerReceiverAndTickAtMostAndNoneTooLarge) {
+  Mesh mesh(3, "delay 80ms 30ms loss 20%", 4);
+  std::vector<bool> running(3, true);
+  for (Tick t = 0; t < 900; ++t) {
+    mesh.step(running);
+    for (PeerId p = 0; p < 3; ++p) {
+      std::vector<int> to(3, 0);
+      for (const Outgoing& o : mesh[p].outgoing()) {
+        EXPECT_LE(o.bytes.size(), wire::kMaxDatagram);
+        EXPECT_EQ(++to[o.to], 1);
+      }
+    }
+  }
+}
+
+/// Bits a second, IP and UDP headers included, on the busiest directed link.
+double busiest_link(Mesh& mesh, std::size_t peers, Tick ticks) {
+  std::vector<std::size_t> bytes(peers * peers, 0);
+  for (Tick t = 0; t < ticks; ++t) {
+    mesh.step(std::vector<bool>(peers, true));
+    for (PeerId p = 0; p < peers; ++p)
+      for (const Outgoing& o : mesh[p].outgoing()) bytes[p * peers + o.to] += o.bytes.size() + 28;
+  }
+  return static_cast<double>(*std::max_element(bytes.begin(), bytes.end())) * 8 * kTicksPerSecond / ticks;
+}
+
+class QuietSession : public testing::TestWithParam<const char*> {};
+
+TEST_P(QuietSession, TakesLessThanAKilobitASecondOnEachLinkAndWakesAtOnce) {
+  const std::uint64_t base = test::seed(1);
+  for (std::uint64_t seed = base; seed < base + 3; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    constexpr PeerId kPeers = 3;
+    Mesh mesh(kPeers, GetParam(), seed);
+    busiest_link(mesh, kPeers, 600);
+    mesh.settle();
+    busiest_link(mesh, kPeers, 600);
+    EXPECT_LT(busiest_link(mesh, kPeers, 60 * kTicksPerSecond), 1000);
+    const Tick before = mesh[0].agreed().confirmed().tick;
+    EXPECT_GT(before, mesh.now() - 90) << "what is confirmed follows by the marks";
+    mesh.wake();
+    EXPECT_GT(busiest_link(mesh, kPeers, 300), 1000);
+    for (PeerId p = 0; p < kPeers; ++p) {
+      EXPECT_GT(mesh[p].stats().hash_checks, 60U);
+      EXPECT_EQ(mesh[p].stats().hash_mismatches, 0U);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Replica, QuietSession, testing::Values("", "delay 100ms 20ms", "delay 100ms 20ms loss 1%"));
+
+/// Updates of this tick as told to somebody, by peer.
+void for_each_told(const Mesh& mesh, PeerId p, const auto& look) {
+  if (mesh[p].outgoing().empty()) return;
+  wire::SealError error{};
+  const auto opened = wire::open(mesh[p].outgoing()[0].bytes, error);
+  const auto packet = wire::decode_state(opened->payload, p);
+  for (const sync::Bundle& b : packet->updates)
+    if (b.tick == mesh.now()) look(b, *packet);
+}
+
+// What is told is what holds for everybody from then on: predicted and, of what is still its own, the teller's live
+// world. Nothing comes to rest elsewhere than told.
+TEST(Rounding, WhoTellsRoundedStatesTakesThemOn) {
+  const std::uint64_t base = test::seed(1);
+  std::size_t bodies = 0;
+  std::size_t avatars = 0;
+  for (std::uint64_t seed = base; seed < base + 5; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Mesh mesh(3, "delay 60ms 20ms loss 5%", seed);
+    for (Tick t = 0; t < 1200; ++t) {
+      mesh.step(std::vector<bool>(3, true));
+      for (PeerId p = 0; p < 3; ++p) {
+        const Replica& n = mesh[p];
+        for_each_told(mesh, p, [&](const sync::Bundle& b, const sync::StatePacket&) {
+          for (const sync::BodyUpdate& u : b.bodies) {
+            if (!u.has_state || n.agreed().predicted_state().authority[u.body].holder() != p) continue;
+            ++bodies;
+            if (u.state.awake && b.avatar && b.avatar->cause != sync::Cause::kAtRest) {
+              EXPECT_EQ(u.state, rounded(u.state));
+            }
+            EXPECT_EQ(n.live().world().state(u.body), u.state) << "body " << u.body << " at " << t;
+          }
+          if (!b.avatar) return;
+          ++avatars;
+          if (b.avatar->cause != sync::Cause::kAtRest) {
+            EXPECT_EQ(b.avatar->position, rounded_place(b.avatar->position));
+          }
+          EXPECT_EQ(n.live().world().position(n.live().avatar()), b.avatar->position);
+          EXPECT_EQ(n.live().world().velocity(n.live().avatar()), b.avatar->velocity);
+        });
+      }
+    }
+    mesh.settle();
+    for (Tick t = 0; t < 1800; ++t) mesh.step(std::vector<bool>(3, true));
+    for (PeerId p = 0; p < 3; ++p) {
+      const sync::FoldState& predicted = mesh[p].agreed().predicted_state();
+      EXPECT_GT(mesh[p].stats().hash_checks, 100U);
+      EXPECT_EQ(mesh[p].stats().hash_mismatches, 0U);
+      EXPECT_EQ(mesh[p].live_hash(), state_hash(predicted)) << "to the bit, in the end";
+      EXPECT_EQ(mesh[p].live_hash(), mesh[0].live_hash());
+    }
+  }
+  EXPECT_GT(bodies, 100U);
+  EXPECT_GT(avatars, 100U);
+}
+
+/// Mean bytes that a moving body's state adds to its datagram, in play.
+double bytes_of_a_body(const Technique& technique) {
+  Mesh mesh(3, "delay 60ms 20ms loss 5%", test::seed(1), technique, "clutter");
+  double bytes = 0;
+  double bodies = 0;
+  for (Tick t = 0; t < 2400; ++t) {
+    mesh.step(std::vector<bool>(3, true));
+    for (PeerId p = 0; p < 3; ++p)
+      for_each_told(mesh, p, [&](const sync::Bundle& b, const sync::StatePacket& packet) {
+        sync::StatePacket with = packet;
+        with.updates = {b};
+        sync::StatePacket without = with;
+        std::erase_if(without.updates[0].bodies,
+                      [](const sync::BodyUpdate& u) { return u.has_state && u.state.awake; });
+        bytes += static_cast<double>(wire::encode(with).size() - wire::encode(without).size());
+        bodies += static_cast<double>(b.bodies.size() - without.updates[0].bodies.size());
+      });
+  }
+  EXPECT_GT(bodies, 50);
+  return bytes / bodies;
+}
+
+TEST(Rounding, AMovingBodyTakesNoMoreThanItsFloats) {
+  EXPECT_LE(bytes_of_a_body({}), 24);
+  Technique exact;
+  exact.precision = Precision::kExact;
+  EXPECT_GT(bytes_of_a_body(exact), 26);
+}
+
+}  // namespace
+}  // namespace padr::node
