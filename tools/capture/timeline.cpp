@@ -1,5 +1,8 @@
 #include "tools/capture/timeline.h"
 
+#include <algorithm>
+#include <tuple>
+
 #include "common/wire/codec.h"
 
 namespace padr::capture {
@@ -12,7 +15,7 @@ const char* const kEventsHelp =
     "avatar)\n"
     "  proxy                           a body joins or leaves the chain that the avatar moves\n"
     "  claim, release                  authority over a body; `other` is the last owner\n"
-    "  claim_lost                      a claim that loses against one seen earlier\n"
+    "  claim_lost                      a claim that loses against another one\n"
     "  resend                          an update that the link to `other` has carried before\n"
     "  gap                             datagram numbers that are missing on the link to `other`";
 
@@ -83,73 +86,96 @@ void Timeline::state(const Datagram& d, std::uint16_t session, const sync::State
       all.back().what = "resend";
       all.back().detail = "update " + std::to_string(b.index);
     }
-    if (told_.emplace(session, e.by, b.index).second) update(e, session, b);
+    if (!told_.emplace(session, e.by, b.index).second) continue;
+    Told& told = updates_[session].emplace_back(Told{e, b});
+    told.first.tick = b.tick;
+    told.first.other = -1;
   }
 }
 
-void Timeline::update(Event e, std::uint16_t session, const sync::Bundle& b) {
-  e.tick = b.tick;
-  e.other = -1;
-  const auto say = [&](std::string_view what, int other, std::string detail = "") {
-    Event told = e;
-    told.what = what;
-    told.other = other;
-    told.detail = std::move(detail);
-    events_[session].push_back(std::move(told));
-  };
-  if (b.leave) {
-    say("leave", -1);
-    let_go(e, session, e.by.slot);
-  }
-  if (b.admission) say("admission", b.admission->slot, "incarnation " + std::to_string(b.admission->incarnation));
-  for (const sync::Removal& r : b.removals) {
-    say("removal", r.slot, "incarnation " + std::to_string(r.incarnation) + " from update " + std::to_string(r.count));
-    let_go(e, session, r.slot);
-  }
-  if (b.avatar && (b.avatar->cause == sync::Cause::kContactBegin || b.avatar->cause == sync::Cause::kContactEnd))
-    say(sync::kCauseNames[static_cast<std::size_t>(b.avatar->cause)], -1);
-  for (const sync::BodyUpdate& u : b.bodies) body(e, session, u);
-}
+namespace {
 
-/// What the owner had is nobody's.
-void Timeline::let_go(const Event& e, std::uint16_t session, PeerId owner) {
-  for (auto& [entity, record] : authority_[session]) {
-    if (record.holder() != owner) continue;
-    record.released = true;
-    Event told = e;
-    told.what = "release";
-    told.entity = entity;
-    told.other = owner;
-    events_[session].push_back(std::move(told));
-  }
-}
+/// Folds the updates of one session, tick by tick, into what happened.
+class Fold {
+ public:
+  explicit Fold(std::vector<Event>& events) : events_(events) {}
 
-void Timeline::body(Event e, std::uint16_t session, const sync::BodyUpdate& u) {
-  e.entity = u.body;
-  std::vector<Event>& all = events_[session];
-  const auto say = [&](std::string_view what, int other, std::string detail = "") {
-    all.push_back(e);
-    all.back().what = what;
-    all.back().other = other;
-    all.back().detail = std::move(detail);
-  };
-  if (u.cause == sync::Cause::kContactBegin || u.cause == sync::Cause::kContactEnd || u.cause == sync::Cause::kProxy)
-    say(sync::kCauseNames[static_cast<std::size_t>(u.cause)], -1);
-  sync::Authority& record = authority_[session][u.body];
-  const int before = record.holder() == kNoPeer ? -1 : record.holder();
-  if (!u.has_state) {
-    if (u.release && record.owner == e.by.slot && !record.released) {
-      record.released = true;
-      say("release", -1);
+  void update(Event e, const sync::Bundle& b) {
+    if (b.leave) {
+      say(e, "leave");
+      let_go(e, e.by.slot);
     }
-    return;
+    if (b.admission) say(e, "admission", b.admission->slot, "incarnation " + std::to_string(b.admission->incarnation));
+    for (const sync::Removal& r : b.removals) {
+      say(e, "removal", r.slot,
+          "incarnation " + std::to_string(r.incarnation) + " from update " + std::to_string(r.count));
+      let_go(e, r.slot);
+    }
+    if (b.avatar && is_contact(b.avatar->cause)) say(e, sync::kCauseNames[static_cast<std::size_t>(b.avatar->cause)]);
+    for (const sync::BodyUpdate& u : b.bodies) {
+      e.entity = u.body;
+      body(e, u);
+    }
   }
-  const sync::Authority claim{e.by.slot, u.release, u.epoch, u.claimed};
-  if (!sync::wins(claim, record, u.body)) return say("claim_lost", record.owner, "epoch " + std::to_string(u.epoch));
-  if (claim.epoch != record.epoch || claim.owner != record.owner)
-    say("claim", before, "epoch " + std::to_string(u.epoch));
-  if (u.release && !(record.released && record.epoch == claim.epoch)) say("release", -1);
-  record = claim;
+
+ private:
+  static bool is_contact(sync::Cause c) { return c == sync::Cause::kContactBegin || c == sync::Cause::kContactEnd; }
+
+  void say(const Event& e, std::string_view what, int other = -1, std::string detail = "") {
+    events_.push_back(e);
+    events_.back().what = what;
+    events_.back().other = other;
+    events_.back().detail = std::move(detail);
+  }
+
+  /// What the owner had is nobody's.
+  void let_go(Event e, PeerId owner) {
+    for (auto& [entity, record] : authority_) {
+      if (record.holder() != owner) continue;
+      record.released = true;
+      e.entity = entity;
+      say(e, "release", owner);
+    }
+  }
+
+  void body(const Event& e, const sync::BodyUpdate& u) {
+    if (is_contact(u.cause) || u.cause == sync::Cause::kProxy)
+      say(e, sync::kCauseNames[static_cast<std::size_t>(u.cause)]);
+    sync::Authority& record = authority_[u.body];
+    const int before = record.holder() == kNoPeer ? -1 : record.holder();
+    if (!u.has_state) {
+      if (!u.release || record.owner != e.by.slot || record.released) return;
+      record.released = true;
+      return say(e, "release");
+    }
+    const sync::Authority claim{e.by.slot, u.release, u.epoch, u.claimed};
+    if (!sync::wins(claim, record, u.body))
+      return say(e, "claim_lost", record.owner, "epoch " + std::to_string(u.epoch));
+    if (claim.epoch != record.epoch || claim.owner != record.owner)
+      say(e, "claim", before, "epoch " + std::to_string(u.epoch));
+    if (u.release && !(record.released && record.epoch == claim.epoch)) say(e, "release");
+    record = claim;
+  }
+
+  std::vector<Event>& events_;
+  std::map<EntityId, sync::Authority> authority_;
+};
+
+}  // namespace
+
+std::map<std::uint16_t, std::vector<Event>> Timeline::events() const {
+  auto all = events_;
+  for (const auto& [session, updates] : updates_) {
+    std::vector<const Told*> in_order;
+    for (const Told& t : updates) in_order.push_back(&t);
+    std::ranges::sort(in_order, {},
+                      [](const Told* t) { return std::tuple(t->update.tick, t->first.by, t->update.index); });
+    std::vector<Event>& events = all[session];
+    Fold fold(events);
+    for (const Told* t : in_order) fold.update(t->first, t->update);
+    std::ranges::stable_sort(events, {}, &Event::time_ns);
+  }
+  return all;
 }
 
 }  // namespace padr::capture

@@ -30,19 +30,22 @@ struct Event {
 class Timeline {
  public:
   void take(const Datagram& d);
-  /// By session.
-  const std::map<std::uint16_t, std::vector<Event>>& events() const { return events_; }
+  /// By session, in the order in which the capture has them. Who owns what follows from all updates in the order of
+  /// their ticks, as in the confirmed world, whatever order they were captured in.
+  std::map<std::uint16_t, std::vector<Event>> events() const;
 
  private:
   void state(const Datagram& d, std::uint16_t session, const sync::StatePacket& p, PeerId sender);
-  void update(Event e, std::uint16_t session, const sync::Bundle& b);
-  void let_go(const Event& e, std::uint16_t session, PeerId owner);
-  void body(Event e, std::uint16_t session, const sync::BodyUpdate& u);
   void message(Event e, std::uint16_t session, const wire::SessionMessage& m);
 
   using LinkId = std::tuple<std::uint16_t, Life, Endpoint, std::uint32_t>;
   std::map<std::uint16_t, std::vector<Event>> events_;
-  std::map<std::uint16_t, std::map<EntityId, sync::Authority>> authority_;
+  /// An update, and the time and sender of its first copy.
+  struct Told {
+    Event first;
+    sync::Bundle update;
+  };
+  std::map<std::uint16_t, std::vector<Told>> updates_;
   std::set<std::tuple<std::uint16_t, Life, std::uint32_t>> told_;
   std::map<LinkId, std::set<std::uint32_t>> sent_;  ///< numbers of updates
   std::map<LinkId, std::uint32_t> seqs_;            ///< highest

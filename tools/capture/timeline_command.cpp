@@ -18,8 +18,8 @@ struct TimelineOptions {
 };
 
 /// The session's events, with the Joins, which know no session, in their place.
-std::pair<std::uint16_t, std::vector<Event>> choose(const Timeline& t, std::optional<int> session) {
-  const auto& all = t.events();
+std::pair<std::uint16_t, std::vector<Event>> choose(const std::map<std::uint16_t, std::vector<Event>>& all,
+                                                    std::optional<int> session) {
   auto found = all.end();
   for (auto it = all.begin(); it != all.end(); ++it) {
     if (it->first == 0) continue;
@@ -44,8 +44,9 @@ int run_timeline(const TimelineOptions& o) {
   Captures captures(o.files, o.keylogs);
   Timeline timeline;
   while (const Datagram* d = captures.next()) timeline.take(*d);
-  const auto [session, events] = choose(timeline, o.session);
-  const auto in_sessions = timeline.events().size() - (timeline.events().contains(0) ? 1U : 0U);
+  const auto all = timeline.events();
+  const auto [session, events] = choose(all, o.session);
+  const auto in_sessions = all.size() - (all.contains(0) ? 1U : 0U);
   if (!o.session && in_sessions > 1)
     std::fprintf(stderr,
                  "padr-capture: timeline: of %zu sessions in the capture this is %d (--session N for another)\n",

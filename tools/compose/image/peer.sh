@@ -50,15 +50,16 @@ if [ -n "$member" ]; then
     times=$((times + 1))
   done
 else
-  rm -f "$file".trace "$file".*.trace "$file".json "$file".*.json "$file".pcap "$file".pcapng "$file".health
+  rm -f "$file".trace "$file".*.trace "$file".json "$file".*.json "$file".pcapng "$file".health
   if [ "$number" -ne 1 ]; then member=peer1; fi
 fi
 
-# A capture that shall have everything has to be there first.
+# A capture that shall have everything has to be there first. It says so again and again, in a file: one that an earlier
+# run has left behind is old.
 waited=0
-while [ -n "${PADR_AFTER_FILE:-}" ] && [ ! -s "$PADR_AFTER_FILE" ]; do
+while [ -n "${PADR_AFTER_FILE:-}" ] && [ -z "$(find "$PADR_AFTER_FILE" -newermt '-5 seconds' 2>/dev/null)" ]; do
   if [ "$waited" -ge "$((patience * 10))" ]; then
-    say "no $PADR_AFTER_FILE after $patience s"
+    say "no fresh $PADR_AFTER_FILE after $patience s"
     exit 1
   fi
   waited=$((waited + 1))

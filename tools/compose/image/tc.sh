@@ -19,4 +19,7 @@ stop() {
   exit 0
 }
 trap stop TERM INT
-while :; do sleep 1; done
+while :; do # the peer waits for a fresh one
+  touch "$ready"
+  sleep 1
+done

@@ -1,0 +1,74 @@
+#include <gtest/gtest.h>
+
+#include "common/wire/codec.h"
+#include "tools/capture/timeline.h"
+
+namespace padr::capture {
+namespace {
+
+constexpr EntityId kBody = 12;
+
+/// What peers tell of one body, in the order in which it is captured.
+class Told {
+ public:
+  void claim(PeerId by, std::uint32_t index, Tick tick, std::uint32_t epoch, Tick claimed) {
+    sync::StatePacket p;
+    p.seq = ++seq_;
+    p.mark_tick = 200;
+    p.mark_count = 10;
+    p.updates.resize(1);
+    p.updates[0].index = index;
+    p.updates[0].tick = tick;
+    sync::BodyUpdate u;
+    u.body = kBody;
+    u.has_state = true;
+    u.held = true;
+    u.epoch = epoch;
+    u.claimed = claimed;
+    p.updates[0].bodies = {u};
+    const wire::Bytes bytes = wire::seal({wire::Kind::kState, by, 77}, wire::encode(p));
+    Datagram d;
+    d.time_ns = std::int64_t{1000} * ++seq_;
+    d.payload = bytes;
+    timeline_.take(d);
+  }
+
+  /// "tick event peer" of the events about the body.
+  std::vector<std::string> events() const {
+    std::vector<std::string> all;
+    for (const Event& e : timeline_.events().at(77))
+      if (e.entity == kBody)
+        all.push_back(std::to_string(e.tick) + " " + std::string(e.what) + " " + std::to_string(e.by.slot));
+    return all;
+  }
+
+ private:
+  Timeline timeline_;
+  std::uint32_t seq_ = 0;
+};
+
+using Lines = std::vector<std::string>;
+
+TEST(Timeline, AClaimStandsAtItsTickThoughALaterUpdateIsCapturedFirst) {
+  Told told;
+  told.claim(1, 6, 60, 1, 50);
+  told.claim(1, 5, 50, 1, 50);
+  EXPECT_EQ(told.events(), (Lines{"50 claim 1"}));
+}
+
+TEST(Timeline, AClaimCapturedAfterTheOneThatFollowedItIsNotLost) {
+  Told told;
+  told.claim(2, 1, 60, 2, 60);
+  told.claim(1, 1, 50, 1, 50);
+  EXPECT_EQ(told.events(), (Lines{"60 claim 2", "50 claim 1"}));
+}
+
+TEST(Timeline, OfTwoClaimsOfOneEpochTheLaterOneIsLost) {
+  Told told;
+  told.claim(2, 1, 52, 1, 52);
+  told.claim(1, 1, 50, 1, 50);
+  EXPECT_EQ(told.events(), (Lines{"52 claim_lost 2", "50 claim 1"}));
+}
+
+}  // namespace
+}  // namespace padr::capture
