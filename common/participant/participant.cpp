@@ -116,21 +116,28 @@ void Participant::hand_over(const Endpoint& to, PeerId state_to, std::span<const
 }
 
 void Participant::take(const Endpoint& from, std::span<const std::byte> datagram, Micros local) {
+  wire::SealError refused{};
+  std::uint8_t version = 0;
+  const auto opened = wire::open(datagram, refused, &version);
   for (Life* life : {&life_, &coming_}) {
     if (!life->session) continue;
-    const auto peer = life->session->receive(from, datagram, local);
-    if (!peer || !life->membership) continue;
-    if (!life->membership->hears(*peer)) {
-      life->replica->count_drop(*peer, sync::DropReason::kCutOff);
+    if (!opened) {
+      life->session->on_refused(from, datagram.size(), refused, version, local);
       continue;
     }
-    const auto why = life->replica->receive(datagram, life->session->session_now(local));
+    if (!life->session->receive(from, *opened, local) || !life->membership) continue;
+    const PeerId peer = opened->header.sender;
+    if (!life->membership->hears(peer)) {
+      life->replica->count_drop(peer, sync::DropReason::kCutOff);
+      continue;
+    }
+    const auto why = life->replica->receive(*opened, life->session->session_now(local));
     if (why == sync::DropReason::kNone) continue;
     if (why == sync::DropReason::kForeign) life->membership->on_stranger(from, datagram.size(), local);
     // Whoever has been held up itself finds everybody ahead of it.
     const Tick due = life->replica->replica().now() + 1;
     const bool behind = life->session->session_now(local) - tick_start(due) > kHeldUp;
-    if (why != sync::DropReason::kTick || !behind) life->membership->on_drop(*peer, why, local);
+    if (why != sync::DropReason::kTick || !behind) life->membership->on_drop(peer, why, local);
   }
 }
 

@@ -22,52 +22,47 @@ Session::Session(const SessionConfig& config, Micros local) {
 
 Session::~Session() = default;
 
-std::optional<PeerId> Session::receive(const Endpoint& from, std::span<const std::byte> datagram, Micros local) {
+void Session::on_refused(const Endpoint& from, std::size_t bytes, wire::SealError why, std::uint8_t version,
+                         Micros local) {
   ++stats_.datagrams;
-  wire::SealError error{};
-  std::uint8_t version = 0;
-  const auto opened = wire::open(datagram, error, &version);
-  if (!opened) {
-    if (error == wire::SealError::kVersion) {
-      ++stats_.version;
-      other_version(from, datagram, version, local);
-    } else {
-      ++stats_.seal;
-    }
-    return std::nullopt;
-  }
-  const wire::Header& h = opened->header;
+  ++(why == wire::SealError::kVersion ? stats_.version : stats_.seal);
+  if (why == wire::SealError::kVersion) other_version(from, bytes, version, local);
+}
+
+bool Session::receive(const Endpoint& from, const wire::Opened& opened, Micros local) {
+  ++stats_.datagrams;
+  const wire::Header& h = opened.header;
   if (h.kind == wire::Kind::kState) {
     const bool ours = h.session == session_.number && session_.number != 0;
     if (!ours || !is_at(h.sender, from)) {
       ++stats_.foreign;
-      if (ours && membership_ != nullptr) membership_->on_stranger(from, datagram.size(), local);
-      return std::nullopt;
+      if (ours && membership_ != nullptr) membership_->on_stranger(from, opened.datagram.size(), local);
+      return false;
     }
     ++stats_.state;
-    return h.sender;
+    return true;
   }
   if (h.kind == wire::Kind::kMembership) {
-    take_membership(from, *opened, datagram.size(), local);
-    return std::nullopt;
+    take_membership(from, opened, local);
+    return false;
   }
-  const auto message = wire::decode_session(opened->payload);
+  const auto message = wire::decode_session(opened.payload);
   // Who asks to join has proven nothing yet: what is no larger than an answer gets none.
   const bool small_join =
-      message && std::holds_alternative<wire::Join>(*message) && datagram.size() < wire::kMaxDatagram;
+      message && std::holds_alternative<wire::Join>(*message) && opened.datagram.size() < wire::kMaxDatagram;
   if (!message || small_join) {
     ++stats_.malformed;
-    return std::nullopt;
+    return false;
   }
   // Those who want to join do not know the session's number, nor does an answer from outside it.
   const bool any_number = std::holds_alternative<wire::Join>(*message) || session_.phase == SessionPhase::kJoining;
   if (!any_number && h.session != session_.number) {
     ++stats_.foreign;
-    return std::nullopt;
+    return false;
   }
   ++stats_.session;
   dispatch(from, h, *message, local);
-  return std::nullopt;
+  return false;
 }
 
 bool Session::is_at(PeerId p, const Endpoint& where) const {
@@ -81,7 +76,7 @@ void Session::unreachable(const Endpoint& at, Micros local) {
   if (joiner_) joiner_->on_unreachable(at, local);
 }
 
-void Session::take_membership(const Endpoint& from, const wire::Opened& opened, std::size_t bytes, Micros local) {
+void Session::take_membership(const Endpoint& from, const wire::Opened& opened, Micros local) {
   const wire::Header& header = opened.header;
   const auto message = wire::decode_membership(opened.payload);
   if (!message) {
@@ -96,7 +91,7 @@ void Session::take_membership(const Endpoint& from, const wire::Opened& opened, 
   if (const auto* piece = std::get_if<wire::Piece>(&*message)) {
     if (late_joiner_ && session_.phase == SessionPhase::kEntering) late_joiner_->on_piece(from, *piece, local);
   } else if (membership_ != nullptr) {
-    membership_->receive(from, header, *message, bytes, local);
+    membership_->receive(from, header, *message, opened.datagram.size(), local);
   }
 }
 
@@ -140,10 +135,9 @@ void Session::dispatch(const Endpoint& from, const wire::Header& header, const w
 // Magic, version, kind and tag are where they are in every version of the protocol, and a Join always fills a datagram
 // of the largest size. So a newcomer of another version can be told, by a datagram that it cannot read but whose
 // version it can see. Nothing smaller is answered: two versions would answer each other's answers.
-void Session::other_version(const Endpoint& from, std::span<const std::byte> datagram, std::uint8_t version,
-                            Micros local) {
+void Session::other_version(const Endpoint& from, std::size_t bytes, std::uint8_t version, Micros local) {
   if (session_.phase == SessionPhase::kFailed) return;
-  if (datagram.size() < wire::kMaxDatagram) {
+  if (bytes < wire::kMaxDatagram) {
     if (joiner_) joiner_->on_other_version(from, version);
     return;
   }

@@ -2,8 +2,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -43,9 +41,11 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// A datagram has arrived. If it is a state datagram of this session from the member it claims to be from, that
-  /// member's number is returned, and the datagram is the replica's to read.
-  std::optional<PeerId> receive(const Endpoint& from, std::span<const std::byte> datagram, Micros local);
+  /// A datagram has arrived. Whether it is a state datagram of this session from the member it claims to be from: then
+  /// it is the replica's to read.
+  bool receive(const Endpoint& from, const wire::Opened& opened, Micros local);
+  /// A datagram has arrived that wire::open refused.
+  void on_refused(const Endpoint& from, std::size_t bytes, wire::SealError why, std::uint8_t version, Micros local);
   /// The machine at `at` says that nobody listens there.
   void unreachable(const Endpoint& at, Micros local);
   /// Does what is due; call at least whenever next_due() has come.
@@ -105,8 +105,8 @@ class Session {
   /// Whether another one's slot p is at this address; before a membership takes over, by who is there at tick 0.
   bool is_at(PeerId p, const Endpoint& where) const;
   void dispatch(const Endpoint& from, const wire::Header& header, const wire::SessionMessage& message, Micros local);
-  void take_membership(const Endpoint& from, const wire::Opened& opened, std::size_t bytes, Micros local);
-  void other_version(const Endpoint& from, std::span<const std::byte> datagram, std::uint8_t version, Micros local);
+  void take_membership(const Endpoint& from, const wire::Opened& opened, Micros local);
+  void other_version(const Endpoint& from, std::size_t bytes, std::uint8_t version, Micros local);
 
   SessionState session_;
   std::unique_ptr<Founder> founder_;  ///< one of the two

@@ -65,8 +65,15 @@ Replica::ConfirmedSink RecordedReplica::traced(bool authority, Replica::Confirme
   };
 }
 
+sync::DropReason RecordedReplica::receive(const wire::Opened& opened, Micros now) {
+  return record(opened.datagram, now, replica_.receive(opened, now));
+}
+
 sync::DropReason RecordedReplica::receive(std::span<const std::byte> datagram, Micros now) {
-  const sync::DropReason why = replica_.receive(datagram, now);
+  return record(datagram, now, replica_.receive(datagram, now));
+}
+
+sync::DropReason RecordedReplica::record(std::span<const std::byte> datagram, Micros now, sync::DropReason why) {
   const bool judged = why == sync::DropReason::kSignature || why == sync::DropReason::kRight;
   if (writer_ && !judged) writer_->received(now, datagram);
   return why;

@@ -32,6 +32,7 @@ class RecordedReplica {
   RecordedReplica& operator=(const RecordedReplica&) = delete;
 
   // As in Replica. What the judge objects to is not recorded, as it leaves no trace in the replica.
+  sync::DropReason receive(const wire::Opened& opened, Micros now);
   sync::DropReason receive(std::span<const std::byte> datagram, Micros now);
   /// `lateness`: by how much the step began after the time of its tick, for the record only.
   void step(Vec2 target, Micros lateness = 0);
@@ -65,6 +66,7 @@ class RecordedReplica {
 
  private:
   Replica::ConfirmedSink traced(bool authority, Replica::ConfirmedSink sink);
+  sync::DropReason record(std::span<const std::byte> datagram, Micros now, sync::DropReason why);
   void record_step(Vec2 target, Micros lateness);
 
   std::optional<trace::TraceWriter> writer_;  ///< before the replica, which confirms tick 0 while it is built

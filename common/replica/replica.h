@@ -99,7 +99,9 @@ class Replica {
   Replica(const Replica&) = delete;
   Replica& operator=(const Replica&) = delete;
 
-  /// A state datagram of this session has arrived, `now` in session microseconds. Why it was dropped, if it was.
+  /// A datagram of this session has arrived, `now` in session microseconds. Why it was dropped, if it was.
+  sync::DropReason receive(const wire::Opened& opened, Micros now);
+  /// The same of one that nobody has opened yet.
   sync::DropReason receive(std::span<const std::byte> datagram, Micros now);
   /// Asked before anything of a datagram is taken in. What it objects to leaves no trace but in the counters.
   void set_judge(Judge judge) { judge_ = std::move(judge); }
@@ -228,7 +230,7 @@ class Replica {
           Later);
 
   ConfirmedSink check_and(ConfirmedSink sink);
-  sync::DropReason take(std::span<const std::byte> datagram, Micros now, PeerId& sender);
+  sync::DropReason take(const wire::Opened& opened, Micros now);
   sync::DropReason check_claims(const sync::StatePacket& packet, PeerId from) const;
   bool repeats(const sync::StatePacket& packet, PeerId from) const;
   void note_answer(Neighbour& from, Tick mark);

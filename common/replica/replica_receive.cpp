@@ -15,12 +15,23 @@ constexpr Tick kLate = 16;
 }  // namespace
 
 DropReason Replica::receive(std::span<const std::byte> datagram, Micros now) {
+  wire::SealError refused{};
+  const auto opened = wire::open(datagram, refused);
+  if (opened) return receive(*opened, now);
   ++stats_.datagrams_received;
-  PeerId sender = kNoPeer;
-  const DropReason why = take(datagram, now, sender);
+  ++stats_.dropped[static_cast<std::size_t>(DropReason::kSeal)];
+  return DropReason::kSeal;
+}
+
+DropReason Replica::receive(const wire::Opened& opened, Micros now) {
+  ++stats_.datagrams_received;
+  const wire::Header& h = opened.header;
+  const bool somebodys = h.kind == wire::Kind::kState && h.session == config_.session && h.sender < config_.slots &&
+                         h.sender != config_.self;
+  const DropReason why = somebodys ? take(opened, now) : DropReason::kForeign;
   if (why == DropReason::kNone) return why;
   ++stats_.dropped[static_cast<std::size_t>(why)];
-  if (sender != kNoPeer) ++others_[sender].dropped[static_cast<std::size_t>(why)];
+  if (somebodys) ++others_[h.sender].dropped[static_cast<std::size_t>(why)];
   return why;
 }
 
@@ -30,17 +41,10 @@ void Replica::count_drop(PeerId p, DropReason why) {
   ++others_[p].dropped[static_cast<std::size_t>(why)];
 }
 
-DropReason Replica::take(std::span<const std::byte> datagram, Micros now, PeerId& sender) {
-  wire::SealError seal{};
-  const auto opened = wire::open(datagram, seal);
-  if (!opened) return DropReason::kSeal;
-  const wire::Header& h = opened->header;
-  if (h.kind != wire::Kind::kState || h.session != config_.session || h.sender >= config_.slots ||
-      h.sender == config_.self)
-    return DropReason::kForeign;
-  sender = h.sender;
+DropReason Replica::take(const wire::Opened& opened, Micros now) {
+  const wire::Header& h = opened.header;
   Neighbour& from = others_[h.sender];
-  const sync::StatePacket* packet = decoder_.decode(opened->payload, h.sender);
+  const sync::StatePacket* packet = decoder_.decode(opened.payload, h.sender);
   if (packet == nullptr) return DropReason::kMalformed;
   if (!from.reachable() || from.frozen || packet->incarnation != from.incarnation ||
       packet->to_incarnation != config_.incarnation)

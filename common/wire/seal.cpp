@@ -59,6 +59,7 @@ std::optional<Opened> open(std::span<const std::byte> datagram, SealError& error
   o.header.session =
       static_cast<std::uint16_t>(std::to_integer<unsigned>(datagram[4]) | std::to_integer<unsigned>(datagram[5]) << 8U);
   o.payload = covered.subspan(kHeaderBytes);
+  o.datagram = datagram;
   return o;
 }
 

@@ -39,7 +39,8 @@ void seal(const Header& header, std::span<const std::byte> payload, Bytes& out);
 
 struct Opened {
   Header header;
-  std::span<const std::byte> payload;  ///< into the datagram given
+  std::span<const std::byte> payload;   ///< into the datagram
+  std::span<const std::byte> datagram;  ///< as it came
 };
 /// The datagram's parts if its tag is right; otherwise nothing, and why. For kVersion the version found is in
 /// `version`.

@@ -127,8 +127,11 @@ class DriftingNet {
     Drifter& d = drifters_[static_cast<std::size_t>(to) - 1];
     if (!d.session) return;
     const Micros local = d.local(now_);
-    const auto sender = d.session->receive(place(from), bytes, local);
-    if (sender && d.replica) d.replica->receive(bytes, d.session->session_now(local));
+    wire::SealError refused{};
+    const auto opened = wire::open(bytes, refused);
+    ASSERT_TRUE(opened);
+    if (d.session->receive(place(from), *opened, local) && d.replica)
+      d.replica->receive(*opened, d.session->session_now(local));
   }
 
   void measure() {

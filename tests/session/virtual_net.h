@@ -63,7 +63,7 @@ class VirtualNet {
   }
   /// As if from anybody, at once.
   std::optional<PeerId> inject(const Endpoint& from, int to, std::span<const std::byte> datagram) {
-    return at(to).receive(from, datagram, local(to));
+    return hand(at(to), from, datagram, local(to));
   }
 
   /// Runs for `span` us, or until `until` says so; true if it did.
@@ -84,7 +84,7 @@ class VirtualNet {
         while (const auto datagram = s->release(now_)) {
           const auto to = sessions_.find(ends.second);
           if (to == sessions_.end()) continue;
-          to->second->receive(ends.first, *datagram, local(to->first.address[15]));
+          hand(*to->second, ends.first, *datagram, local(to->first.address[15]));
         }
       }
       if (until()) return true;
@@ -122,6 +122,19 @@ class VirtualNet {
   static constexpr Micros kStep = 1'000;
 
  private:
+  /// Of a state datagram for a replica, the sender.
+  static std::optional<PeerId> hand(node::Session& session, const Endpoint& from, std::span<const std::byte> datagram,
+                                    Micros local) {
+    wire::SealError refused{};
+    std::uint8_t version = 0;
+    const auto opened = wire::open(datagram, refused, &version);
+    if (!opened) {
+      session.on_refused(from, datagram.size(), refused, version, local);
+      return std::nullopt;
+    }
+    return session.receive(from, *opened, local) ? std::optional(opened->header.sender) : std::nullopt;
+  }
+
   using Ends = std::pair<Endpoint, Endpoint>;
   link::Shim& shim(const Endpoint& from, const Endpoint& to) {
     auto& s = shims_[{from, to}];
