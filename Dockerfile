@@ -30,6 +30,7 @@ COPY CMakeLists.txt CMakePresets.json ./
 COPY cmake cmake
 COPY proto proto
 COPY common common
+COPY shell shell
 COPY peer peer
 COPY tools tools
 ARG JOBS=2

@@ -4,15 +4,15 @@
 
 namespace padr::peer {
 
-std::optional<support::Udp::endpoint> join_address(boost::asio::io_context& io, const Options& o) {
+std::optional<shell::Udp::endpoint> join_address(boost::asio::io_context& io, const Options& o) {
   if (!o.join) return std::nullopt;
-  std::optional<support::Udp> family;
-  if (o.listen) family = support::resolve(io, "--listen", *o.listen).protocol();
-  return support::resolve(io, "--join", *o.join, family ? &*family : nullptr);
+  std::optional<shell::Udp> family;
+  if (o.listen) family = shell::resolve(io, "--listen", *o.listen).protocol();
+  return shell::resolve(io, "--join", *o.join, family ? &*family : nullptr);
 }
 
-support::Udp::endpoint listen_address(boost::asio::io_context& io, const Options& o,
-                                      const std::optional<support::Udp::endpoint>& join) {
+shell::Udp::endpoint listen_address(boost::asio::io_context& io, const Options& o,
+                                    const std::optional<shell::Udp::endpoint>& join) {
   const bool v6 = join && join->address().is_v6();
   if (!o.listen) {
     if (join && !join->address().is_loopback())
@@ -22,7 +22,7 @@ support::Udp::endpoint listen_address(boost::asio::io_context& io, const Options
     if (v6) return {boost::asio::ip::address_v6::loopback(), 0};
     return {boost::asio::ip::address_v4::loopback(), 0};
   }
-  support::Udp::endpoint listen = support::resolve(io, "--listen", *o.listen);
+  shell::Udp::endpoint listen = shell::resolve(io, "--listen", *o.listen);
   if (!listen.address().is_loopback() && !o.insecure && !o.key)
     throw UserError("--listen: " + o.listen->text +
                     " can be reached by other machines, and nothing proves who sends a " +

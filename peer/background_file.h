@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "tools/support/files.h"
+#include "shell/files.h"
 
 namespace padr::peer {
 
@@ -36,7 +36,7 @@ class BackgroundFile {
   /// Once all that waits is written.
   void end_thread();
 
-  support::OutputFile file_;  ///< the thread's alone, while it runs
+  shell::OutputFile file_;  ///< the thread's alone, while it runs
   std::chrono::milliseconds interval_;
   std::mutex mutex_;  ///< of what follows
   std::condition_variable wake_;

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "common/model/user_error.h"
-#include "tools/support/netem_flags.h"
-#include "tools/support/technique_flags.h"
-#include "tools/support/text.h"
+#include "shell/netem_flags.h"
+#include "shell/technique_flags.h"
+#include "shell/text.h"
 
 namespace padr::peer {
 namespace {
@@ -13,14 +13,14 @@ namespace {
 using monitor::EventKind;
 
 std::string seconds_text(float seconds) {
-  return "for " + support::fixed(static_cast<double>(seconds), 1) + " s";
+  return "for " + shell::fixed(static_cast<double>(seconds), 1) + " s";
 }
 
 Technique turned(const Technique& now, const monitor::Knob& k) {
   if (k.name == "technique") return technique_by_name(k.value);
-  const auto knobs = support::knobs();
+  const auto knobs = shell::knobs();
   const auto found =
-      std::find_if(knobs.begin(), knobs.end(), [&k](const support::Knob& one) { return one.flag == "--" + k.name; });
+      std::find_if(knobs.begin(), knobs.end(), [&k](const shell::Knob& one) { return one.flag == "--" + k.name; });
   if (found == knobs.end()) throw UserError("--" + k.name + ": there is no such knob");
   Technique t = now;
   found->set(t, k.value);
@@ -54,7 +54,7 @@ void Controls::follow(const monitor::Knob& k, std::uint32_t order, Micros /*now*
 
 void Controls::follow(const monitor::Netem& n, std::uint32_t order, Micros now) {
   const std::optional<PeerId> to = other(n.to);
-  const link::NetemSpec spec = support::parse_netem_flag("netem", n.spec, nullptr);
+  const link::NetemSpec spec = shell::parse_netem_flag("netem", n.spec, nullptr);
   egress_.impair(to, spec, now);
   const std::string text = to_string(spec);
   player_.remark({"netem", n.to, text});
@@ -87,7 +87,7 @@ void Controls::follow(const monitor::Push& p, std::uint32_t order, Micros /*now*
   if (!replica.may_push(p.body))
     throw UserError("body " + std::to_string(p.body) + ": another peer holds it, or has just won it");
   player_.push(p.body, p.velocity);
-  say(EventKind::kPush, order, kNoPeer, "by " + support::fixed(static_cast<double>(length(p.velocity)), 1) + " m/s",
+  say(EventKind::kPush, order, kNoPeer, "by " + shell::fixed(static_cast<double>(length(p.velocity)), 1) + " m/s",
       p.body);
 }
 

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "common/world/world.h"
-#include "tools/support/run_main.h"
-#include "tools/support/scenario_flags.h"
-#include "tools/support/unpredictable.h"
+#include "shell/run_main.h"
+#include "shell/scenario_flags.h"
+#include "shell/unpredictable.h"
 
 namespace padr::peer {
 namespace {
@@ -17,7 +17,7 @@ constexpr Micros kOneTick = kMicrosPerSecond / kTicksPerSecond;
 
 }  // namespace
 
-CrowdLoop::CrowdLoop(const Options& options, Log& log, const support::Clock& clock) : Loop(options, log, clock) {
+CrowdLoop::CrowdLoop(const Options& options, Log& log, const shell::Clock& clock) : Loop(options, log, clock) {
   say_where(shape_links());
   open_files();
   make_peer();
@@ -31,15 +31,15 @@ void CrowdLoop::make_peer() {
   c.plane = o.plane;
   c.technique = options_.technique;
   c.fingerprint = world::physics_fingerprint();
-  c.seed = support::unpredictable();
-  c.secret = support::unpredictable();
+  c.seed = shell::unpredictable();
+  c.secret = shell::unpredictable();
   c.start = o.start;
   c.contact = join_;
   c.on_confirmed = [this](crowd::Region r, const sync::FoldState& s, std::uint64_t hash) {
     record_.confirm(r, s.tick, hash);
   };
   peer_ = std::make_unique<crowd::CrowdPeer>(c);
-  input_ = support::load_input(options_.input, o.ground, 0, c.seed);
+  input_ = shell::load_input(options_.input, o.ground, 0, c.seed);
 }
 
 void CrowdLoop::advance(Micros now) {
@@ -89,15 +89,15 @@ void CrowdLoop::end_if_over(Micros now) {
   if (ending()) return;
   if (left_at_) {
     if (!peer_->gone() && now - *left_at_ < in_micros(options_.linger)) return;
-    return end(support::kExitFine, stopping_ ? "stopped" : "played to the end");
+    return end(shell::kExitFine, stopping_ ? "stopped" : "played to the end");
   }
   if (peer_->playing()) return;
-  if (!peer_->finder().failure().empty()) return end(support::kExitFailure, peer_->finder().failure());
+  if (!peer_->finder().failure().empty()) return end(shell::kExitFailure, peer_->finder().failure());
   if (options_.join_timeout > 0 && now >= in_micros(options_.join_timeout))
-    end(support::kExitFailure, fmt::format("{} within {} s",
-                                           peer_->finder().met() ? "could not enter the region of --start"
-                                                                 : "no answer from " + options_.join->text,
-                                           options_.join_timeout));
+    end(shell::kExitFailure, fmt::format("{} within {} s",
+                                         peer_->finder().met() ? "could not enter the region of --start"
+                                                               : "no answer from " + options_.join->text,
+                                         options_.join_timeout));
 }
 
 void CrowdLoop::say_status(Micros now) {
@@ -128,7 +128,7 @@ Micros CrowdLoop::next_due() const {
 void CrowdLoop::stop(const std::string& signal, Micros now) {
   if (left_at_) return;  // its region may be over already, while others linger
   if (!peer_->playing()) {
-    end(support::kExitFailure, signal + " before it came into the crowd");
+    end(shell::kExitFailure, signal + " before it came into the crowd");
   } else {
     leave(signal, now);
   }

@@ -15,7 +15,7 @@ namespace padr::peer {
 class CrowdLoop final : public Loop {
  public:
   /// As of Loop.
-  CrowdLoop(const Options& options, Log& log, const support::Clock& clock);
+  CrowdLoop(const Options& options, Log& log, const shell::Clock& clock);
 
  private:
   void make_peer();

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 
-#include "tools/support/command_line.h"
-#include "tools/support/json.h"
-#include "tools/support/revision.h"
-#include "tools/support/text.h"
+#include "shell/command_line.h"
+#include "shell/json.h"
+#include "shell/revision.h"
+#include "shell/text.h"
 
 namespace padr::peer {
 namespace {
 
-using support::Json;
+using shell::Json;
 
 std::string name_of(crowd::Region r) {
   return std::to_string(r.x) + "," + std::to_string(r.y);
@@ -18,8 +18,8 @@ std::string name_of(crowd::Region r) {
 
 void put_crowd_origin(Json& j, const CrowdReport& r) {
   const Options& o = r.options;
-  j.field("program", "padr-peer").field("version", support::version()).field("revision", support::revision());
-  j.field("command", support::shell_line(o.command));
+  j.field("program", "padr-peer").field("version", shell::version()).field("revision", shell::revision());
+  j.field("command", shell::shell_line(o.command));
   j.field("seed", o.crowd->plane.seed).field("region_side_m", static_cast<double>(o.crowd->plane.side));
   j.field("technique", describe(o.technique)).field("input", o.input);
   j.field("netem", to_string(o.netem)).field("netem_seed", o.netem_seed);
@@ -51,7 +51,7 @@ void put_checkpoints(Json& j, const CrowdRecord& r) {
   j.key("checkpoints").begin_object();
   for (const auto& [region, ticks] : r.checkpoints) {
     j.key(name_of(region)).begin_object();
-    for (const auto& [tick, hash] : ticks) j.field(std::to_string(tick), support::hex(hash));
+    for (const auto& [tick, hash] : ticks) j.field(std::to_string(tick), shell::hex(hash));
     j.end_object();
   }
   j.end_object();
@@ -108,7 +108,7 @@ std::string summary(const CrowdReport& report) {
   put_crowd_origin(j, report);
   put_finding(j, report.peer.finder());
   j.key("socket").begin_object();
-  const support::SocketStats& socket = report.socket;
+  const shell::SocketStats& socket = report.socket;
   j.field("sent", socket.sent).field("send_errors", socket.send_errors).field("refused", socket.refused);
   j.field("buffer_full", socket.buffer_full).field("receive_errors", socket.receive_errors).end_object();
   if (report.record.first_tick >= 0) put_crowd_play(j, report.record, report.peer);

@@ -8,7 +8,7 @@
 #include "common/crowd/crowd_peer.h"
 #include "peer/lateness.h"
 #include "peer/options.h"
-#include "tools/support/udp_socket.h"
+#include "shell/udp_socket.h"
 
 namespace padr::peer {
 
@@ -47,7 +47,7 @@ struct CrowdReport {
   const Options& options;
   const CrowdRecord& record;
   const crowd::CrowdPeer& peer;
-  const support::SocketStats& socket;
+  const shell::SocketStats& socket;
   Endpoint local;
   int exit_code;
   std::string reason;  ///< why it ended, one line

@@ -4,8 +4,8 @@
 
 #include "common/model/user_error.h"
 #include "peer/summary.h"
-#include "tools/support/run_main.h"
-#include "tools/support/unpredictable.h"
+#include "shell/run_main.h"
+#include "shell/unpredictable.h"
 
 namespace padr::peer {
 namespace {
@@ -16,15 +16,15 @@ node::SessionConfig session_config(const Options& o, const std::optional<Endpoin
   c.wanted = o.wait_peers;
   c.slots = o.slots;
   c.scenario = o.scenario.label + " seed " + std::to_string(o.scenario.seed);
-  c.seed = support::unpredictable();
-  c.secret = support::unpredictable();
+  c.seed = shell::unpredictable();
+  c.secret = shell::unpredictable();
   c.patience = in_micros(o.join_timeout);
   return c;
 }
 
 }  // namespace
 
-EventLoop::EventLoop(const Options& options, Log& log, const support::Clock& clock) : Loop(options, log, clock) {
+EventLoop::EventLoop(const Options& options, Log& log, const shell::Clock& clock) : Loop(options, log, clock) {
   const std::vector<std::string> links = shape_links();
   open_all_files();
   if (options.monitor) telemetry_ = std::make_unique<Telemetry>(io_, options, log, clock);
@@ -86,10 +86,10 @@ void EventLoop::send_out(Micros now) {
 }
 
 void EventLoop::end_if_over(Micros now) {
-  if (player_->failed()) return end(support::kExitFailure, player_->session().failure());
+  if (player_->failed()) return end(shell::kExitFailure, player_->session().failure());
   if (!player_->playing() || !player_->done(now)) return;
-  if (player_->totals().replica.hash_mismatches > 0) return end(support::kExitFailure, "confirmed worlds differed");
-  end(support::kExitFine, stopping_ ? "stopped" : "played to the end");
+  if (player_->totals().replica.hash_mismatches > 0) return end(shell::kExitFailure, "confirmed worlds differed");
+  end(shell::kExitFine, stopping_ ? "stopped" : "played to the end");
 }
 
 void EventLoop::say_status(Micros now) {
@@ -111,7 +111,7 @@ void EventLoop::stop(const std::string& signal, Micros now) {
   } else {
     player_->give_up();
     send_out(now);
-    end(support::kExitFailure, signal + " before the session started");
+    end(shell::kExitFailure, signal + " before the session started");
   }
 }
 

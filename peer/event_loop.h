@@ -18,7 +18,7 @@ namespace padr::peer {
 class EventLoop final : public Loop {
  public:
   /// As of Loop.
-  EventLoop(const Options& options, Log& log, const support::Clock& clock);
+  EventLoop(const Options& options, Log& log, const shell::Clock& clock);
 
  private:
   void open_all_files();

@@ -5,19 +5,19 @@
 
 #include "common/model/user_error.h"
 #include "peer/status.h"
-#include "tools/support/files.h"
-#include "tools/support/json.h"
-#include "tools/support/text.h"
+#include "shell/files.h"
+#include "shell/json.h"
+#include "shell/text.h"
 
 namespace padr::peer {
 namespace {
 
 std::string to_json(const HealthState& s) {
-  support::Json j;
+  shell::Json j;
   j.begin_object().field("healthy", s.healthy).field("playing", s.playing);
   if (s.peer) {
     j.field("peer", *s.peer).field("present", s.present);
-    j.field("confirmed_tick", s.confirmed).field("confirmed_hash", support::hex(s.hash));
+    j.field("confirmed_tick", s.confirmed).field("confirmed_hash", shell::hex(s.hash));
     j.field("confirmed_still_ms", s.still / 1000);
   }
   return j.end_object().text();
@@ -65,7 +65,7 @@ HealthState Health::state(const Player& player, Micros now) {
 std::string Health::write(const HealthState& s) const {
   const std::string fresh = file_ + ".new";
   try {
-    support::OutputFile out("--health", fresh);
+    shell::OutputFile out("--health", fresh);
     out.write(to_json(s));
     out.close();
   } catch (const std::exception& e) {

@@ -5,8 +5,8 @@
 #include <cstdio>
 
 #include "peer/addresses.h"
-#include "tools/support/netem_flags.h"
-#include "tools/support/run_main.h"
+#include "shell/netem_flags.h"
+#include "shell/run_main.h"
 
 namespace padr::peer {
 namespace {
@@ -16,30 +16,30 @@ constexpr Micros kDrain = 300'000;
 
 }  // namespace
 
-Loop::Loop(const Options& options, Log& log, const support::Clock& clock)
+Loop::Loop(const Options& options, Log& log, const shell::Clock& clock)
     : options_(options), log_(log), clock_(clock), io_(1), signals_(io_, SIGINT, SIGTERM), timer_(io_) {
-  const std::optional<support::Udp::endpoint> join = join_address(io_, options);
-  socket_ = std::make_unique<support::UdpSocket>(io_, listen_address(io_, options, join));
-  local_ = support::to_endpoint(socket_->local());
-  if (join) join_ = support::to_endpoint(*join);
+  const std::optional<shell::Udp::endpoint> join = join_address(io_, options);
+  socket_ = std::make_unique<shell::UdpSocket>(io_, listen_address(io_, options, join));
+  local_ = shell::to_endpoint(socket_->local());
+  if (join) join_ = shell::to_endpoint(*join);
 }
 
 std::vector<std::string> Loop::shape_links() {
   Egress::Specs specs;
   specs.all = options_.netem;
   specs.seed = options_.netem_seed;
-  std::vector<std::string> lines{"links out: " + support::describe(specs.all) + ", seed " + std::to_string(specs.seed)};
+  std::vector<std::string> lines{"links out: " + shell::describe(specs.all) + ", seed " + std::to_string(specs.seed)};
   for (const NetemOverride& n : options_.netem_to) {
     std::string where = "peer " + std::to_string(n.peer.value_or(0));
     if (n.peer) {
       specs.by_peer[*n.peer] = n.spec;
     } else {
-      const support::Udp family = socket_->local().protocol();
-      const Endpoint to = support::to_endpoint(support::resolve(io_, "--netem-to", *n.address, &family));
+      const shell::Udp family = socket_->local().protocol();
+      const Endpoint to = shell::to_endpoint(shell::resolve(io_, "--netem-to", *n.address, &family));
       specs.by_address[to] = n.spec;
       where = to_string(to);
     }
-    lines.push_back("link to " + where + ": " + support::describe(n.spec));
+    lines.push_back("link to " + where + ": " + shell::describe(n.spec));
   }
   egress_ = std::make_unique<Egress>(std::move(specs), [this](const Endpoint& to, std::span<const std::byte> bytes) {
     if (!cuts_.is_cut(to)) socket_->post(to, bytes);
@@ -50,7 +50,7 @@ std::vector<std::string> Loop::shape_links() {
 void Loop::open_files() {
   if (!options_.pcap.empty()) packets_ = std::make_unique<PacketLog>(options_, *socket_);
   if (!options_.json.empty() && options_.json != "-")
-    json_ = std::make_unique<support::OutputFile>("--json", options_.json);
+    json_ = std::make_unique<shell::OutputFile>("--json", options_.json);
 }
 
 void Loop::say_where(const std::vector<std::string>& links) {
@@ -129,7 +129,7 @@ void Loop::set_timer(Micros now) {
   if (due == timer_due_) return;  // datagrams that came in between seldom change it
   timer_due_ = due;
   timer_.expires_at(clock_.at(due));
-  timer_.async_wait(support::KeptIn(timer_memory_, [this](const boost::system::error_code& error) {
+  timer_.async_wait(shell::KeptIn(timer_memory_, [this](const boost::system::error_code& error) {
     if (error) return;
     timer_due_.reset();
     wake();
@@ -144,7 +144,7 @@ void Loop::await_signal() {
 
 void Loop::on_signal(const std::string& name) {
   if (stopping_ || ending()) {
-    exit_code_ = support::kExitFailure;
+    exit_code_ = shell::kExitFailure;
     reason_ = "quit at once on a second " + name;
     io_.stop();
     return;

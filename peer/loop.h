@@ -16,10 +16,10 @@
 #include "peer/log.h"
 #include "peer/options.h"
 #include "peer/packet_log.h"
-#include "tools/support/clock.h"
-#include "tools/support/files.h"
-#include "tools/support/handler_memory.h"
-#include "tools/support/udp_socket.h"
+#include "shell/clock.h"
+#include "shell/files.h"
+#include "shell/handler_memory.h"
+#include "shell/udp_socket.h"
 
 namespace padr::peer {
 
@@ -38,7 +38,7 @@ class Loop {
  protected:
   /// Resolves the addresses and opens the socket. Throws UserError or std::system_error. All must outlive it; `clock`
   /// has run since the process began.
-  Loop(const Options& options, Log& log, const support::Clock& clock);
+  Loop(const Options& options, Log& log, const shell::Clock& clock);
 
   /// Lines that tell of them, for say_where.
   std::vector<std::string> shape_links();
@@ -70,10 +70,10 @@ class Loop {
 
   const Options& options_;
   Log& log_;
-  const support::Clock& clock_;
+  const shell::Clock& clock_;
   boost::asio::io_context io_;
   std::optional<Endpoint> join_;  ///< whom; nothing: it founds
-  std::unique_ptr<support::UdpSocket> socket_;
+  std::unique_ptr<shell::UdpSocket> socket_;
   Endpoint local_;
   std::unique_ptr<Egress> egress_;
   Cuts cuts_;
@@ -91,10 +91,10 @@ class Loop {
 
   boost::asio::signal_set signals_;
   boost::asio::steady_timer timer_;
-  std::shared_ptr<support::HandlerMemory> timer_memory_ = std::make_shared<support::HandlerMemory>();
-  std::optional<Micros> timer_due_;            ///< what it is set to; nothing: it is not
-  std::unique_ptr<support::OutputFile> json_;  ///< null for standard output, too
-  std::unique_ptr<PacketLog> packets_;         ///< null: none is kept
+  std::shared_ptr<shell::HandlerMemory> timer_memory_ = std::make_shared<shell::HandlerMemory>();
+  std::optional<Micros> timer_due_;          ///< what it is set to; nothing: it is not
+  std::unique_ptr<shell::OutputFile> json_;  ///< null for standard output, too
+  std::unique_ptr<PacketLog> packets_;       ///< null: none is kept
   RateLimit net_limit_;
   Micros next_status_ = -1;            ///< local time; -1: not yet playing
   std::optional<Micros> drain_until_;  ///< set at the end: what still is in the links may go until then

@@ -11,15 +11,15 @@
 #include "common/model/user_error.h"
 #include "peer/log.h"
 #include "peer/session_key.h"
-#include "tools/support/command_line.h"
-#include "tools/support/netem_flags.h"
-#include "tools/support/technique_flags.h"
-#include "tools/support/unpredictable.h"
+#include "shell/command_line.h"
+#include "shell/netem_flags.h"
+#include "shell/technique_flags.h"
+#include "shell/unpredictable.h"
 
 namespace padr::peer {
 namespace {
 
-using support::parse_host_port;
+using shell::parse_host_port;
 
 /// Slots by default, if the scenario has room for more. Every slot costs each peer something, also an empty one.
 constexpr int kUsualSlots = 32;
@@ -71,9 +71,9 @@ struct Raw {
   bool crowd = false;
   std::vector<double> start;
   std::optional<double> stroll, region_side;
-  support::ScenarioFlags scenario;
-  support::TechniqueFlags technique;
-  support::NetemFlags netem;
+  shell::ScenarioFlags scenario;
+  shell::TechniqueFlags technique;
+  shell::NetemFlags netem;
 };
 
 void declare_session(CLI::App& app, Raw& raw, Options& o) {
@@ -98,7 +98,7 @@ void declare_session(CLI::App& app, Raw& raw, Options& o) {
   app.add_option("--join-timeout", o.join_timeout,
                  "Give up if the session has not started, or has not admitted this peer, after S seconds; 0: never")
       ->type_name("S")
-      ->check(support::between(0.0, 86400.0, "seconds"))
+      ->check(shell::between(0.0, 86400.0, "seconds"))
       ->capture_default_str()
       ->group(group);
   app.add_flag("--insecure", o.insecure,
@@ -118,12 +118,12 @@ void declare_crowd(CLI::App& app, Raw& raw) {
       ->type_name("X,Y")
       ->group(group);
   app.add_option("--stroll", raw.stroll, "--input wander stays in a square around the start; its side, m [24]")
-      ->check(support::between(4.0, 10000.0, "metres"))
+      ->check(shell::between(4.0, 10000.0, "metres"))
       ->type_name("M")
       ->group(group);
   app.add_option("--region-side", raw.region_side,
                  "Side of the plane's regions, m; all peers of a crowd need the same [24]")
-      ->check(support::between(16.0, 200.0, "metres"))
+      ->check(shell::between(16.0, 200.0, "metres"))
       ->type_name("M")
       ->group(group);
 }
@@ -148,15 +148,15 @@ void declare_key(CLI::App& app, Raw& raw, Options& o) {
 
 void declare_play(CLI::App& app, Options& o) {
   const std::string group = "Play";
-  app.add_option("--input", o.input, support::kInputHelp)->type_name("INPUT")->capture_default_str()->group(group);
+  app.add_option("--input", o.input, shell::kInputHelp)->type_name("INPUT")->capture_default_str()->group(group);
   app.add_option("--duration", o.duration, "Seconds to play after joining; 0: until a signal")
       ->type_name("S")
-      ->check(support::between(0.0, 1.0e7, "seconds"))
+      ->check(shell::between(0.0, 1.0e7, "seconds"))
       ->capture_default_str()
       ->group(group);
   app.add_option("--linger", o.linger, "After play, wait at most S seconds until the others have the last updates")
       ->type_name("S")
-      ->check(support::between(0.0, 600.0, "seconds"))
+      ->check(shell::between(0.0, 600.0, "seconds"))
       ->capture_default_str()
       ->group(group);
 }
@@ -183,7 +183,7 @@ void declare_output(CLI::App& app, Raw& raw, Options& o) {
       ->group(group);
   app.add_option("--status-interval", o.status_interval, "Seconds between status lines; 0: none")
       ->type_name("S")
-      ->check(support::between(0.0, 3600.0, "seconds"))
+      ->check(shell::between(0.0, 3600.0, "seconds"))
       ->capture_default_str()
       ->group(group);
   app.add_option("--log-level", raw.log_level, "trace, debug, info, warning, error or off")
@@ -204,7 +204,7 @@ void declare_monitor(CLI::App& app, Raw& raw) {
       ->group(group);
   app.add_option("--monitor-rate", raw.monitor_rate, "Views of the world sent to the monitor in a second")
       ->type_name("HZ")
-      ->check(support::between(1, kTicksPerSecond, "a second"))
+      ->check(shell::between(1, kTicksPerSecond, "a second"))
       ->capture_default_str()
       ->group(group);
   app.add_option("--monitor-detail", raw.monitor_detail,
@@ -299,7 +299,7 @@ NetemOverride parse_override(const std::string& text, std::vector<std::string>* 
     throw UserError("--netem-to: '" + text + "' has no '='; give PEER=SPEC or HOST:PORT=SPEC");
   const std::string where = text.substr(0, equals);
   NetemOverride o;
-  o.spec = support::parse_netem_flag("--netem-to " + where, text.substr(equals + 1), warnings);
+  o.spec = shell::parse_netem_flag("--netem-to " + where, text.substr(equals + 1), warnings);
   int number = -1;
   const auto [end, error] = std::from_chars(where.data(), where.data() + where.size(), number);
   if (error == std::errc() && end == where.data() + where.size()) {
@@ -338,7 +338,7 @@ void take_crowd(const CLI::App& app, const Raw& raw, Options& o) {
   c.plane.seed = raw.scenario.seed();
   if (raw.region_side) c.plane.side = static_cast<float>(*raw.region_side);
   c.stroll = raw.stroll.value_or(24);
-  Rng rng(support::unpredictable());
+  Rng rng(shell::unpredictable());
   const double most = 0.75 * static_cast<double>(c.plane.side);
   const auto draw = [&] { return rng.uniform(0.25 * static_cast<double>(c.plane.side), most); };
   const double farthest = static_cast<double>(c.plane.side) * crowd::kMostRegion / 2;
@@ -350,7 +350,7 @@ void take_crowd(const CLI::App& app, const Raw& raw, Options& o) {
   const double y = raw.start.empty() ? draw() : raw.start[1];
   c.start = {static_cast<float>(x), static_cast<float>(y)};
   c.ground = ground_of(c.plane, c.start, c.stroll);
-  support::load_input(o.input, c.ground, 0, c.plane.seed);
+  shell::load_input(o.input, c.ground, 0, c.plane.seed);
 }
 
 }  // namespace
@@ -359,8 +359,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   Raw raw;
   Options o;
   CLI::App app(kDescription, "padr-peer");
-  app.footer(std::string(kFooter) + support::kNetemHelp + kFooterEnd);
-  support::add_version_flag(app, "padr-peer");
+  app.footer(std::string(kFooter) + shell::kNetemHelp + kFooterEnd);
+  shell::add_version_flag(app, "padr-peer");
   declare_session(app, raw, o);
   declare_crowd(app, raw);
   declare_key(app, raw, o);
@@ -375,7 +375,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
       ->group("Network");
   declare_output(app, raw, o);
   declare_monitor(app, raw);
-  if (!support::parse(app, argc, argv)) return std::nullopt;
+  if (!shell::parse(app, argc, argv)) return std::nullopt;
 
   take_log_levels(raw, o);
   take_addresses(raw, o);
@@ -391,11 +391,11 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
     o.scenario = raw.scenario.load();
     take_sizes(raw, o);
     // Which avatar it will drive is not known yet, but what is wrong with it is the same for all.
-    support::load_input(o.input, o.scenario.scene, 0, o.scenario.seed);
+    shell::load_input(o.input, o.scenario.scene, 0, o.scenario.seed);
   }
   o.trace = raw.trace;
   o.json = raw.json;
-  o.command = support::command_of(argc, argv);
+  o.command = shell::command_of(argc, argv);
   return o;
 }
 

@@ -14,21 +14,21 @@
 #include "common/model/technique.h"
 #include "common/monitor/telemetry.h"
 #include "common/wire/sealed.h"
-#include "tools/support/host_port.h"
-#include "tools/support/scenario_flags.h"
+#include "shell/host_port.h"
+#include "shell/scenario_flags.h"
 
 namespace padr::peer {
 
 /// --netem-to: another impairment towards one destination, named by peer number or by address.
 struct NetemOverride {
   std::optional<PeerId> peer;
-  std::optional<support::HostPort> address;  ///< exactly one of the two is given
+  std::optional<shell::HostPort> address;  ///< exactly one of the two is given
   link::NetemSpec spec;
 };
 
 /// --monitor and what goes with it.
 struct MonitorOptions {
-  support::HostPort where;
+  shell::HostPort where;
   int rate = 20;  ///< frames a second
   monitor::Detail detail = monitor::Detail::kAll;
   bool control = false;  ///< it may give orders
@@ -43,17 +43,17 @@ struct CrowdOptions {
 };
 
 struct Options {
-  std::optional<support::HostPort> listen;  ///< absent: any port on the loopback address of the family needed
-  std::optional<support::HostPort> join;    ///< absent: found a session
-  int wait_peers = 2;                       ///< founder: peers of the session, this one included
-  int slots = 2;                            ///< founder: avatar slots, >= wait_peers
+  std::optional<shell::HostPort> listen;  ///< absent: any port on the loopback address of the family needed
+  std::optional<shell::HostPort> join;    ///< absent: found a session
+  int wait_peers = 2;                     ///< founder: peers of the session, this one included
+  int slots = 2;                          ///< founder: avatar slots, >= wait_peers
   bool insecure = false;
   std::optional<wire::Key> key;                 ///< of the session; absent: nothing is sealed
   wire::SealMode seal = wire::SealMode::kNone;  ///< kNone without a key, and only then
   std::string keylog;                           ///< file; empty: none
   double join_timeout = 30;                     ///< s, until the session must have started; 0: no limit
 
-  support::LoadedScenario scenario;   ///< of a session
+  shell::LoadedScenario scenario;     ///< of a session
   std::optional<CrowdOptions> crowd;  ///< it plays in a crowd, in place of a session
   Technique technique;
   std::string input = "wander";

@@ -3,8 +3,8 @@
 #include <chrono>
 
 #include "common/capture/ip_packet.h"
-#include "tools/support/command_line.h"
-#include "tools/support/revision.h"
+#include "shell/command_line.h"
+#include "shell/revision.h"
 
 namespace padr::peer {
 namespace {
@@ -18,19 +18,18 @@ constexpr std::size_t kMostAddresses = 4096;
 
 capture::PcapngWriter::About about(const Options& o, const Endpoint& local) {
   capture::PcapngWriter::About a;
-  a.comment = support::shell_line(o.command) + "\nscenario " + o.scenario.label + " seed " +
+  a.comment = shell::shell_line(o.command) + "\nscenario " + o.scenario.label + " seed " +
               std::to_string(o.scenario.seed) + ", netem seed " + std::to_string(o.netem_seed);
-  a.application =
-      "padr-peer " + std::string(support::version()) + " (revision " + std::string(support::revision()) + ")";
+  a.application = "padr-peer " + std::string(shell::version()) + " (revision " + std::string(shell::revision()) + ")";
   a.interface = to_string(local);
   return a;
 }
 
 }  // namespace
 
-PacketLog::PacketLog(const Options& options, const support::UdpSocket& socket)
+PacketLog::PacketLog(const Options& options, const shell::UdpSocket& socket)
     : socket_(socket),
-      local_(support::to_endpoint(socket.local())),
+      local_(shell::to_endpoint(socket.local())),
       file_("--pcap", options.pcap, kFlush, kMostWaiting),
       writer_(about(options, local_), [this](std::span<const std::byte> block) {
         if (!file_.append(block)) ++dropped_;

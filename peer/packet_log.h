@@ -10,7 +10,7 @@
 #include "common/model/endpoint.h"
 #include "peer/background_file.h"
 #include "peer/options.h"
-#include "tools/support/udp_socket.h"
+#include "shell/udp_socket.h"
 
 namespace padr::peer {
 
@@ -19,7 +19,7 @@ namespace padr::peer {
 class PacketLog {
  public:
   /// Opens the file: throws UserError if that cannot be. `socket` must outlive it.
-  PacketLog(const Options& options, const support::UdpSocket& socket);
+  PacketLog(const Options& options, const shell::UdpSocket& socket);
 
   /// Nanoseconds since 1970, for the two below: taken before a datagram is sent, or once it is there.
   static std::int64_t now();
@@ -36,7 +36,7 @@ class PacketLog {
   void write(const Endpoint& from, const Endpoint& to, std::span<const std::byte> datagram, std::int64_t time,
              capture::Direction direction);
 
-  const support::UdpSocket& socket_;
+  const shell::UdpSocket& socket_;
   Endpoint local_;
   std::map<Endpoint, Endpoint> own_;  ///< the own address by whom it is for, if the socket is bound to all of them
   BackgroundFile file_;

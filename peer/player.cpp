@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "tools/support/netem_flags.h"
+#include "shell/netem_flags.h"
 
 namespace padr::peer {
 namespace {
@@ -121,7 +121,7 @@ void Player::begin_life(Micros now) {
     log_.session->warn("{}: life {} begins at tick {}, as peer {}", ours, known_life_ + 1, next, self());
     return;
   }
-  input_ = support::load_input(options_.input, options_.scenario.scene, self(), options_.scenario.seed);
+  input_ = shell::load_input(options_.input, options_.scenario.scene, self(), options_.scenario.seed);
   if (options_.duration > 0)
     last_input_ = first_tick() + static_cast<Tick>(std::llround(options_.duration * kTicksPerSecond));
   if (replica().config().incarnation > 0) {

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "common/model/user_error.h"
-#include "tools/support/revision.h"
+#include "shell/revision.h"
 
 namespace padr::peer {
 
@@ -16,14 +16,14 @@ std::string trace_file(const std::string& first, int life) {
 }
 
 Recordings::Recordings(const Options& options, Log& log) : options_(options), log_(log) {
-  if (!options.trace.empty()) files_.push_back(std::make_unique<support::OutputFile>("--trace", options.trace));
+  if (!options.trace.empty()) files_.push_back(std::make_unique<shell::OutputFile>("--trace", options.trace));
 }
 
 trace::Provenance Recordings::provenance() const {
   const Options& o = options_;
   trace::Provenance p;
   p.program = "padr-peer";
-  p.revision = std::string(support::revision());
+  p.revision = std::string(shell::revision());
   p.command = o.command;
   p.scenario = o.scenario.label;
   p.scenario_text = o.scenario.text;
@@ -43,13 +43,13 @@ std::optional<node::RecordedReplica::Recording> Recordings::of(int life) {
   if (life > 0) {
     files_.resize(std::max(files_.size(), n + 1));
     try {
-      files_[n] = std::make_unique<support::OutputFile>("--trace", trace_file(options_.trace, life));
+      files_[n] = std::make_unique<shell::OutputFile>("--trace", trace_file(options_.trace, life));
     } catch (const UserError& e) {
       log_.play->error("{}: the peer has joined again, and this is not recorded", e.what());
       return std::nullopt;
     }
   }
-  support::OutputFile* file = files_[n].get();
+  shell::OutputFile* file = files_[n].get();
   return node::RecordedReplica::Recording{provenance(), [file](std::span<const std::byte> b) { file->write(b); }};
 }
 

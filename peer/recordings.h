@@ -7,7 +7,7 @@
 #include "common/replica/recorded_replica.h"
 #include "peer/log.h"
 #include "peer/options.h"
-#include "tools/support/files.h"
+#include "shell/files.h"
 
 namespace padr::peer {
 
@@ -31,7 +31,7 @@ class Recordings {
 
   const Options& options_;
   Log& log_;
-  std::vector<std::unique_ptr<support::OutputFile>> files_;  ///< by life; null where there is none
+  std::vector<std::unique_ptr<shell::OutputFile>> files_;  ///< by life; null where there is none
 };
 
 }  // namespace padr::peer

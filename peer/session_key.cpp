@@ -12,8 +12,8 @@
 #include <system_error>
 
 #include "common/model/user_error.h"
-#include "tools/support/key_text.h"
-#include "tools/support/run_main.h"
+#include "shell/key_text.h"
+#include "shell/run_main.h"
 
 namespace padr::peer {
 namespace {
@@ -46,26 +46,26 @@ int keygen(int argc, const char* const* argv) {
           "usage: padr-peer keygen [FILE]\n\n"
           "Prints a new session key, or writes it to FILE. FILE must not exist yet; only you may read it then.\n"
           "All peers of a session need the same key: --key-file FILE, or the key itself in PADR_KEY.");
-      return support::kExitFine;
+      return shell::kExitFine;
     }
     throw UserError("keygen: '" + std::string(argv[argc - 1]) + "' is not expected; give one file, or nothing");
   }
-  const std::string text = support::key_text(unpredictable_bytes()) + "\n";
+  const std::string text = shell::key_text(unpredictable_bytes()) + "\n";
   if (file.empty() || file == "-") {
     std::fputs(text.c_str(), stdout);
-    return support::kExitFine;
+    return shell::kExitFine;
   }
   create("keygen", file, O_EXCL);
-  support::OutputFile out("keygen", file);
+  shell::OutputFile out("keygen", file);
   out.write(text);
   out.close();
-  return support::kExitFine;
+  return shell::kExitFine;
 }
 
 std::optional<wire::Key> session_key(const std::string& file, std::vector<std::string>& warnings) {
   constexpr std::string_view kWanted = "64 hexadecimal digits, such as padr-peer keygen makes";
   if (!file.empty()) {
-    const auto key = support::parse_key(support::read_file("--key-file", file, 4096));
+    const auto key = shell::parse_key(shell::read_file("--key-file", file, 4096));
     if (!key) throw UserError("--key-file: '" + file + "' has no key in it; a key is " + std::string(kWanted));
     struct stat s {};
     if (::stat(file.c_str(), &s) == 0 && S_ISREG(s.st_mode) && (s.st_mode & (S_IRWXG | S_IRWXO)) != 0)
@@ -75,7 +75,7 @@ std::optional<wire::Key> session_key(const std::string& file, std::vector<std::s
   // NOLINTNEXTLINE(concurrency-mt-unsafe): before any thread is there, and nobody sets variables
   const char* text = std::getenv(kEnvironment);
   if (text == nullptr || *text == '\0') return std::nullopt;
-  const auto key = support::parse_key(text);
+  const auto key = shell::parse_key(text);
   // What it is instead may be somebody's secret all the same.
   if (!key) throw UserError(std::string(kEnvironment) + ": is no key; a key is " + std::string(kWanted));
   return key;
@@ -84,7 +84,7 @@ std::optional<wire::Key> session_key(const std::string& file, std::vector<std::s
 Keylog::Keylog(const std::string& file) : file_((create("--keylog", file, 0), "--keylog"), file) {}
 
 void Keylog::add(const PublicKey& from, const PublicKey& to, const wire::Key& key) {
-  file_.write(support::keylog_line({from, to, key}));
+  file_.write(shell::keylog_line({from, to, key}));
   file_.flush();
 }
 

@@ -7,7 +7,7 @@
 
 #include "common/channel/secure_channels.h"
 #include "peer/options.h"
-#include "tools/support/files.h"
+#include "shell/files.h"
 
 namespace padr::peer {
 
@@ -26,7 +26,7 @@ class Keylog {
   void add(const PublicKey& from, const PublicKey& to, const wire::Key& key);
 
  private:
-  support::OutputFile file_;
+  shell::OutputFile file_;
 };
 
 /// For a peer in a session with a key; nothing if there is none. `keylog` may be null, and must outlive the channels.

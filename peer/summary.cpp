@@ -4,21 +4,21 @@
 #include <array>
 
 #include "peer/status.h"
-#include "tools/support/command_line.h"
-#include "tools/support/json.h"
-#include "tools/support/key_text.h"
-#include "tools/support/revision.h"
-#include "tools/support/text.h"
+#include "shell/command_line.h"
+#include "shell/json.h"
+#include "shell/key_text.h"
+#include "shell/revision.h"
+#include "shell/text.h"
 
 namespace padr::peer {
 namespace {
 
-using support::Json;
+using shell::Json;
 
 void put_origin(Json& j, const Report& r) {
   const Options& o = r.options;
-  j.field("program", "padr-peer").field("version", support::version()).field("revision", support::revision());
-  j.field("command", support::shell_line(o.command));
+  j.field("program", "padr-peer").field("version", shell::version()).field("revision", shell::revision());
+  j.field("command", shell::shell_line(o.command));
   j.field("scenario", o.scenario.label).field("seed", o.scenario.seed);
   j.field("technique", describe(o.technique)).field("input", o.input);
   j.field("netem", to_string(o.netem)).field("netem_seed", o.netem_seed);
@@ -45,14 +45,14 @@ void put_seal(Json& j, const Report& r) {
   const node::ChannelStats& s = channels->stats();
   j.key("seal").begin_object();
   j.field("mode", r.options.seal == wire::SealMode::kAuth ? "auth" : "encrypt");
-  j.field("public_key", support::key_text(channels->key())).field("known", channels->channels());
+  j.field("public_key", shell::key_text(channels->key())).field("known", channels->channels());
   j.field("received", s.datagrams).field("passed", s.passed).field("handshakes", s.handshakes).field("moves", s.moves);
   j.key("dropped").begin_object();
   for (std::size_t d = 0; d < node::kChannelDrops; ++d) j.field(node::kChannelDropNames[d], s.dropped[d]);
   j.end_object().end_object();
 }
 
-void put_socket(Json& j, const support::SocketStats& s) {
+void put_socket(Json& j, const shell::SocketStats& s) {
   j.key("socket").begin_object();
   j.field("sent", s.sent).field("send_errors", s.send_errors).field("refused", s.refused);
   j.field("buffer_full", s.buffer_full).field("receive_errors", s.receive_errors);
@@ -70,13 +70,13 @@ void put_confirmed(Json& j, const Player& p) {
   const node::ReplicaStats stats = p.totals().replica;
   j.key("confirmed").begin_object();
   j.field("tick", p.confirmed().tick)
-      .field("hash", support::hex(p.confirmed().hash))
+      .field("hash", shell::hex(p.confirmed().hash))
       .field("lag_ms", confirmed_lag_ms(p));
   j.field("checks", stats.hash_checks).field("mismatches", stats.hash_mismatches);
   j.field("first_mismatch", stats.first_mismatch);
   // By tick, so that peers can be compared wherever both have been.
   j.key("checkpoints").begin_object();
-  for (const auto& [tick, hash] : p.history().checkpoints()) j.field(std::to_string(tick), support::hex(hash));
+  for (const auto& [tick, hash] : p.history().checkpoints()) j.field(std::to_string(tick), shell::hex(hash));
   j.end_object().end_object();
 }
 
@@ -164,7 +164,7 @@ void put_play(Json& j, const Report& r) {
   put_ticks(j, p);
   j.field("clock_lead_ms", static_cast<double>(p.replica().clock_lead()) / 1e3);
   j.field("clock_slew_ppm", p.session().clock().slew() * 1e6);
-  j.field("live_hash", support::hex(p.replica().live_hash()))
+  j.field("live_hash", shell::hex(p.replica().live_hash()))
       .field("own_error_m", static_cast<double>(p.replica().own_error()));
   j.field("replayed_steps", totals.replayed_steps).field("delivered", p.replica().delivered());
   put_lives(j, p);

@@ -6,7 +6,7 @@
 #include "peer/options.h"
 #include "peer/player.h"
 #include "peer/telemetry.h"
-#include "tools/support/udp_socket.h"
+#include "shell/udp_socket.h"
 
 namespace padr::peer {
 
@@ -15,7 +15,7 @@ struct Report {
   const Options& options;
   const Player& player;
   const Egress& egress;
-  const support::UdpSocket& socket;
+  const shell::UdpSocket& socket;
   const Telemetry* telemetry;  ///< null: there is no monitor
   Endpoint local;
   int exit_code;

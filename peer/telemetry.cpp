@@ -4,9 +4,9 @@
 
 #include "common/model/user_error.h"
 #include "peer/status.h"
-#include "tools/support/revision.h"
-#include "tools/support/text.h"
-#include "tools/support/unpredictable.h"
+#include "shell/revision.h"
+#include "shell/text.h"
+#include "shell/unpredictable.h"
 
 namespace padr::peer {
 namespace {
@@ -30,7 +30,7 @@ bool may_order(const Options& o, const Endpoint& monitor) {
   return o.monitor->control && (monitor.is_loopback() || o.insecure);
 }
 
-support::Udp::endpoint any_towards(const support::Udp::endpoint& to) {
+shell::Udp::endpoint any_towards(const shell::Udp::endpoint& to) {
   const auto address = to.address();
   if (address.is_v6())
     return {address.is_loopback() ? asio::ip::address_v6::loopback() : asio::ip::address_v6::any(), 0};
@@ -39,41 +39,41 @@ support::Udp::endpoint any_towards(const support::Udp::endpoint& to) {
 
 }  // namespace
 
-Telemetry::Telemetry(asio::io_context& io, const Options& options, Log& log, const support::Clock& clock)
+Telemetry::Telemetry(asio::io_context& io, const Options& options, Log& log, const shell::Clock& clock)
     : options_(options),
       log_(log),
       clock_(clock),
       io_(io),
       resolver_(io),
       sampler_(options.monitor->rate, options.monitor->detail) {
-  from_.process = support::unpredictable();
-  token_ = support::unpredictable();
-  std::optional<support::Udp::endpoint> where;
+  from_.process = shell::unpredictable();
+  token_ = shell::unpredictable();
+  std::optional<shell::Udp::endpoint> where;
   try {
-    where = support::resolve(io, "--monitor", options.monitor->where);
+    where = shell::resolve(io, "--monitor", options.monitor->where);
   } catch (const UserError& e) {
     log_.net->warn("{}; trying again from time to time", e.what());
   }
   if (where) found(*where);
 }
 
-void Telemetry::found(const support::Udp::endpoint& where) {
-  to_ = support::to_endpoint(where);
+void Telemetry::found(const shell::Udp::endpoint& where) {
+  to_ = shell::to_endpoint(where);
   obeys_ = may_order(options_, *to_);
   if (options_.monitor->control && !obeys_)
     throw UserError("--control: " + options_.monitor->where.text +
                     " is not on this machine, and nothing proves who sends orders; give a loopback address to "
                     "--monitor, or --insecure if you trust the network");
-  socket_ = std::make_unique<support::UdpSocket>(io_, any_towards(where));
+  socket_ = std::make_unique<shell::UdpSocket>(io_, any_towards(where));
   log_.net->info("sending telemetry to the monitor at {}{}", to_string(*to_), obeys_ ? ", and obeying it" : "");
 }
 
 // By a thread of Asio's: a name server that does not answer holds nobody up.
 void Telemetry::resolve_again() {
-  const support::HostPort& where = options_.monitor->where;
+  const shell::HostPort& where = options_.monitor->where;
   resolver_.async_resolve(
       where.host, std::to_string(where.port),
-      [this](const boost::system::error_code& error, const support::Udp::resolver::results_type& all) {
+      [this](const boost::system::error_code& error, const shell::Udp::resolver::results_type& all) {
         if (error || all.empty() || socket_) return;
         try {
           found(all.begin()->endpoint());
@@ -181,7 +181,7 @@ void Telemetry::end(const Situation& s, const std::string& reason, Micros now) {
 void Telemetry::tell_hello(const Situation& s) {
   const node::Session& session = s.player.session();
   monitor::Hello h;
-  h.version = std::string(support::version()) + " " + std::string(support::revision());
+  h.version = std::string(shell::version()) + " " + std::string(shell::revision());
   h.control = obeys_;
   h.token = obeys_ ? token_ : 0;
   h.at = s.at;

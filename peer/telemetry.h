@@ -14,8 +14,8 @@
 #include "peer/options.h"
 #include "peer/player.h"
 #include "peer/watcher.h"
-#include "tools/support/clock.h"
-#include "tools/support/udp_socket.h"
+#include "shell/clock.h"
+#include "shell/udp_socket.h"
 
 namespace padr::peer {
 
@@ -37,7 +37,7 @@ class Telemetry final : public Watcher {
 
   /// Opens the socket, if the address is known already. Throws UserError if orders must not be taken from there, or
   /// std::system_error. All must outlive it.
-  Telemetry(boost::asio::io_context& io, const Options& options, Log& log, const support::Clock& clock);
+  Telemetry(boost::asio::io_context& io, const Options& options, Log& log, const shell::Clock& clock);
   /// `obey`: for every order that counts; `afterwards`: some may have come.
   void start(Obey obey, std::function<void()> afterwards);
   /// Nothing comes any more, and nothing holds up the end of the program's loop.
@@ -70,7 +70,7 @@ class Telemetry final : public Watcher {
 
  private:
   void resolve_again();
-  void found(const support::Udp::endpoint& where);
+  void found(const shell::Udp::endpoint& where);
   bool listened_to() const { return socket_ && clock_.now() >= nobody_until_; }
   void receive(const Endpoint& from, std::span<const std::byte> datagram);
   void send(const monitor::Message& message);
@@ -81,10 +81,10 @@ class Telemetry final : public Watcher {
 
   const Options& options_;
   Log& log_;
-  const support::Clock& clock_;
+  const shell::Clock& clock_;
   boost::asio::io_context& io_;
-  std::unique_ptr<support::UdpSocket> socket_;
-  support::Udp::resolver resolver_;
+  std::unique_ptr<shell::UdpSocket> socket_;
+  shell::Udp::resolver resolver_;
   std::optional<Endpoint> to_;  ///< absent as long as its name is unknown
   bool obeys_ = false;          ///< what comes from there
   Micros nobody_until_ = 0;     ///< nobody listens there, as far as is known

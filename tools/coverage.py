@@ -61,7 +61,7 @@ def main():
     parser.add_argument("--help", "-h", action="store_true")
     parser.add_argument("--build", default=os.path.join(ROOT, "build", "coverage"))
     parser.add_argument("--missing", action="store_true")
-    parser.add_argument("places", nargs="*", default=["common", "peer"])
+    parser.add_argument("places", nargs="*", default=["common", "shell", "peer"])
     a = parser.parse_args()
     if a.help:
         print(__doc__)

@@ -18,6 +18,9 @@ import sys
 # A folder may include itself and those to its left.
 CORE_ORDER = ["model", "link", "scenarios", "world", "sync", "reckoning", "shown", "wire", "capture", "trace", "channel", "replica", "membership", "participant", "crowd", "monitor"]
 
+# The shell under the programs stands on the core alone, and no program stands on another.
+BESIDE = {"shell": ("peer", "tools"), "peer": ("tools",), "tools": ("peer",)}
+
 # The generated header of a .proto file belongs to one folder; everybody else sees plain structs.
 PROTO_OWNER = {"wire.pb.h": "wire", "trace.pb.h": "trace", "scenario.pb.h": "scenarios", "monitor.pb.h": "monitor"}
 
@@ -96,7 +99,7 @@ def sources(root, top):
 
 
 def check_include(root, path, kind, name):
-    """Yields what is wrong with one include line of one file of the core, peer or tools."""
+    """Yields what is wrong with one include line of one file of the core, the shell, peer or tools."""
     base = os.path.basename(name)
     part = path.split("/")
     own = part[1] if part[0] == "common" else None
@@ -106,6 +109,8 @@ def check_include(root, path, kind, name):
             yield f"{name} has no owner: name its folder in PROTO_OWNER"
         elif own != PROTO_OWNER[base]:
             yield f"{name} belongs to common/{PROTO_OWNER[base]}"
+    if name.split("/")[0] in BESIDE.get(part[0], ()):
+        yield f"{part[0]}/ may not include {name}"
     if own is None:
         return
 
@@ -119,7 +124,7 @@ def check_include(root, path, kind, name):
             yield f"{name}: common/{top[1]} is not in CORE_ORDER"
         elif CORE_ORDER.index(top[1]) > CORE_ORDER.index(own):
             yield f"{name} points up: common/{own} may not use common/{top[1]}"
-    elif top[0] in ("peer", "tools", "tests"):
+    elif top[0] in ("shell", "peer", "tools", "tests"):
         yield f"{name}: the core includes nothing of {top[0]}/"
 
     if (name.startswith("box2d/") or base in ("box2d.h", "box2d_access.h")) and own != "world":
@@ -132,7 +137,7 @@ def check_include(root, path, kind, name):
 
 def includes(root):
     found = []
-    for path in list(sources(root, "common")) + list(sources(root, "peer")) + list(sources(root, "tools")):
+    for path in [p for top in ("common", "shell", "peer", "tools") for p in sources(root, top)]:
         in_core = path.startswith("common/")
         if in_core and (path.count("/") < 2 or path.split("/")[1] not in CORE_ORDER):
             found.append(f"{path}: its folder is not in CORE_ORDER")

@@ -14,7 +14,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import pages  # noqa: E402
 
 # Where messages and --help are written, and other text that people read beside the pages.
-SPEAKING = ["common", "peer", "proto", "tools", "examples", "cmake", ".ci", "CMakeLists.txt", "CMakePresets.json", "Dockerfile",
+SPEAKING = ["common", "shell", "peer", "proto", "tools", "examples", "cmake", ".ci", "CMakeLists.txt", "CMakePresets.json", "Dockerfile",
             "docker-compose.yml"]  # fmt: skip
 NAMED = re.compile(r"(?<![\w/.-])(?:docs|proto)/[\w./-]*\w\.(?:md|svg|png|gif|webp|csv|json|proto)\b")
 

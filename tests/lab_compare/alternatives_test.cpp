@@ -6,9 +6,9 @@
 #include "common/link/netem_spec.h"
 #include "common/scenarios/scenarios.h"
 #include "common/wire/seal.h"
+#include "shell/scenario_flags.h"
 #include "tools/lab/alternatives/session.h"
 #include "tools/lab/compare/contestant.h"
-#include "tools/support/scenario_flags.h"
 
 namespace padr::lab::alternatives {
 namespace {
@@ -36,7 +36,7 @@ struct Played {
     config.netem = link::parse_netem(netem, nullptr);
     config.netem_seed = 3;
     for (PeerId p = 0; p < peers; ++p) {
-      inputs.push_back(std::make_unique<Ending>(support::load_input("wander", config.scene, p, 3)));
+      inputs.push_back(std::make_unique<Ending>(shell::load_input("wander", config.scene, p, 3)));
       config.inputs.push_back(inputs.back().get());
     }
     bodies = static_cast<EntityId>(config.scene.bodies.size());

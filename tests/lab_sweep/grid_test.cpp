@@ -5,9 +5,9 @@
 
 #include <set>
 
+#include "shell/technique_flags.h"
 #include "tests/lab_sweep/error_of.h"
 #include "tools/lab/sweep/sweep.h"
-#include "tools/support/technique_flags.h"
 
 namespace padr::lab::sweep {
 namespace {
@@ -16,13 +16,13 @@ using test::error_of;
 
 GridText text() {
   GridText t;
-  t.knobs.resize(support::knobs().size());
+  t.knobs.resize(shell::knobs().size());
   return t;
 }
 
 std::string& knob(GridText& t, std::string_view flag) {
-  for (std::size_t k = 0; k < support::knobs().size(); ++k)
-    if (support::knobs()[k].flag == flag) return t.knobs[k];
+  for (std::size_t k = 0; k < shell::knobs().size(); ++k)
+    if (shell::knobs()[k].flag == flag) return t.knobs[k];
   ADD_FAILURE() << flag;
   return t.knobs[0];
 }

@@ -1,9 +1,9 @@
 // Files of sweeps: the same bytes however they came about.
 #include "tools/lab/sweep/sweep.h"
 
+#include "shell/technique_flags.h"
 #include "tests/lab_sweep/error_of.h"
 #include "tests/shell.h"
-#include "tools/support/technique_flags.h"
 
 namespace padr::lab::sweep {
 namespace {
@@ -14,7 +14,7 @@ class Sweep : public test::Shell {
  protected:
   static Grid grid(const std::string& seeds = "1-4") {
     GridText t;
-    t.knobs.resize(support::knobs().size());
+    t.knobs.resize(shell::knobs().size());
     t.delay = "0,50ms";
     t.loss = "0,20%";
     t.bodies = "8";

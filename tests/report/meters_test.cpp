@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
+#include "shell/text.h"
 #include "tools/report/confirmed_ticks.h"
 #include "tools/report/link_meter.h"
 #include "tools/report/outputs.h"
 #include "tools/report/traffic.h"
-#include "tools/support/text.h"
 
 namespace padr {
 namespace {
@@ -141,13 +141,13 @@ TEST(Utf8, OnlyWellFormedSequencesPass) {
       {"\xF4\x90\x80\x80", bad + bad + bad + bad},  // beyond U+10FFFF
       {"end \xE2\x82", "end " + bad + bad},
   };
-  for (const auto& [in, out] : cases) EXPECT_EQ(support::valid_utf8(in), out);
+  for (const auto& [in, out] : cases) EXPECT_EQ(shell::valid_utf8(in), out);
 }
 
 TEST(Fixed, IsTheSameInEveryLocale) {
-  EXPECT_EQ(support::fixed(1234.5, 2), "1234.50");
-  EXPECT_EQ(support::fixed(-0.004, 2), "-0.00");
-  EXPECT_EQ(support::fixed(0.1 + 0.2, 3), "0.300");
+  EXPECT_EQ(shell::fixed(1234.5, 2), "1234.50");
+  EXPECT_EQ(shell::fixed(-0.004, 2), "-0.00");
+  EXPECT_EQ(shell::fixed(0.1 + 0.2, 3), "0.300");
 }
 
 }  // namespace

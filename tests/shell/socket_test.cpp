@@ -1,4 +1,4 @@
-#include "tools/support/udp_socket.h"
+#include "shell/udp_socket.h"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "peer/egress.h"
+#include "shell/handler_memory.h"
 #include "tests/bench/allocations.h"
-#include "tools/support/handler_memory.h"
 
-namespace padr::support {
+namespace padr::shell {
 namespace {
 
 Udp::endpoint any_port() {
@@ -159,4 +159,4 @@ TEST_F(Sockets, WaitingForTheNextAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace padr::support
+}  // namespace padr::shell

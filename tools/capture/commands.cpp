@@ -2,10 +2,10 @@
 
 #include <cstdio>
 
+#include "shell/files.h"
+#include "shell/run_main.h"
 #include "tools/capture/setting.h"
 #include "tools/capture/summary.h"
-#include "tools/support/files.h"
-#include "tools/support/run_main.h"
 
 namespace padr::capture {
 
@@ -24,14 +24,14 @@ void write_text(const std::string& flag, const std::string& file, const std::str
     std::fflush(stdout);
     return;
   }
-  support::OutputFile out(flag, file);
+  shell::OutputFile out(flag, file);
   out.write(text);
   out.close();
 }
 
 int warn_incomplete(const std::vector<std::string>& troubles) {
   for (const std::string& t : troubles) std::fprintf(stderr, "padr-capture: incomplete: %s\n", t.c_str());
-  return troubles.empty() ? support::kExitFine : support::kExitFailure;
+  return troubles.empty() ? shell::kExitFine : shell::kExitFailure;
 }
 
 Run declare_summary(CLI::App& app) {

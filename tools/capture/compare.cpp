@@ -4,14 +4,14 @@
 
 #include "common/model/user_error.h"
 #include "common/scenarios/scenarios.h"
+#include "shell/json.h"
+#include "shell/run_main.h"
+#include "shell/text.h"
 #include "tools/capture/commands.h"
 #include "tools/capture/comparison.h"
 #include "tools/capture/names.h"
 #include "tools/capture/rebuild.h"
 #include "tools/capture/setting.h"
-#include "tools/support/json.h"
-#include "tools/support/run_main.h"
-#include "tools/support/text.h"
 
 namespace padr::capture {
 namespace {
@@ -128,7 +128,7 @@ std::string named(const std::vector<Passage>& list, std::size_t most) {
 }
 
 std::string links_text(const std::vector<LinkStory>& links, bool all) {
-  support::Table table(
+  shell::Table table(
       {"link", "sent", "captured", "received", "lost before", "lost behind", "duplicates", "outside", "contradict"});
   std::string names;
   std::string unseen;
@@ -170,14 +170,14 @@ std::string worlds_text(const WorldChecks& checks) {
   return out;
 }
 
-void put(support::Json& j, const char* name, const std::vector<Passage>& list) {
+void put(shell::Json& j, const char* name, const std::vector<Passage>& list) {
   j.key(name).begin_array();
   for (const Passage& p : list) j.begin_object().field("seq", p.seq).field("tick", p.tick).end_object();
   j.end_array();
 }
 
 std::string as_json(const Comparison& c, const std::vector<LinkStory>& links, const WorldChecks& worlds, bool agree) {
-  support::Json j;
+  shell::Json j;
   j.begin_object().field("agree", agree).field("not_compared", worlds.not_compared);
   j.field("damaged_captured", c.damaged());
   j.field("damaged_received", c.damaged_received()).key("links").begin_array();
@@ -194,7 +194,7 @@ std::string as_json(const Comparison& c, const std::vector<LinkStory>& links, co
   }
   j.end_array().key("confirmed").begin_array();
   for (const WorldCheck& w : worlds.traces) {
-    j.begin_object().field("trace", support::valid_utf8(w.label)).field("compared", w.compared).field("alike", w.alike);
+    j.begin_object().field("trace", shell::valid_utf8(w.label)).field("compared", w.compared).field("alike", w.alike);
     j.field("not_rebuilt", w.beyond).field("superseded", w.superseded).end_object();
   }
   j.end_array().end_object();
@@ -237,7 +237,7 @@ int run_compare(const CompareOptions& o) {
   }
   if (!o.json.empty()) write_text("--json", o.json, as_json(comparison, links, worlds, agree && compared));
   const int read = warn_incomplete(captures.troubles());
-  return agree && compared ? read : support::kExitFailure;
+  return agree && compared ? read : shell::kExitFailure;
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include "common/model/user_error.h"
 #include "common/trace/trace_reader.h"
 #include "common/wire/state_scan.h"
-#include "tools/support/files.h"
+#include "shell/files.h"
 
 namespace padr::capture {
 namespace {
@@ -67,7 +67,7 @@ void Comparison::from_trace(std::span<const std::byte> datagram, const TraceStor
 }
 
 void Comparison::add_trace(const std::string& file) {
-  const std::string text = support::read_file("TRACE", file, kMostBytes);
+  const std::string text = shell::read_file("TRACE", file, kMostBytes);
   trace::TraceReader reader(std::as_bytes(std::span(text)), file);
   TraceStory story;
   story.label = file;

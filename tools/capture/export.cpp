@@ -1,9 +1,9 @@
 #include <cstdio>
 
 #include "common/model/user_error.h"
+#include "shell/files.h"
 #include "tools/capture/commands.h"
 #include "tools/capture/record.h"
-#include "tools/support/files.h"
 
 namespace padr::capture {
 namespace {
@@ -41,8 +41,8 @@ int run_export(const ExportOptions& o) {
     if (f.ends_with(".csv") || f.ends_with(".json"))
       throw UserError("CAPTURE: " + f + " is no capture; the file to write is --out " + f);
   Captures captures(o.files, o.keylogs);
-  std::unique_ptr<support::OutputFile> file;
-  if (o.out != "-") file = std::make_unique<support::OutputFile>("--out", o.out);
+  std::unique_ptr<shell::OutputFile> file;
+  if (o.out != "-") file = std::make_unique<shell::OutputFile>("--out", o.out);
   const auto write = [&file](const std::string& text) {
     if (file) return file->write(text);
     std::fwrite(text.data(), 1, text.size(), stdout);

@@ -3,10 +3,10 @@
 #include <thread>
 
 #include "common/capture/frame_reader.h"
+#include "shell/command_line.h"
 #include "tools/capture/commands.h"
 #include "tools/capture/sentence.h"
 #include "tools/capture/setting.h"
-#include "tools/support/command_line.h"
 
 namespace padr::capture {
 namespace {
@@ -65,7 +65,7 @@ Run declare_follow(CLI::App& app) {
   app.add_flag("--json", o->json, "Datagrams as padr-capture export --json has them");
   app.add_option("--idle", o->idle, "Stop after S seconds without a datagram; 0: never")
       ->type_name("S")
-      ->check(support::between(0.0, 86400.0, "seconds"))
+      ->check(shell::between(0.0, 86400.0, "seconds"))
       ->capture_default_str();
   return [o](const std::vector<std::string>&) { return run_follow(*o); };
 }

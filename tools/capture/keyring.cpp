@@ -4,19 +4,19 @@
 #include <sstream>
 
 #include "common/model/user_error.h"
-#include "tools/support/files.h"
-#include "tools/support/key_text.h"
+#include "shell/files.h"
+#include "shell/key_text.h"
 
 namespace padr::capture {
 
 Keyring::Keyring(const std::vector<std::string>& files) {
   for (const std::string& file : files) {
-    std::istringstream lines(support::read_file("--keylog", file));
+    std::istringstream lines(shell::read_file("--keylog", file));
     int number = 0;
     for (std::string line; std::getline(lines, line);) {
       ++number;
       if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-      const auto entry = support::parse_keylog_line(line);
+      const auto entry = shell::parse_keylog_line(line);
       if (!entry)
         throw UserError("--keylog: line " + std::to_string(number) + " of '" + file +
                         "' is none that padr-peer --keylog writes");

@@ -1,8 +1,8 @@
 #include <CLI/CLI.hpp>
 
+#include "shell/command_line.h"
+#include "shell/run_main.h"
 #include "tools/capture/commands.h"
-#include "tools/support/command_line.h"
-#include "tools/support/run_main.h"
 
 namespace {
 
@@ -27,7 +27,7 @@ int capture(int argc, char** argv) {
   using namespace padr;
   CLI::App app(kDescription, "padr-capture");
   app.footer(kFooter);
-  support::add_version_flag(app, "padr-capture");
+  shell::add_version_flag(app, "padr-capture");
   app.require_subcommand(1);
   struct Command {
     const char* name;
@@ -48,14 +48,14 @@ int capture(int argc, char** argv) {
     CLI::App* sub = app.add_subcommand(c.name, c.help);
     runs.emplace_back(sub, c.declare(*sub));
   }
-  if (!support::parse(app, argc, argv)) return support::kExitFine;
+  if (!shell::parse(app, argc, argv)) return shell::kExitFine;
   for (const auto& [sub, run] : runs)
-    if (sub->parsed()) return run(support::command_of(argc, argv));
-  return support::kExitUsage;
+    if (sub->parsed()) return run(shell::command_of(argc, argv));
+  return shell::kExitUsage;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return padr::support::run_main("padr-capture", [argc, argv] { return capture(argc, argv); });
+  return padr::shell::run_main("padr-capture", [argc, argv] { return capture(argc, argv); });
 }

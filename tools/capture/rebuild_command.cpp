@@ -1,9 +1,9 @@
 #include <cstdio>
 
+#include "shell/run_main.h"
 #include "tools/capture/commands.h"
 #include "tools/capture/rebuild_output.h"
 #include "tools/capture/setting.h"
-#include "tools/support/run_main.h"
 
 namespace padr::capture {
 namespace {
@@ -36,7 +36,7 @@ int run_rebuild(const RebuildOptions& o, const std::vector<std::string>& command
   if (const std::string why = nothing_to_begin_with(ledger); !why.empty()) {
     std::fprintf(stderr, "padr-capture: rebuild: %s\n", why.c_str());
     warn_incomplete(captures.troubles());
-    return support::kExitFailure;
+    return shell::kExitFailure;
   }
   const Setting setting = o.setting.setting(ledger);
 
@@ -57,7 +57,7 @@ int run_rebuild(const RebuildOptions& o, const std::vector<std::string>& command
   const int read = warn_incomplete(captures.troubles());
   bool good = r.got_anywhere() && r.agreeing() == r.hashes.size();
   for (const Stretch& s : r.stretches) good = good && !s.gap;
-  return good ? read : support::kExitFailure;
+  return good ? read : shell::kExitFailure;
 }
 
 }  // namespace

@@ -1,9 +1,9 @@
 #include "tools/capture/rebuild_output.h"
 
+#include "shell/json.h"
+#include "shell/text.h"
 #include "tools/capture/names.h"
 #include "tools/plot/gnuplot.h"
-#include "tools/support/json.h"
-#include "tools/support/text.h"
 
 namespace padr::capture {
 namespace {
@@ -30,7 +30,7 @@ std::string rebuilt_text(const Setting& setting, const Ledger& ledger, const Reb
   for (const Stretch& s : r.stretches)
     out += begin_of(s) + " to tick " + std::to_string(s.to) + (s.gap ? "; GAP: " : "; it ends there: ") + s.why + "\n";
   out += std::to_string(r.agreeing()) + " of " + std::to_string(r.hashes.size()) + " hashes agree, to tick " +
-         std::to_string(last_tick(r)) + " (confirmed world " + support::hex(last_hash) + ")\n";
+         std::to_string(last_tick(r)) + " (confirmed world " + shell::hex(last_hash) + ")\n";
   for (const Rebuilt::Hash& h : r.hashes)
     if (!h.agrees)
       out += "DIFFERS: tick " + std::to_string(h.check.tick) + " by peer " + to_string(h.check.by) + ", packet " +
@@ -47,19 +47,17 @@ std::string rebuilt_text(const Setting& setting, const Ledger& ledger, const Reb
 
 std::string rebuilt_json(const Setting& setting, const Ledger& ledger, const Rebuilt& r, std::uint64_t last_hash,
                          const std::vector<std::string>& command) {
-  support::Json j;
+  shell::Json j;
   j.begin_object().key("command").begin_array();
-  for (const std::string& word : command) j.value(support::valid_utf8(word));
-  j.end_array()
-      .field("session", static_cast<int>(ledger.session))
-      .field("scenario", support::valid_utf8(setting.label));
+  for (const std::string& word : command) j.value(shell::valid_utf8(word));
+  j.end_array().field("session", static_cast<int>(ledger.session)).field("scenario", shell::valid_utf8(setting.label));
   j.field("scene_checked", setting.checked).field("authority", setting.authority).field("slots", setting.slots);
   j.key("stretches").begin_array();
   for (const Stretch& s : r.stretches) {
     j.begin_object().field("from", s.from).field("begins_with", s.transfer ? "transfer" : "session");
     j.field("to", s.to).field("why", s.why).field("gap", s.gap).end_object();
   }
-  j.end_array().field("last_tick", last_tick(r)).field("confirmed_hash", support::hex(last_hash));
+  j.end_array().field("last_tick", last_tick(r)).field("confirmed_hash", shell::hex(last_hash));
   j.field("hashes", r.hashes.size()).field("agreeing", r.agreeing()).field("unreached", r.unreached);
   j.field("given_up", r.given_up).field("unbelievable_updates", r.unbelievable);
   j.field("bad_transfers", r.bad_transfers).key("differing").begin_array();
@@ -141,7 +139,7 @@ std::string WorldPicture::svg(const Setting& setting) const {
   plot::FilmRow row{"Agreed by all peers", "", {}};
   for (std::size_t i = 0; i < kFrames; ++i) {
     const std::size_t at = i * (moments_.size() - 1) / (kFrames - 1);
-    film.columns.push_back(support::fixed_or_dash(static_cast<double>(moments_[at].tick) / kTicksPerSecond, 1) + " s");
+    film.columns.push_back(shell::fixed_or_dash(static_cast<double>(moments_[at].tick) / kTicksPerSecond, 1) + " s");
     row.frames.push_back(frame(setting, at));
   }
   film.rows.push_back(std::move(row));

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "shell/files.h"
 #include "tools/capture/rebuild.h"
 #include "tools/plot/film_strip.h"
-#include "tools/support/files.h"
 
 namespace padr::capture {
 
@@ -24,7 +24,7 @@ class StatesCsv {
   void close() { out_.close(); }
 
  private:
-  support::OutputFile out_;
+  shell::OutputFile out_;
 };
 
 /// Four moments of the world, with the ways of the avatars.

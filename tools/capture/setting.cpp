@@ -5,9 +5,9 @@
 
 #include "common/model/user_error.h"
 #include "common/scenarios/scenarios.h"
-#include "tools/support/command_line.h"
-#include "tools/support/scenario_flags.h"
-#include "tools/support/text.h"
+#include "shell/command_line.h"
+#include "shell/scenario_flags.h"
+#include "shell/text.h"
 
 namespace padr::capture {
 namespace {
@@ -63,7 +63,7 @@ void SettingFlags::declare(CLI::App& app, const std::string& group) {
       ->group(group);
   app.add_option("--seed", seed_, "Seed of the scenario; default: the one in the Join, else 1")
       ->type_name("N")
-      ->check(support::whole_number())
+      ->check(shell::whole_number())
       ->group(group);
   app.add_option("--peers", peers_, "Peers at tick 0, if the capture has neither Welcome nor Start")
       ->type_name("N")
@@ -92,7 +92,7 @@ Setting SettingFlags::setting(const Ledger& ledger) const {
     throw UserError(
         "--scenario: the capture has no Join, so say what was played: --scenario NAME|FILE --seed N" +
         std::string(ledger.slots == 0 ? " --slots N, and if it begins with the session's start --peers N" : ""));
-  const support::LoadedScenario loaded = support::load_scenario(name, seed_.value_or(seed));
+  const shell::LoadedScenario loaded = shell::load_scenario(name, seed_.value_or(seed));
   Setting s;
   s.scene = loaded.scene;
   s.label = loaded.label + " seed " + std::to_string(loaded.seed);
@@ -100,8 +100,8 @@ Setting SettingFlags::setting(const Ledger& ledger) const {
     const std::uint64_t ours = scene_hash(s.scene);
     if (ours != ledger.join->scene_hash)
       throw UserError("--scenario: the session was played in '" + ledger.join->scenario + "' (hash " +
-                      support::hex(ledger.join->scene_hash) + "), and '" + s.label + "' is another here (hash " +
-                      support::hex(ours) + ")");
+                      shell::hex(ledger.join->scene_hash) + "), and '" + s.label + "' is another here (hash " +
+                      shell::hex(ours) + ")");
     s.checked = true;
   }
   const int most = static_cast<int>(s.scene.avatar.spawns.size());

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "shell/text.h"
 #include "tools/capture/names.h"
-#include "tools/support/text.h"
 
 namespace padr::capture {
 namespace {
@@ -14,7 +14,7 @@ std::string count(std::uint64_t n) {
 }
 
 std::string percent(std::uint64_t part, std::uint64_t whole) {
-  return whole == 0 ? "-" : support::fixed_or_dash(100.0 * static_cast<double>(part) / static_cast<double>(whole), 1);
+  return whole == 0 ? "-" : shell::fixed_or_dash(100.0 * static_cast<double>(part) / static_cast<double>(whole), 1);
 }
 
 double per_second(std::uint64_t n, double seconds) {
@@ -30,7 +30,7 @@ std::string contents_text(const Source& s, const Tally& t) {
   for (const std::string& f : s.files) out += (out.empty() ? "" : ", ") + (f == "-" ? "standard input" : f);
   const Contents& c = s.contents;
   out += ": " + counted(c.packets, "packet") + ", " + counted(c.ours, "datagram") + " of PADR in " +
-         support::fixed_or_dash(t.all().seconds(), 1) + " s";
+         shell::fixed_or_dash(t.all().seconds(), 1) + " s";
   const auto add = [&out](std::uint64_t n, const std::string& what) {
     if (n > 0) out += ", " + count(n) + " " + what;
   };
@@ -63,8 +63,8 @@ std::string session_text(std::uint16_t number, const SessionTally& s) {
 }
 
 std::string lives_text(const Tally& t, std::uint16_t session) {
-  support::Table table({"peer", "at", "s", "dgrams", "dgrams/s", "kbit/s", "mean B", "most B", "updates/s", "threshold",
-                        "begin", "end", "proxy", "body", "rest", "left"});
+  shell::Table table({"peer", "at", "s", "dgrams", "dgrams/s", "kbit/s", "mean B", "most B", "updates/s", "threshold",
+                      "begin", "end", "proxy", "body", "rest", "left"});
   for (const auto& [key, life] : t.lives()) {
     if (key.session != session) continue;
     const Traffic& f = life.traffic;
@@ -73,13 +73,13 @@ std::string lives_text(const Tally& t, std::uint16_t session) {
     std::vector<std::string> row{
         life_name(key),
         to_string(life.at),
-        support::fixed_or_dash(f.seconds(), 1),
+        shell::fixed_or_dash(f.seconds(), 1),
         count(f.datagrams),
-        support::fixed_or_dash(per_second(f.datagrams, f.seconds()), 1),
-        support::fixed_or_dash(per_second(f.bytes * 8, f.seconds()) / 1000, 1),
-        support::fixed_or_dash(static_cast<double>(f.bytes - f.header_bytes) / static_cast<double>(f.datagrams), 0),
+        shell::fixed_or_dash(per_second(f.datagrams, f.seconds()), 1),
+        shell::fixed_or_dash(per_second(f.bytes * 8, f.seconds()) / 1000, 1),
+        shell::fixed_or_dash(static_cast<double>(f.bytes - f.header_bytes) / static_cast<double>(f.datagrams), 0),
         count(f.most_size),
-        support::fixed_or_dash(per_second(updates, f.seconds()), 1)};
+        shell::fixed_or_dash(per_second(updates, f.seconds()), 1)};
     for (std::size_t c = 0; c < 6; ++c) row.push_back(count(life.updates[c]));
     row.emplace_back(life.left ? "yes" : "no");
     table.row(std::move(row));
@@ -88,9 +88,9 @@ std::string lives_text(const Tally& t, std::uint16_t session) {
 }
 
 std::string links_text(const Tally& t, std::uint16_t session, const SessionTally& s) {
-  support::Table table({"link",  "dgrams", "lost",         "of",    "loss %",   "told %", "of",
-                        "dupl",  "late",   "gap ms",       "p95",   "delay ms", "p50",    "p95",
-                        "least", "jitter", "peers' least", "marks", "resent",   "ack ms"});
+  shell::Table table({"link",  "dgrams", "lost",         "of",    "loss %",   "told %", "of",
+                      "dupl",  "late",   "gap ms",       "p95",   "delay ms", "p50",    "p95",
+                      "least", "jitter", "peers' least", "marks", "resent",   "ack ms"});
   for (const auto& [key, tally] : links_of(t, session)) {
     const LinkTally& link = *tally;
     const DelayFigures d = delays_of(link, s);
@@ -98,22 +98,22 @@ std::string links_text(const Tally& t, std::uint16_t session, const SessionTally
                count(link.traffic.datagrams),
                count(link.seqs.missing()),
                count(link.seqs.span()),
-               support::fixed_or_dash(loss_percent(link), 2),
-               link.told_loss.of() == 0 ? "-" : support::fixed_or_dash(link.told_loss.percent(), 1),
+               shell::fixed_or_dash(loss_percent(link), 2),
+               link.told_loss.of() == 0 ? "-" : shell::fixed_or_dash(link.told_loss.percent(), 1),
                count(link.told_loss.of()),
                count(link.duplicates),
                count(link.reordered),
-               support::fixed_or_dash(link.gaps.mean_us() / 1000, 1),
-               support::fixed_or_dash(link.gaps.percentile_us(0.95) / 1000, 1),
-               support::fixed_or_dash(d.mean_ms, 1),
-               support::fixed_or_dash(d.p50_ms, 1),
-               support::fixed_or_dash(d.p95_ms, 1),
-               support::fixed_or_dash(d.least_ms, 1),
-               support::fixed_or_dash(d.jitter_ms, 1),
-               link.transit ? support::fixed_or_dash(*link.transit / 10.0, 1) : "-",
+               shell::fixed_or_dash(link.gaps.mean_us() / 1000, 1),
+               shell::fixed_or_dash(link.gaps.percentile_us(0.95) / 1000, 1),
+               shell::fixed_or_dash(d.mean_ms, 1),
+               shell::fixed_or_dash(d.p50_ms, 1),
+               shell::fixed_or_dash(d.p95_ms, 1),
+               shell::fixed_or_dash(d.least_ms, 1),
+               shell::fixed_or_dash(d.jitter_ms, 1),
+               link.transit ? shell::fixed_or_dash(*link.transit / 10.0, 1) : "-",
                count(link.marks),
                count(link.repeats),
-               link.acks.count() == 0 ? "-" : support::fixed_or_dash(link.acks.mean_us() / 1000, 1)});
+               link.acks.count() == 0 ? "-" : shell::fixed_or_dash(link.acks.mean_us() / 1000, 1)});
   }
   std::string out =
       "\nLinks. Of: datagram numbers from the first to the last in the capture. Lost: those of them that are not in "
@@ -130,7 +130,7 @@ std::string links_text(const Tally& t, std::uint16_t session, const SessionTally
 
 std::string bandwidth_text(const Tally& t) {
   const Traffic& a = t.all();
-  support::Table table({"bytes on the wire", "bytes", "%"});
+  shell::Table table({"bytes on the wire", "bytes", "%"});
   const auto row = [&](const std::string& what, std::uint64_t n) { table.row({what, count(n), percent(n, a.bytes)}); };
   row("IP and UDP headers", a.header_bytes);
   row("envelopes", a.envelope_bytes);

@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <map>
 
+#include "shell/json.h"
+#include "shell/text.h"
 #include "tools/capture/names.h"
 #include "tools/capture/timeline.h"
 #include "tools/plot/palette.h"
 #include "tools/plot/svg.h"
-#include "tools/support/json.h"
-#include "tools/support/text.h"
 
 namespace padr::capture {
 namespace {
@@ -89,7 +89,7 @@ class Picture {
     for (int i = 0; end_ / step > 12; ++i) step *= i % 3 == 1 ? 2.5 : 2.0;  // 0.1, 0.2, 0.5, 1, ...
     for (int i = 0; i * step <= end_; ++i) {
       svg.line({{x(i * step), kTop - 6}, {x(i * step), height_ - 34}}, {.stroke = "#E4E4E4"});
-      svg.text(x(i * step), height_ - 18, support::fixed_or_dash(i * step, step < 1 ? 1 : 0),
+      svg.text(x(i * step), height_ - 18, shell::fixed_or_dash(i * step, step < 1 ? 1 : 0),
                {.size = 11, .anchor = plot::Anchor::kMiddle});
     }
     svg.text(kWidth - kRight, height_ - 4, "s since the first event", {.size = 11, .anchor = plot::Anchor::kEnd});
@@ -148,14 +148,14 @@ std::string timeline_csv(const std::vector<Event>& events) {
     std::string detail = e.detail;
     std::replace(detail.begin(), detail.end(), '"', '\'');
     if (detail.find(',') != std::string::npos) detail = '"' + detail + '"';
-    out += support::fixed_or_dash(seconds(e, events), 6) + "," + number(e.tick) + "," + peer_of(e) + "," +
+    out += shell::fixed_or_dash(seconds(e, events), 6) + "," + number(e.tick) + "," + peer_of(e) + "," +
            std::string(e.what) + "," + number(e.entity) + "," + number(e.other) + "," + detail + "\n";
   }
   return out;
 }
 
 std::string timeline_json(std::uint16_t session, const std::vector<Event>& events) {
-  support::Json j;
+  shell::Json j;
   j.begin_object().field("session", static_cast<int>(session)).key("events").begin_array();
   for (const Event& e : events) {
     j.begin_object().field("time_s", seconds(e, events)).field("event", e.what);
@@ -163,7 +163,7 @@ std::string timeline_json(std::uint16_t session, const std::vector<Event>& event
     if (e.by.slot != kNoPeer) j.field("peer", static_cast<int>(e.by.slot)).field("incarnation", e.by.incarnation);
     if (e.entity >= 0) j.field("entity", e.entity);
     if (e.other >= 0) j.field("other", e.other);
-    if (!e.detail.empty()) j.field("detail", support::valid_utf8(e.detail));
+    if (!e.detail.empty()) j.field("detail", shell::valid_utf8(e.detail));
     j.end_object();
   }
   j.end_array().end_object();

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "shell/command_line.h"
+#include "shell/run_main.h"
 #include "tools/lab/chaos/command.h"
 #include "tools/lab/compare/command.h"
 #include "tools/lab/convergence/command.h"
@@ -13,8 +15,6 @@
 #include "tools/lab/replay.h"
 #include "tools/lab/run.h"
 #include "tools/lab/sweep/command.h"
-#include "tools/support/command_line.h"
-#include "tools/support/run_main.h"
 
 namespace {
 
@@ -55,9 +55,9 @@ int lab(int argc, char** argv) {
   CLI::App app{
       "The lab runs the core of N peers in lock step, on a virtual clock and a virtual network.\n"
       "The same seed gives the same run, to the bit."};
-  padr::support::add_version_flag(app, "padr-lab");
+  padr::shell::add_version_flag(app, "padr-lab");
   app.require_subcommand(1);
-  Commands commands{app, padr::support::command_of(argc, argv), {}};
+  Commands commands{app, padr::shell::command_of(argc, argv), {}};
 
   padr::lab::RunCommand run;
   commands.add("run", "one session: consistency and traffic of every peer", run);
@@ -82,12 +82,12 @@ int lab(int argc, char** argv) {
   padr::lab::PathCommand path;
   commands.add("path", "fit recorded motion in pixels and milliseconds to a scenario", path);
 
-  if (!padr::support::parse(app, argc, argv)) return padr::support::kExitFine;
+  if (!padr::shell::parse(app, argc, argv)) return padr::shell::kExitFine;
   return commands.given();
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return padr::support::run_main("padr-lab", [argc, argv] { return lab(argc, argv); });
+  return padr::shell::run_main("padr-lab", [argc, argv] { return lab(argc, argv); });
 }

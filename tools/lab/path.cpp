@@ -5,9 +5,9 @@
 
 #include "common/model/user_error.h"
 #include "common/scenarios/path_survey.h"
-#include "tools/support/command_line.h"
-#include "tools/support/files.h"
-#include "tools/support/run_main.h"
+#include "shell/command_line.h"
+#include "shell/files.h"
+#include "shell/run_main.h"
 
 namespace padr::lab {
 namespace {
@@ -43,7 +43,7 @@ void PathCommand::declare(CLI::App& app) {
   CLI::Option* stretch =
       app.add_option("--stretch", stretch_, "Multiply all times of --in by this, for paths that are too fast")
           ->type_name("FACTOR")
-          ->check(support::between(0.001, 1000, ""))
+          ->check(shell::between(0.001, 1000, ""))
           ->capture_default_str()
           ->needs(in);
   CLI::Option* input = app.add_option("--input", input_, "In place of --in: made-up motion, wander[:SEED] or rest")
@@ -51,7 +51,7 @@ void PathCommand::declare(CLI::App& app) {
                            ->excludes(in)
                            ->excludes(stretch);
   app.add_option("--seconds", seconds_, "Length of --input, s")
-      ->check(support::between(0.1, kMostSeconds, "s"))
+      ->check(shell::between(0.1, kMostSeconds, "s"))
       ->capture_default_str()
       ->needs(input);
   app.add_option("--rate", rate_, "Points a second of --input")
@@ -77,7 +77,7 @@ scenarios::Path PathCommand::converted(const Scene& scene) const {
   if (milliseconds) units = {1000, "ms", "m", false};
   if (pixels) units.length = "px";
   units.merge = true;  // pointers are often logged several times within a millisecond
-  scenarios::Path path = scenarios::parse_path_csv(support::read_file("--in", in_), "--in: " + in_, units);
+  scenarios::Path path = scenarios::parse_path_csv(shell::read_file("--in", in_), "--in: " + in_, units);
   if (pixels) path = scenarios::fit_path(path, "--in: " + in_, scene, true);
   std::vector<scenarios::PathPoint> points = path.points();
   const double begin = points.front().seconds;
@@ -87,7 +87,7 @@ scenarios::Path PathCommand::converted(const Scene& scene) const {
 
 scenarios::Path PathCommand::made(const Scene& scene) const {
   if (input_.starts_with("path:")) throw UserError("--input: '" + input_ + "' is a path already; give it with --in");
-  const auto source = support::load_input(input_, scene, 0, scenario_.seed());
+  const auto source = shell::load_input(input_, scene, 0, scenario_.seed());
   std::vector<scenarios::PathPoint> points;
   const auto last = static_cast<int>(std::floor(seconds_ * rate_));
   for (int i = 0; i <= last; ++i) {
@@ -101,22 +101,22 @@ scenarios::Path PathCommand::made(const Scene& scene) const {
 
 int PathCommand::run(const std::vector<std::string>& command) const {
   if (in_.empty() == input_.empty()) throw UserError("path: give one of --in and --input");
-  const support::LoadedScenario scenario = scenario_.load();
+  const shell::LoadedScenario scenario = scenario_.load();
   const scenarios::Path path = in_.empty() ? made(scenario.scene) : converted(scenario.scene);
   std::vector<std::string> recipe = command;
   recipe.front() = "padr-lab";  // wherever that is
-  const std::string text = "# " + support::shell_line(recipe) + "\n" + scenarios::write_path_csv(path);
+  const std::string text = "# " + shell::shell_line(recipe) + "\n" + scenarios::write_path_csv(path);
   if (out_ == "-") {
     std::fwrite(text.data(), 1, text.size(), stdout);
   } else {
-    support::OutputFile file("--out", out_);
+    shell::OutputFile file("--out", out_);
     file.write(text);
     file.close();
   }
   const scenarios::PathNotes notes = scenarios::notes_on_path(path, out_, scenario.scene);
   std::fprintf(stderr, "padr-lab: %s\n", notes.summary.c_str());
   for (const std::string& w : notes.warnings) std::fprintf(stderr, "padr-lab: warning: %s\n", w.c_str());
-  return support::kExitFine;
+  return shell::kExitFine;
 }
 
 }  // namespace padr::lab

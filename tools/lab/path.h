@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/scenarios/path.h"
-#include "tools/support/scenario_flags.h"
+#include "shell/scenario_flags.h"
 
 namespace padr::lab {
 
@@ -20,7 +20,7 @@ class PathCommand {
   scenarios::Path converted(const Scene& scene) const;
   scenarios::Path made(const Scene& scene) const;
 
-  support::ScenarioFlags scenario_;
+  shell::ScenarioFlags scenario_;
   std::string in_;
   std::string units_ = "m,s";
   std::string input_;

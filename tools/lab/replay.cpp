@@ -15,7 +15,7 @@
 #include "common/trace/truth.h"
 #include "common/wire/membership_codec.h"
 #include "common/wire/transfer_codec.h"
-#include "tools/support/files.h"
+#include "shell/files.h"
 
 namespace padr::lab {
 namespace {
@@ -251,7 +251,7 @@ ReplayResult replay(trace::TraceReader& trace) {
 }
 
 std::string read_trace_file(const std::string& file) {
-  return support::read_file("TRACE", file, kMostBytes);
+  return shell::read_file("TRACE", file, kMostBytes);
 }
 
 int run_replay(const std::string& file) {

@@ -9,11 +9,11 @@
 #include <unistd.h>
 
 #include "common/model/user_error.h"
+#include "shell/command_line.h"
+#include "shell/files.h"
+#include "shell/revision.h"
+#include "shell/run_main.h"
 #include "tools/lab/run_summary.h"
-#include "tools/support/command_line.h"
-#include "tools/support/files.h"
-#include "tools/support/revision.h"
-#include "tools/support/run_main.h"
 
 namespace padr::lab {
 namespace {
@@ -57,7 +57,7 @@ void write_text(const std::string& flag, const std::string& path, const std::str
     std::cout << text;
     return;
   }
-  support::OutputFile file(flag, path);
+  shell::OutputFile file(flag, path);
   file.write(text);
   file.close();
 }
@@ -75,7 +75,7 @@ void RunCommand::declare(CLI::App& app) {
   app.add_option("--settle", settle_seconds_, "Virtual seconds without input after that")
       ->check(CLI::Range(0.0, kMaxSeconds))
       ->capture_default_str();
-  app.add_option("--input", inputs_, std::string(support::kInputHelp) + "; repeat for more peers, in turn")
+  app.add_option("--input", inputs_, std::string(shell::kInputHelp) + "; repeat for more peers, in turn")
       ->type_name("SPEC");
   netem_.declare(app);
   technique_.declare(app);
@@ -99,16 +99,16 @@ void RunCommand::declare(CLI::App& app) {
       "Exit: 0 done, 1 confirmed worlds differed, 2 usage.");
 }
 
-void RunCommand::prepare_recordings(const support::LoadedScenario& scenario, const std::vector<std::string>& command,
+void RunCommand::prepare_recordings(const shell::LoadedScenario& scenario, const std::vector<std::string>& command,
                                     SimulationConfig& config) {
   std::error_code error;
   std::filesystem::create_directories(trace_dir_, error);
   if (error) throw UserError("--trace: cannot make the folder " + trace_dir_ + ": " + error.message());
   for (int p = 0; p < peers_; ++p) {
-    auto file = std::make_shared<support::OutputFile>("--trace", trace_dir_ + "/peer" + std::to_string(p) + ".trace");
+    auto file = std::make_shared<shell::OutputFile>("--trace", trace_dir_ + "/peer" + std::to_string(p) + ".trace");
     node::RecordedReplica::Recording r;
     r.provenance.program = "padr-lab";
-    r.provenance.revision = std::string(support::revision());
+    r.provenance.revision = std::string(shell::revision());
     r.provenance.command = command;
     r.provenance.scenario = scenario.label;
     r.provenance.scenario_text = scenario.text;
@@ -122,7 +122,7 @@ void RunCommand::prepare_recordings(const support::LoadedScenario& scenario, con
 }
 
 int RunCommand::run(const std::vector<std::string>& command) {
-  const support::LoadedScenario scenario = scenario_.load();
+  const shell::LoadedScenario scenario = scenario_.load();
   const auto spawns = static_cast<int>(scenario.scene.avatar.spawns.size());
   if (std::max(peers_, slots_) > spawns)
     throw UserError("--peers: " + std::to_string(std::max(peers_, slots_)) + " is too many for scenario " +
@@ -149,10 +149,10 @@ int RunCommand::run(const std::vector<std::string>& command) {
   std::vector<std::unique_ptr<scenarios::InputSource>> inputs;
   for (int p = 0; p < peers_; ++p) {
     const std::string& spec = inputs_[static_cast<std::size_t>(p) % inputs_.size()];
-    inputs.push_back(support::load_input(spec, scenario.scene, p, scenario.seed));
+    inputs.push_back(shell::load_input(spec, scenario.scene, p, scenario.seed));
     config.inputs.push_back(inputs.back().get());
   }
-  support::tell_of_paths("padr-lab", inputs_, scenario.scene);
+  shell::tell_of_paths("padr-lab", inputs_, scenario.scene);
   if (!trace_dir_.empty()) prepare_recordings(scenario, command, config);
 
   RunFacts facts{command, scenario.label, netem_.text(), inputs_, scenario.seed, config.netem_seed, config.technique,
@@ -171,7 +171,7 @@ int RunCommand::run(const std::vector<std::string>& command) {
   if (!series_.empty()) write_text("--csv", series_, csv_series(simulation));
   if (!json_.empty()) write_text("--json", json_, json_summary(simulation, facts));
   if (json_ != "-" && series_ != "-") std::cout << table_summary(simulation, facts);
-  return simulation.confirmed_mismatches() == 0 ? support::kExitFine : support::kExitFailure;
+  return simulation.confirmed_mismatches() == 0 ? shell::kExitFine : shell::kExitFailure;
 }
 
 }  // namespace padr::lab

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "shell/netem_flags.h"
+#include "shell/scenario_flags.h"
+#include "shell/technique_flags.h"
 #include "tools/lab/simulation.h"
-#include "tools/support/netem_flags.h"
-#include "tools/support/scenario_flags.h"
-#include "tools/support/technique_flags.h"
 
 namespace padr::lab {
 
@@ -19,12 +19,12 @@ class RunCommand {
   int run(const std::vector<std::string>& command);
 
  private:
-  void prepare_recordings(const support::LoadedScenario& scenario, const std::vector<std::string>& command,
+  void prepare_recordings(const shell::LoadedScenario& scenario, const std::vector<std::string>& command,
                           SimulationConfig& config);
 
-  support::ScenarioFlags scenario_;
-  support::TechniqueFlags technique_;
-  support::NetemFlags netem_;
+  shell::ScenarioFlags scenario_;
+  shell::TechniqueFlags technique_;
+  shell::NetemFlags netem_;
   int peers_ = 2;
   int slots_ = 0;
   double seconds_ = 60;

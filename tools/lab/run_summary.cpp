@@ -4,16 +4,16 @@
 #include <array>
 #include <cstdio>
 
+#include "shell/command_line.h"
+#include "shell/json.h"
+#include "shell/measures_json.h"
+#include "shell/revision.h"
 #include "tools/lab/rates.h"
-#include "tools/support/command_line.h"
-#include "tools/support/json.h"
-#include "tools/support/measures_json.h"
-#include "tools/support/revision.h"
 
 namespace padr::lab {
 namespace {
 
-using support::Json;
+using shell::Json;
 
 template <typename... Args>
 std::string format(const char* pattern, Args... args) {
@@ -99,8 +99,8 @@ std::string shown_line(const trace::Inconsistency& i, const Rates& r) {
 std::string json_summary(const Simulation& s, const RunFacts& f) {
   Json j;
   const double virtual_seconds = static_cast<double>(s.now()) / kTicksPerSecond;
-  j.begin_object().field("program", "padr-lab").field("revision", support::revision());
-  j.field("command", support::shell_line(f.command)).field("seed", f.seed).field("netem_seed", f.netem_seed);
+  j.begin_object().field("program", "padr-lab").field("revision", shell::revision());
+  j.field("command", shell::shell_line(f.command)).field("seed", f.seed).field("netem_seed", f.netem_seed);
   j.field("scenario", f.scenario).field("peers", s.peers()).field("technique", describe(f.technique));
   j.field("netem", f.netem).field("seconds", virtual_seconds);
   put(j, overall(s, f));

@@ -4,8 +4,8 @@
 
 #include "common/model/user_error.h"
 #include "common/monitor/sampler.h"
+#include "shell/text.h"
 #include "tools/capture/rebuild.h"
-#include "tools/support/text.h"
 
 namespace padr::monitor {
 namespace {
@@ -58,7 +58,7 @@ Film film_captures(const std::vector<std::string>& files, const std::vector<std:
   const std::size_t entities = setting.scene.bodies.size() + static_cast<std::size_t>(setting.slots);
   const Tick sample = sample_for(ledger.newest, 1, entities);
   FilmMaker maker(std::make_unique<Session>(SessionKey{ledger.session, scene_hash(setting.scene)}, setting.scene,
-                                            support::valid_utf8(setting.label), 0, setting.slots, 0),
+                                            shell::valid_utf8(setting.label), 0, setting.slots, 0),
                   sample, ledger.newest);
   Reporter reporter;
   const Origin nobody{1, ledger.session, kNoPeer, 0};

@@ -3,8 +3,8 @@
 #include <CLI/CLI.hpp>
 
 #include "common/model/user_error.h"
+#include "shell/command_line.h"
 #include "tools/capture/setting.h"
-#include "tools/support/command_line.h"
 
 namespace padr::monitor {
 namespace {
@@ -65,7 +65,7 @@ void declare(CLI::App& app, Raw& raw, Options& o) {
       ->allow_extra_args(false);
   app.add_option("--duration", o.duration, "Seconds to run; 0: until a signal")
       ->type_name("S")
-      ->check(support::between(0.0, 1.0e7, "seconds"))
+      ->check(shell::between(0.0, 1.0e7, "seconds"))
       ->capture_default_str();
 }
 
@@ -83,14 +83,14 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   Options o;
   CLI::App app(kDescription, "padr-monitor");
   app.footer(kFooter);
-  support::add_version_flag(app, "padr-monitor");
+  shell::add_version_flag(app, "padr-monitor");
   declare(app, raw, o);
   o.setting.declare(app, "Captures");
   capture::declare_keylogs(app, o.keylogs);
-  if (!support::parse(app, argc, argv)) return std::nullopt;
+  if (!shell::parse(app, argc, argv)) return std::nullopt;
   check(o);
-  o.listen = support::parse_host_port("--listen", raw.listen, 0);
-  o.peers = support::parse_host_port("--peers-listen", raw.peers, 0);
+  o.listen = shell::parse_host_port("--listen", raw.listen, 0);
+  o.peers = shell::parse_host_port("--peers-listen", raw.peers, 0);
   o.names.push_back(o.listen.host);
   return o;
 }

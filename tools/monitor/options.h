@@ -4,14 +4,14 @@
 #include <string>
 #include <vector>
 
+#include "shell/host_port.h"
 #include "tools/capture/setting.h"
-#include "tools/support/host_port.h"
 
 namespace padr::monitor {
 
 struct Options {
-  support::HostPort listen;           ///< HTTP; port 0: any free one
-  support::HostPort peers;            ///< UDP; likewise
+  shell::HostPort listen;             ///< HTTP; port 0: any free one
+  shell::HostPort peers;              ///< UDP; likewise
   std::vector<std::string> traces;    ///< files and folders; empty: live
   std::vector<std::string> captures;  ///< likewise
   std::vector<std::string> keylogs;   ///< of encrypted ones

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tools/support/text.h"
+#include "shell/text.h"
 
 namespace padr::monitor {
 
@@ -82,7 +82,7 @@ void OrderDesk::done(std::uint64_t process, Lane& lane, bool ok, const std::stri
   Errand& errand = found->second;
   errand.open.erase(process);
   if (!ok) {
-    errand.text += (errand.ok ? "peer " : "; peer ") + std::to_string(lane.slot) + ": " + support::valid_utf8(text);
+    errand.text += (errand.ok ? "peer " : "; peer ") + std::to_string(lane.slot) + ": " + shell::valid_utf8(text);
     errand.ok = false;
   }
   if (!errand.open.empty()) return;

@@ -16,16 +16,16 @@
 #include <system_error>
 
 #include "common/model/user_error.h"
+#include "shell/clock.h"
+#include "shell/run_main.h"
+#include "shell/udp_socket.h"
+#include "shell/unpredictable.h"
 #include "tools/monitor/capture_film.h"
 #include "tools/monitor/live.h"
 #include "tools/monitor/lobby.h"
 #include "tools/monitor/projector.h"
 #include "tools/monitor/trace_film.h"
 #include "tools/monitor/web_server.h"
-#include "tools/support/clock.h"
-#include "tools/support/run_main.h"
-#include "tools/support/udp_socket.h"
-#include "tools/support/unpredictable.h"
 
 namespace padr::monitor {
 namespace {
@@ -38,8 +38,8 @@ constexpr std::chrono::microseconds kTurn{kMicrosPerSecond / kTicksPerSecond};
 /// For saying goodbye to pages.
 constexpr std::chrono::milliseconds kGoodbye{300};
 
-asio::ip::udp::endpoint address(asio::io_context& io, const char* flag, const support::HostPort& where, bool insecure) {
-  auto found = support::resolve(io, flag, where);
+asio::ip::udp::endpoint address(asio::io_context& io, const char* flag, const shell::HostPort& where, bool insecure) {
+  auto found = shell::resolve(io, flag, where);
   if (!found.address().is_loopback() && !insecure)
     throw UserError(std::string(flag) + ": '" + where.text +
                     "' can be reached from other machines, and nothing proves who sends; give a loopback address, or "
@@ -77,7 +77,7 @@ class Program {
       open_recording();
     }
     open_web({web.address(), web.port()});
-    if (peers_) spdlog::info("peers tell it at --monitor {}", to_string(support::to_endpoint(peers_->local())));
+    if (peers_) spdlog::info("peers tell it at --monitor {}", to_string(shell::to_endpoint(peers_->local())));
     signals_.add(SIGINT);
     signals_.add(SIGTERM);
     signals_.async_wait([this](const error_code& error, int) {
@@ -92,15 +92,15 @@ class Program {
     turn_.expires_after(kTurn);
     turn();
     io_.run();
-    return support::kExitFine;
+    return shell::kExitFine;
   }
 
  private:
-  void open_peers(const support::Udp::endpoint& where) {
-    peers_ = open_at("--peers-listen", [&] { return std::make_unique<support::UdpSocket>(io_, where); });
-    const Endpoint at = support::to_endpoint(peers_->local());
+  void open_peers(const shell::Udp::endpoint& where) {
+    peers_ = open_at("--peers-listen", [&] { return std::make_unique<shell::UdpSocket>(io_, where); });
+    const Endpoint at = shell::to_endpoint(peers_->local());
     auto live = std::make_unique<Live>(
-        options_, to_string(at), support::unpredictable() | 1U,
+        options_, to_string(at), shell::unpredictable() | 1U,
         [this](const Endpoint& to, const Bytes& datagram) { peers_->send(to, datagram); },
         [](const std::string& line) { spdlog::info("{}", line); });
     peers_->start([this, l = live.get()](const Endpoint& from,
@@ -155,12 +155,12 @@ class Program {
   }
 
   const Options& options_;
-  support::Clock clock_;
+  shell::Clock clock_;
   asio::io_context io_{1};
   asio::signal_set signals_;
   asio::steady_timer turn_;
   asio::steady_timer end_;
-  std::unique_ptr<support::UdpSocket> peers_;
+  std::unique_ptr<shell::UdpSocket> peers_;
   std::unique_ptr<Lobby> lobby_;
   std::shared_ptr<WebServer> web_;  ///< connections keep it longer, but do not call the lobby after stop()
 };

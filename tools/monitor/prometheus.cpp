@@ -4,8 +4,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "tools/support/revision.h"
-#include "tools/support/text.h"
+#include "shell/revision.h"
+#include "shell/text.h"
 
 namespace padr::monitor {
 namespace {
@@ -45,7 +45,7 @@ class Writer {
 
 std::string label(std::string_view name, std::string_view value) {
   std::string s = std::string(name) + "=\"";
-  for (const char c : support::valid_utf8(value)) {
+  for (const char c : shell::valid_utf8(value)) {
     if (c == '\n') {
       s += "\\n";
       continue;
@@ -253,7 +253,7 @@ void own(Writer& w, const HeardStats& heard, const WebStats& web) {
 std::string metrics_text(const Session* session, const HeardStats& heard, const WebStats* web, Micros now) {
   Writer w;
   w.metric("padr_monitor_build_info", "gauge", "Of this program");
-  w.value(label("version", support::version()) + "," + label("revision", support::revision()), 1);
+  w.value(label("version", shell::version()) + "," + label("revision", shell::revision()), 1);
   own(w, heard, web == nullptr ? WebStats{} : *web);
   if (session == nullptr) return w.text();
   w.metric("padr_session_info", "gauge", "The session that is shown");

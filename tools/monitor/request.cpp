@@ -7,9 +7,9 @@
 #include "common/model/technique.h"
 #include "common/model/user_error.h"
 #include "common/monitor/codec.h"
-#include "tools/support/netem_flags.h"
-#include "tools/support/technique_flags.h"
-#include "tools/support/text.h"
+#include "shell/netem_flags.h"
+#include "shell/technique_flags.h"
+#include "shell/text.h"
 
 namespace padr::monitor {
 namespace {
@@ -115,7 +115,7 @@ Request knob(const Fields& f) {
     technique_by_name(k.value);
     return Command{f.peer("peer", "all"), k};
   }
-  for (const support::Knob& known : support::knobs()) {
+  for (const shell::Knob& known : shell::knobs()) {
     if (std::string_view(known.flag).substr(2) != k.name) continue;
     Technique t;
     known.set(t, k.value);
@@ -127,7 +127,7 @@ Request knob(const Fields& f) {
 Request netem(const Fields& f) {
   Netem n{f.peer("to", "all"), f.text("spec", kMostText)};
   std::vector<std::string> doubts;
-  if (!n.spec.empty()) support::parse_netem_flag("spec", n.spec, &doubts);
+  if (!n.spec.empty()) shell::parse_netem_flag("spec", n.spec, &doubts);
   return Command{f.peer("peer", "all"), n};
 }
 
@@ -141,7 +141,7 @@ Request cut(const Fields& f) {
 Request push(const Fields& f) {
   const Push p{static_cast<EntityId>(f.whole("body", 0, kNoEntity - 1)), f.pair("velocity", double{kMostPush})};
   if (length(p.velocity) > kMostPush)
-    Fields::fail("velocity", "is more than " + support::fixed(double{kMostPush}, 0) + " m/s");
+    Fields::fail("velocity", "is more than " + shell::fixed(double{kMostPush}, 0) + " m/s");
   return Command{f.peer("peer", "any"), p};
 }
 
@@ -177,7 +177,7 @@ Asked read_request(std::string_view text) {
     a.about = f.text("type", 40);
     a.request = request_of(a.about, f);
   } catch (const UserError& e) {
-    a.wrong = support::valid_utf8(e.what());
+    a.wrong = shell::valid_utf8(e.what());
   }
   return a;
 }

@@ -6,11 +6,11 @@
 
 #include "common/model/user_error.h"
 #include "common/scenarios/embedded.h"
+#include "shell/netem_flags.h"
+#include "shell/revision.h"
+#include "shell/scenario_flags.h"
+#include "shell/technique_flags.h"
 #include "tools/lab/simulation.h"
-#include "tools/support/netem_flags.h"
-#include "tools/support/revision.h"
-#include "tools/support/scenario_flags.h"
-#include "tools/support/technique_flags.h"
 
 namespace padr::monitor {
 namespace {
@@ -114,12 +114,12 @@ std::string lab_command(const Sample& s) {
 }
 
 Film film_sample(const Sample& s) {
-  const support::LoadedScenario scenario = support::load_scenario(std::string(s.scenario), kSeed);
+  const shell::LoadedScenario scenario = shell::load_scenario(std::string(s.scenario), kSeed);
   lab::SimulationConfig config;
   config.scene = scenario.scene;
   config.peers = s.peers;
-  config.technique = support::technique_of(s.technique);
-  config.netem = support::parse_netem_flag("--netem", s.netem, nullptr);
+  config.technique = shell::technique_of(s.technique);
+  config.netem = shell::parse_netem_flag("--netem", s.netem, nullptr);
   config.netem_seed = kSeed;
   config.ticks = s.seconds * kTicksPerSecond;
   std::vector<std::unique_ptr<scenarios::InputSource>> inputs;
@@ -131,7 +131,7 @@ Film film_sample(const Sample& s) {
     trace.name = "peer " + std::to_string(p) + " of sample " + std::string(s.name);
     node::RecordedReplica::Recording r;
     r.provenance.program = "padr-lab";
-    r.provenance.revision = std::string(support::revision());
+    r.provenance.revision = std::string(shell::revision());
     r.provenance.command = {lab_command(s)};
     r.provenance.scenario = scenario.label;
     r.provenance.scenario_text = scenario.text;

@@ -17,7 +17,7 @@ struct Sample {
   std::string_view about;  ///< a sentence or two for who has not read anything
   std::string_view live;   ///< the command that plays the like with real peers
   std::string_view scenario;
-  std::string_view technique;              ///< as support::technique_of takes it
+  std::string_view technique;              ///< as shell::technique_of takes it
   std::array<std::string_view, 2> inputs;  ///< dealt round to the peers; the second may be empty. Paths are built in
   std::string_view netem;
   int peers;

@@ -4,7 +4,7 @@
 
 #include "common/model/user_error.h"
 #include "common/scenarios/scenarios.h"
-#include "tools/support/text.h"
+#include "shell/text.h"
 
 namespace padr::monitor {
 namespace {
@@ -78,7 +78,7 @@ void Sessions::found(const Told& told, Micros now) {
     Scene scene = scenarios::load(draft->second.text, "scenario", hello.scenario_seed);
     if (scene_hash(scene) != key.scene_hash) throw UserError("its scenario makes another scene here");
     if (hello.slots < 1 || hello.slots > kMaxPeers) throw UserError("it has no avatar slots");
-    auto session = std::make_unique<Session>(key, std::move(scene), support::valid_utf8(hello.scenario),
+    auto session = std::make_unique<Session>(key, std::move(scene), shell::valid_utf8(hello.scenario),
                                              hello.scenario_seed, hello.slots, now);
     key_of_[told.from.process] = key;
     sessions_.emplace(key, std::move(session));
@@ -86,7 +86,7 @@ void Sessions::found(const Told& told, Micros now) {
   } catch (const UserError& e) {
     draft->second.tried = now;
     notes_.push_back("a peer of session " + std::to_string(key.number) +
-                     " cannot be shown: " + support::valid_utf8(e.what()));
+                     " cannot be shown: " + shell::valid_utf8(e.what()));
   }
 }
 

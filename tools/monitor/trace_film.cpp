@@ -9,8 +9,8 @@
 #include "common/model/user_error.h"
 #include "common/monitor/sampler.h"
 #include "common/trace/fidelity.h"
+#include "shell/text.h"
 #include "tools/lab/replay.h"
-#include "tools/support/text.h"
 
 namespace padr::monitor {
 namespace {
@@ -255,7 +255,7 @@ Film film_traces(std::vector<NamedTrace> traces, const Note& note) {
   const Tick sample = sample_for(last - first, 4 * actors.size() + 1, static_cast<std::size_t>(h.entities()));
   for (const auto& a : actors) a->begin(kTicksPerSecond / sample);
   FilmMaker maker(std::make_unique<Session>(SessionKey{h.session, h.scene_hash}, actors.front()->scene(),
-                                            support::valid_utf8(h.scenario), h.scenario_seed, h.slots, 0),
+                                            shell::valid_utf8(h.scenario), h.scenario_seed, h.slots, 0),
                   sample, last - first);
   Deeds deeds(actors);
   for (Tick t = first; t <= last; ++t) {

@@ -7,17 +7,17 @@
 #include <map>
 
 #include "common/model/technique.h"
-#include "tools/support/json.h"
-#include "tools/support/netem_flags.h"
-#include "tools/support/revision.h"
-#include "tools/support/technique_flags.h"
-#include "tools/support/text.h"
+#include "shell/json.h"
+#include "shell/netem_flags.h"
+#include "shell/revision.h"
+#include "shell/technique_flags.h"
+#include "shell/text.h"
 
 namespace padr::monitor {
 namespace {
 
-using support::Json;
-using support::valid_utf8;
+using shell::Json;
+using shell::valid_utf8;
 
 /// Rounded: nobody reads a float's last bits.
 double rounded(double v, double per_unit = 1e4) {
@@ -96,7 +96,7 @@ void knobs(Json& j, std::string_view settings) {
     told[name] = settings.substr(0, settings.find(' '));
   }
   j.begin_object();
-  for (const support::Knob& k : support::knobs()) {
+  for (const shell::Knob& k : shell::knobs()) {
     const auto found = told.find(std::string(std::string_view(k.flag).substr(2)));
     if (found != told.end()) j.field(found->first, valid_utf8(found->second));
   }
@@ -155,7 +155,7 @@ void drops(Json& j, const PeerRecord& p) {
 void numbers_of(Json& j, const PeerRecord& p, Agreement::Verdict verdict) {
   j.key("confirmed");
   if (p.status && p.status->confirmed >= 0) {
-    j.begin_object().field("tick", p.status->confirmed).field("hash", support::hex(p.status->hash));
+    j.begin_object().field("tick", p.status->confirmed).field("hash", shell::hex(p.status->hash));
     j.field("state", word(verdict));
     maybe(j, "lag_ms", p.lag_ms());
     j.end_object();
@@ -228,7 +228,7 @@ void point(Json& j, const SeriesPoint& p) {
 
 std::string hello_text(const HelloWords& h) {
   Json j = message("hello");
-  j.field("protocol", 1).field("version", support::version()).field("revision", support::revision());
+  j.field("protocol", 1).field("version", shell::version()).field("revision", shell::revision());
   j.field("mode", h.mode)
       .field("control", h.control)
       .field("needs_token", h.needs_token)
@@ -240,13 +240,13 @@ std::string hello_text(const HelloWords& h) {
     j.field("about", s.about).field("live", s.live).end_object();
   }
   j.end_array().key("knobs").begin_array();
-  for (const support::Knob& k : support::knobs())
+  for (const shell::Knob& k : shell::knobs())
     j.begin_object().field("name", k.flag + 2).field("type", k.type).field("help", k.help).end_object();
   j.end_array().key("techniques").begin_array();
   for (const std::string_view name : technique_names()) j.value(name);
   j.end_array().key("causes").begin_array();
   for (const std::string_view name : sync::kCauseNames) j.value(name);
-  j.end_array().field("netem_help", support::kNetemHelp).end_object();
+  j.end_array().field("netem_help", shell::kNetemHelp).end_object();
   return j.text();
 }
 

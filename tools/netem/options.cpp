@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "common/model/user_error.h"
-#include "tools/support/command_line.h"
+#include "shell/command_line.h"
 
 namespace padr::netem {
 
@@ -80,7 +80,7 @@ void override_specs(const std::vector<std::string>& overrides, const std::string
 
 void declare(CLI::App& app, RawOptions& raw, Options& options) {
   app.footer(kFooter);
-  support::add_version_flag(app, "padr-netem");
+  shell::add_version_flag(app, "padr-netem");
   app.add_option("--link", raw.links, "Relay from LISTEN to TARGET; required, may be repeated")
       ->type_name("LISTEN=TARGET")
       ->allow_extra_args(false);
@@ -130,8 +130,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   const link::NetemSpec to_client = parse_spec(raw.netem_back, "--netem-back", &options.warnings);
   for (const std::string& text : raw.links) {
     const auto [listen, target] = split_at_equals(text, "--link", "LISTEN=TARGET");
-    options.links.push_back({support::parse_host_port("--link LISTEN", listen, 0),
-                             support::parse_host_port("--link TARGET", target, 1), to_target, to_client});
+    options.links.push_back({shell::parse_host_port("--link LISTEN", listen, 0),
+                             shell::parse_host_port("--link TARGET", target, 1), to_target, to_client});
   }
   override_specs(raw.netem_for, "--netem-for", &LinkOptions::to_target, options);
   override_specs(raw.netem_back_for, "--netem-back-for", &LinkOptions::to_client, options);

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "common/link/netem_spec.h"
-#include "tools/support/host_port.h"
+#include "shell/host_port.h"
 
 namespace padr::netem {
 
-using support::HostPort;
+using shell::HostPort;
 
 struct LinkOptions {
   HostPort listen;  ///< port 0: any free one

@@ -14,12 +14,12 @@
 
 #include "common/link/shim.h"
 #include "common/model/ids.h"
+#include "shell/clock.h"
 #include "tools/netem/options.h"
-#include "tools/support/clock.h"
 
 namespace padr::netem {
 
-using support::Clock;
+using shell::Clock;
 
 /// One --link: a socket that clients send to, and for each client a socket towards the target, so that replies find
 /// their way back.

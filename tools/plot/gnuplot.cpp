@@ -12,7 +12,7 @@
 #include <system_error>
 
 #include "common/model/user_error.h"
-#include "tools/support/files.h"
+#include "shell/files.h"
 
 namespace padr::plot {
 namespace {
@@ -80,7 +80,7 @@ void write_into(std::string_view flag, const std::string& dir, const std::vector
   std::filesystem::create_directories(dir, error);
   if (error) throw UserError(std::string(flag) + ": cannot make '" + dir + "': " + error.message());
   for (const NamedText& f : files) {
-    support::OutputFile out(flag, (std::filesystem::path(dir) / f.name).string());
+    shell::OutputFile out(flag, (std::filesystem::path(dir) / f.name).string());
     out.write(f.text);
     out.close();
   }

@@ -1,10 +1,10 @@
+#include "shell/text.h"
 #include "tools/report/outputs.h"
-#include "tools/support/text.h"
 
 namespace padr::report {
 namespace {
 
-using support::fixed;
+using shell::fixed;
 
 std::string seconds(Tick t) {
   return fixed(static_cast<double>(t) / kTicksPerSecond, 4);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tools/support/files.h"
+#include "shell/files.h"
 
 namespace padr::report {
 namespace {
@@ -13,14 +13,14 @@ constexpr std::size_t kMostBytes = std::size_t{4} << 30U;
 }  // namespace
 
 TraceBytes read_trace(const std::string& file) {
-  const std::string text = support::read_file("TRACE", file, kMostBytes);
+  const std::string text = shell::read_file("TRACE", file, kMostBytes);
   TraceBytes t{file, std::vector<std::byte>(text.size())};
   std::transform(text.begin(), text.end(), t.bytes.begin(), [](char c) { return static_cast<std::byte>(c); });
   return t;
 }
 
 void write_file(std::string_view flag, const std::string& file, const std::string& text) {
-  support::OutputFile out(flag, file);
+  shell::OutputFile out(flag, file);
   out.write(text);
   out.close();
 }

@@ -1,18 +1,18 @@
-#include "tools/support/json.h"
-#include "tools/support/measures_json.h"
+#include "shell/json.h"
+#include "shell/measures_json.h"
 
 #include <algorithm>
 
 #include "common/sync/validation.h"
+#include "shell/revision.h"
+#include "shell/text.h"
 #include "tools/report/outputs.h"
 #include "tools/report/rates.h"
-#include "tools/support/revision.h"
-#include "tools/support/text.h"
 
 namespace padr::report {
 namespace {
 
-using support::Json;
+using shell::Json;
 
 void put(Json& j, const trace::Inconsistency& i) {
   j.field("mean_m", i.mean_m).field("avatar_mean_m", i.avatar_mean_m).field("body_mean_m", i.body_mean_m);
@@ -39,14 +39,14 @@ void put(Json& j, const Traffic& t, double seconds) {
 void put_provenance(Json& j, const Peer& p) {
   const trace::Header& h = p.header;
   j.key("provenance").begin_object();
-  j.field("program", support::valid_utf8(h.program)).field("revision", support::valid_utf8(h.revision));
+  j.field("program", shell::valid_utf8(h.program)).field("revision", shell::valid_utf8(h.revision));
   j.key("command").begin_array();
-  for (const std::string& word : h.command) j.value(support::valid_utf8(word));
+  for (const std::string& word : h.command) j.value(shell::valid_utf8(word));
   j.end_array();
-  j.field("scenario", support::valid_utf8(h.scenario)).field("scenario_seed", h.scenario_seed);
-  j.field("netem", support::valid_utf8(h.netem))
+  j.field("scenario", shell::valid_utf8(h.scenario)).field("scenario_seed", h.scenario_seed);
+  j.field("netem", shell::valid_utf8(h.netem))
       .field("netem_seed", h.netem_seed)
-      .field("input", support::valid_utf8(h.input));
+      .field("input", shell::valid_utf8(h.input));
   j.field("start_unix_us", h.start_unix_us).end_object();
 }
 
@@ -75,10 +75,10 @@ void put_drops(Json& j, const Peer& p) {
 void put_peer(Json& j, const Report& r, const Peer& p) {
   j.begin_object();
   j.field("peer", p.header.peer).field("name", p.name).field("incarnation", p.header.incarnation);
-  j.field("trace", support::valid_utf8(p.label)).field("clean_end", p.clean).field("superseded", p.superseded);
+  j.field("trace", shell::valid_utf8(p.label)).field("clean_end", p.clean).field("superseded", p.superseded);
   j.field("came_tick", p.came).field("went_tick", p.went());
-  j.field("technique", support::valid_utf8(p.header.technique.name))
-      .field("knobs", support::valid_utf8(describe(p.header.technique)));
+  j.field("technique", shell::valid_utf8(p.header.technique.name))
+      .field("knobs", shell::valid_utf8(describe(p.header.technique)));
   j.field("ticks", p.last_tick)
       .field("left_at_tick", p.left_at)
       .field("seconds", p.seconds())
@@ -123,7 +123,7 @@ void put_hand_overs(Json& j, const Report& r) {
 void put_groups(Json& j, const Report& r) {
   j.key("by_technique").begin_array();
   for (const Group& g : r.groups) {
-    j.begin_object().field("knobs", support::valid_utf8(g.technique)).key("peers").begin_array();
+    j.begin_object().field("knobs", shell::valid_utf8(g.technique)).key("peers").begin_array();
     for (const std::size_t i : g.peers) j.value(r.peers[i].name);
     j.end_array();
     put(j, g.inconsistency);
@@ -139,17 +139,17 @@ void put_groups(Json& j, const Report& r) {
 std::string json(const Report& r, const std::vector<std::string>& command) {
   const trace::Header& h = r.peers.front().header;
   Json j;
-  j.begin_object().field("revision", support::revision());
+  j.begin_object().field("revision", shell::revision());
   j.key("command").begin_array();
-  for (const std::string& word : command) j.value(support::valid_utf8(word));
+  for (const std::string& word : command) j.value(shell::valid_utf8(word));
   j.end_array();
-  j.field("scenario", support::valid_utf8(h.scenario))
+  j.field("scenario", shell::valid_utf8(h.scenario))
       .field("scenario_seed", h.scenario_seed)
-      .field("scene_hash", support::hex(h.scene_hash));
+      .field("scene_hash", shell::hex(h.scene_hash));
   j.field("peers", r.peers_at_start()).field("lives", r.peers.size()).field("session", h.session);
   j.field("noise_m", trace::kNoiseMetres);
   j.key("notes").begin_array();
-  for (const std::string& n : r.notes) j.value(support::valid_utf8(n));
+  for (const std::string& n : r.notes) j.value(shell::valid_utf8(n));
   j.end_array();
   j.field("confirmed_ticks", r.confirmed.ticks).field("confirmed_mismatches", r.confirmed.mismatches);
   j.field("first_mismatch_tick", r.confirmed.first_mismatch).field("first_mismatch_peers", r.confirmed.who);

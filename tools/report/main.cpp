@@ -2,12 +2,12 @@
 #include <string>
 #include <vector>
 
+#include "shell/command_line.h"
+#include "shell/run_main.h"
 #include "tools/report/analysis.h"
 #include "tools/report/files.h"
 #include "tools/report/options.h"
 #include "tools/report/outputs.h"
-#include "tools/support/command_line.h"
-#include "tools/support/run_main.h"
 
 namespace padr::report {
 namespace {
@@ -28,19 +28,19 @@ int run(const Options& o, const std::vector<std::string>& command) {
     const std::string wrong = plot::draw(o.plots, plot_names());
     if (!wrong.empty()) std::fprintf(stderr, "padr-report: %s\n", wrong.c_str());
   }
-  if (r.confirmed.mismatches == 0) return support::kExitFine;
+  if (r.confirmed.mismatches == 0) return shell::kExitFine;
   std::fprintf(stderr, "padr-report: CONFIRMED WORLDS DIFFER, first at tick %d: %s\n", r.confirmed.first_mismatch,
                r.confirmed.who.c_str());
-  return support::kExitFailure;
+  return shell::kExitFailure;
 }
 
 }  // namespace
 }  // namespace padr::report
 
 int main(int argc, char** argv) {
-  return padr::support::run_main("padr-report", [argc, argv] {
+  return padr::shell::run_main("padr-report", [argc, argv] {
     const auto options = padr::report::parse_options(argc, argv);
-    if (!options) return padr::support::kExitFine;
-    return padr::report::run(*options, padr::support::command_of(argc, argv));
+    if (!options) return padr::shell::kExitFine;
+    return padr::report::run(*options, padr::shell::command_of(argc, argv));
   });
 }

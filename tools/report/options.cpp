@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "tools/support/command_line.h"
+#include "shell/command_line.h"
 
 namespace padr::report {
 namespace {
@@ -39,7 +39,7 @@ std::optional<Options> parse_options(int argc, char** argv) {
   Options o;
   CLI::App app(kDescription, "padr-report");
   app.footer(kFooter);
-  support::add_version_flag(app, "padr-report");
+  shell::add_version_flag(app, "padr-report");
   app.add_option("TRACE", o.traces, "Traces of the peers of one session")->required()->type_name("FILE");
   app.add_option("--json", o.json, "Write everything as JSON; - for standard output, in place of the table")
       ->type_name("FILE|-");
@@ -49,7 +49,7 @@ std::optional<Options> parse_options(int argc, char** argv) {
   app.add_option("--plots", o.plots,
                  "Draw inconsistency, traffic and authority as SVG and PNG in this folder (needs gnuplot)")
       ->type_name("DIR");
-  if (!support::parse(app, argc, argv)) return std::nullopt;
+  if (!shell::parse(app, argc, argv)) return std::nullopt;
   return o;
 }
 

@@ -5,14 +5,14 @@
 #include <set>
 #include <string_view>
 
+#include "shell/text.h"
 #include "tools/plot/palette.h"
 #include "tools/report/outputs.h"
-#include "tools/support/text.h"
 
 namespace padr::report {
 namespace {
 
-using support::fixed;
+using shell::fixed;
 
 constexpr std::string_view kGrey = "#BBBBBB";
 constexpr std::string_view kMissing = " ?";

@@ -1,15 +1,15 @@
 #include <algorithm>
 
 #include "common/sync/validation.h"
+#include "shell/text.h"
 #include "tools/report/outputs.h"
 #include "tools/report/rates.h"
-#include "tools/support/text.h"
 
 namespace padr::report {
 namespace {
 
-using support::fixed;
-using support::Table;
+using shell::fixed;
+using shell::Table;
 
 // Nobody reads a longer table of links.
 constexpr std::size_t kMostLinks = 30;

@@ -8,14 +8,14 @@
 #include "common/model/user_error.h"
 #include "common/scenarios/bodies.h"
 #include "common/scenarios/scenarios.h"
+#include "shell/command_line.h"
+#include "shell/files.h"
+#include "shell/json.h"
+#include "shell/revision.h"
+#include "shell/run_main.h"
+#include "shell/scenario_flags.h"
 #include "tools/lab/chaos/shrink.h"
 #include "tools/lab/parallel.h"
-#include "tools/support/command_line.h"
-#include "tools/support/files.h"
-#include "tools/support/json.h"
-#include "tools/support/revision.h"
-#include "tools/support/run_main.h"
-#include "tools/support/scenario_flags.h"
 
 namespace padr::lab {
 namespace {
@@ -68,7 +68,7 @@ void ChaosCommand::declare(CLI::App& app) {
 // Of the run's own seed, so that a run by itself is the same as among many.
 ChaosPlay ChaosCommand::how_of(std::size_t i) const {
   ChaosPlay how = how_;
-  const support::LoadedScenario scenario = support::load_scenario(scenario_, seed_ + i);
+  const shell::LoadedScenario scenario = shell::load_scenario(scenario_, seed_ + i);
   how.scene = scenarios::load(scenarios::with_bodies(scenario.text, scenario_, bodies_), scenario_, seed_ + i);
   return how;
 }
@@ -85,8 +85,8 @@ void ChaosCommand::prepare() {
 
 std::string ChaosCommand::json(const std::vector<std::string>& command,
                                const std::vector<ChaosOutcome>& outcomes) const {
-  support::Json j;
-  j.begin_object().field("command", support::shell_line(command)).field("revision", support::revision());
+  shell::Json j;
+  j.begin_object().field("command", shell::shell_line(command)).field("revision", shell::revision());
   j.key("runs").begin_array();
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     const ChaosOutcome& o = outcomes[i];
@@ -142,12 +142,12 @@ int ChaosCommand::run(const std::vector<std::string>& command) {
     std::cout << outcomes.size() << " scripts, seeds " << seed_ << " to " << seed_ + outcomes.size() - 1 << ", "
               << compared << " hashes compared, slowest join " << seconds(slowest) << " s: " << bad << " violations\n";
     if (!json_.empty()) {
-      support::OutputFile file("--json", json_);
+      shell::OutputFile file("--json", json_);
       file.write(json(command, outcomes));
       file.close();
     }
   }
-  return bad == 0 ? support::kExitFine : support::kExitFailure;
+  return bad == 0 ? shell::kExitFine : shell::kExitFailure;
 }
 
 }  // namespace padr::lab

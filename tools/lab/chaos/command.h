@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "shell/technique_flags.h"
 #include "tools/lab/chaos/play.h"
-#include "tools/support/technique_flags.h"
 
 namespace padr::lab {
 
@@ -24,7 +24,7 @@ class ChaosCommand {
   std::string json(const std::vector<std::string>& command, const std::vector<ChaosOutcome>& outcomes) const;
 
   ChaosPlay how_;  ///< but for the scene
-  support::TechniqueFlags technique_;
+  shell::TechniqueFlags technique_;
   std::string scenario_ = "arena";
   std::uint32_t bodies_ = 12;
   std::uint64_t seed_ = 1;

@@ -5,12 +5,12 @@
 #include <iostream>
 #include <optional>
 
+#include "shell/command_line.h"
+#include "shell/files.h"
+#include "shell/netem_flags.h"
+#include "shell/run_main.h"
+#include "shell/scenario_flags.h"
 #include "tools/plot/gnuplot.h"
-#include "tools/support/command_line.h"
-#include "tools/support/files.h"
-#include "tools/support/netem_flags.h"
-#include "tools/support/run_main.h"
-#include "tools/support/scenario_flags.h"
 
 namespace padr::lab {
 namespace {
@@ -35,7 +35,7 @@ class Sink {
 
  private:
   bool to_terminal_;
-  std::optional<support::OutputFile> file_;
+  std::optional<shell::OutputFile> file_;
 };
 
 std::string help_on_contestants() {
@@ -51,7 +51,7 @@ void CompareCommand::declare(CLI::App& app) {
   app.add_option("--scenario", scenario_, "Built-in name, or a file")->type_name("NAME|FILE")->capture_default_str();
   app.add_option("--peers", peers_, "Peers")->check(CLI::Range(1, kMaxPeers))->capture_default_str();
   app.add_option("--seconds", seconds_, "Virtual time of every run, s")
-      ->check(support::between(0.1, kMaxSeconds, "seconds"))
+      ->check(shell::between(0.1, kMaxSeconds, "seconds"))
       ->capture_default_str();
   app.add_option("--seeds", seeds_, "Average N runs, with the seeds 1, 2, ... for scenario, input and network")
       ->check(CLI::Range(1, 10000))
@@ -61,7 +61,7 @@ void CompareCommand::declare(CLI::App& app) {
                  "default: delay 0ms, 50ms, 100ms and 250ms")
       ->type_name("SPEC")
       ->allow_extra_args(false);
-  app.add_option("--input", inputs_, std::string(support::kInputHelp) + "; repeat for more peers, in turn")
+  app.add_option("--input", inputs_, std::string(shell::kInputHelp) + "; repeat for more peers, in turn")
       ->type_name("SPEC")
       ->allow_extra_args(false);
   app.add_option("--techniques", techniques_,
@@ -99,7 +99,7 @@ compare::Plan CompareCommand::plan() const {
   const std::vector<std::string> usual{"delay 0ms", "delay 50ms", "delay 100ms", "delay 250ms"};
   for (const std::string& text : netem_.empty() ? usual : netem_) {
     std::vector<std::string> warnings;
-    p.networks.push_back({text, support::parse_netem_flag("--netem", text, &warnings)});
+    p.networks.push_back({text, shell::parse_netem_flag("--netem", text, &warnings)});
     for (const std::string& w : warnings) std::cerr << "padr-lab: warning: " << w << '\n';
   }
   p.setting.scenario = scenario_;
@@ -107,7 +107,7 @@ compare::Plan CompareCommand::plan() const {
   p.setting.ticks = static_cast<Tick>(std::lround(seconds_ * kTicksPerSecond));
   if (!inputs_.empty()) {
     p.setting.inputs = inputs_;
-    support::tell_of_paths("padr-lab", inputs_, support::load_scenario(scenario_, 1).scene);
+    shell::tell_of_paths("padr-lab", inputs_, shell::load_scenario(scenario_, 1).scene);
   }
   for (int s = 1; s <= seeds_; ++s) p.seeds.push_back(static_cast<std::uint64_t>(s));
   p.parallel.threads = jobs_;
@@ -120,7 +120,7 @@ int CompareCommand::run(const std::vector<std::string>& command) const {
   Sink json_sink("--json", json_);
   Sink csv_sink("--csv", csv_);
   const std::vector<Row> rows = run_plan(p);
-  const std::string all = json(rows, p, support::shell_line(command));
+  const std::string all = json(rows, p, shell::shell_line(command));
   json_sink.write(all);
   csv_sink.write(csv(rows, p));
   if (!json_sink.to_terminal() && !csv_sink.to_terminal()) std::cout << table(rows, p);
@@ -133,7 +133,7 @@ int CompareCommand::run(const std::vector<std::string>& command) const {
   const bool agreed = std::all_of(rows.begin(), rows.end(), [](const Row& r) {
     return std::all_of(r.scores.begin(), r.scores.end(), [](const Score& s) { return s.mismatches == 0; });
   });
-  return agreed ? support::kExitFine : support::kExitFailure;
+  return agreed ? shell::kExitFine : shell::kExitFailure;
 }
 
 }  // namespace padr::lab

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "shell/json.h"
 #include "tools/lab/compare/comparison.h"
-#include "tools/support/json.h"
 
 namespace padr::lab::compare {
 namespace {
@@ -132,7 +132,7 @@ std::string table(const std::vector<Row>& rows, const Plan& plan) {
 }
 
 std::string json(const std::vector<Row>& rows, const Plan& plan, const std::string& command) {
-  support::Json j;
+  shell::Json j;
   j.begin_object().field("command", command).field("scenario", plan.setting.scenario);
   j.field("peers", plan.setting.peers);
   j.field("seconds", static_cast<double>(plan.setting.ticks) / kTicksPerSecond);

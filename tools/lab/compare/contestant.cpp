@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "common/model/user_error.h"
-#include "tools/support/technique_flags.h"
+#include "shell/technique_flags.h"
 
 namespace padr::lab::compare {
 namespace {
@@ -28,7 +28,7 @@ Technique changed(Technique t, Change change) {
 
 void add_paper(std::vector<Contestant>& all) {
   const auto add = [&all](const char* id, const char* series, const char* mark, const char* text, const char* what) {
-    all.push_back({id, series, mark, Group::kPaper, what, support::technique_of(text)});
+    all.push_back({id, series, mark, Group::kPaper, what, shell::technique_of(text)});
   };
   add("avatar-only", "avatar-only", "", "avatar-only --threshold 0.5",
       "the paper's failure case: dead-reckoned avatars, 0.5 m, nobody owns bodies");
@@ -48,7 +48,7 @@ void add_ours(std::vector<Contestant>& all) {
   all.push_back({"full", "full", "", Group::kOurs,
                  "PADR's own: 0.8 m, or 0.3 m when a contact is predicted; bodies 0.1 m", technique_by_name("full")});
   all.push_back({"full-tight", "full", "tight", Group::kOurs, "full with 0.3 m, or 0.1 m; bodies 0.05 m",
-                 support::technique_of("full --threshold 0.3:0.1 --body-threshold 0.05")});
+                 shell::technique_of("full --threshold 0.3:0.1 --body-threshold 0.05")});
   all.push_back({"everything", "everything", "", Group::kOurs,
                  "sends own avatar and every awake own body at every tick, with replay: the limit of full",
                  everything});
@@ -127,7 +127,7 @@ std::vector<Contestant> all_contestants() {
 }
 
 Contestant added_contestant(const std::string& text) {
-  const Technique t = support::technique_of(text);
+  const Technique t = shell::technique_of(text);
   return {text, text, "", Group::kOurs, "added by --add", t};
 }
 

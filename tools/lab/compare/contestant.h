@@ -33,7 +33,7 @@ std::vector<Contestant> all_contestants();
 /// Those of a list with commas between: ids, or the groups `paper`, `ours`, `ablations`, `alternatives`, `all`. In the
 /// order of all_contestants, each once. Throws UserError that names the flag, the word and what is allowed.
 std::vector<Contestant> chosen_contestants(const std::string& list);
-/// A technique with knobs, as support::technique_of takes it; its id is the text. Throws UserError.
+/// A technique with knobs, as shell::technique_of takes it; its id is the text. Throws UserError.
 Contestant added_contestant(const std::string& text);
 
 }  // namespace padr::lab::compare

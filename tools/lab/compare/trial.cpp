@@ -4,10 +4,10 @@
 #include <memory>
 
 #include "common/model/user_error.h"
+#include "shell/scenario_flags.h"
 #include "tools/lab/alternatives/session.h"
 #include "tools/lab/rates.h"
 #include "tools/lab/simulation.h"
-#include "tools/support/scenario_flags.h"
 
 namespace padr::lab::compare {
 namespace {
@@ -18,7 +18,7 @@ Inputs load_inputs(const Setting& setting, const Scene& scene, std::uint64_t see
   Inputs inputs;
   for (int p = 0; p < setting.peers; ++p)
     inputs.push_back(
-        support::load_input(setting.inputs[static_cast<std::size_t>(p) % setting.inputs.size()], scene, p, seed));
+        shell::load_input(setting.inputs[static_cast<std::size_t>(p) % setting.inputs.size()], scene, p, seed));
   return inputs;
 }
 
@@ -80,7 +80,7 @@ Score run_alternative(const alternatives::Spec& spec, const Network& network, co
 }  // namespace
 
 Score run_trial(const Contestant& contestant, const Network& network, const Setting& setting, std::uint64_t seed) {
-  const support::LoadedScenario scenario = support::load_scenario(setting.scenario, seed);
+  const shell::LoadedScenario scenario = shell::load_scenario(setting.scenario, seed);
   const auto room = scenario.scene.avatar.spawns.size();
   if (static_cast<std::size_t>(setting.peers) > room)
     throw UserError("--peers: " + std::to_string(setting.peers) + " is too many for scenario " + setting.scenario +

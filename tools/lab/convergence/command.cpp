@@ -6,10 +6,10 @@
 #include <iostream>
 
 #include "common/model/user_error.h"
+#include "shell/run_main.h"
 #include "tools/lab/convergence/film.h"
 #include "tools/lab/rates.h"
 #include "tools/plot/svg.h"
-#include "tools/support/run_main.h"
 
 namespace padr::lab {
 namespace {
@@ -71,7 +71,7 @@ void ConvergenceCommand::declare(CLI::App& app) {
 }
 
 int ConvergenceCommand::run() {
-  const support::LoadedScenario scenario = scenario_.load();
+  const shell::LoadedScenario scenario = scenario_.load();
   const auto room = static_cast<int>(scenario.scene.avatar.spawns.size());
   if (peers_ > room)
     throw UserError("--peers: " + std::to_string(peers_) + " is too many for scenario " + scenario.label +
@@ -86,7 +86,7 @@ int ConvergenceCommand::run() {
   for (const std::string& w : warnings) std::cerr << "padr-lab: warning: " << w << '\n';
   std::vector<std::unique_ptr<scenarios::InputSource>> inputs;
   for (int p = 0; p < peers_; ++p) {
-    inputs.push_back(support::load_input("wander", scenario.scene, p, scenario.seed));
+    inputs.push_back(shell::load_input("wander", scenario.scene, p, scenario.seed));
     config.inputs.push_back(inputs.back().get());
   }
   plot::write_into("--out", out_, {});
@@ -97,7 +97,7 @@ int ConvergenceCommand::run() {
                    {{"convergence.csv", csv(takes)}, plot::film_svg(film_of(takes.footage, scenario.scene))});
   const std::string wrong = plot::rasterize(out_, {"film-convergence"});
   if (!wrong.empty()) std::cerr << "padr-lab: " << wrong << '\n';
-  return support::kExitFine;
+  return shell::kExitFine;
 }
 
 }  // namespace padr::lab

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/support/netem_flags.h"
-#include "tools/support/scenario_flags.h"
+#include "shell/netem_flags.h"
+#include "shell/scenario_flags.h"
 
 namespace padr::lab {
 
@@ -17,8 +17,8 @@ class ConvergenceCommand {
   int run();
 
  private:
-  support::ScenarioFlags scenario_;
-  support::NetemFlags netem_;
+  shell::ScenarioFlags scenario_;
+  shell::NetemFlags netem_;
   int peers_ = 4;
   double seconds_ = 60;
   std::string out_;

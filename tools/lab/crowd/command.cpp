@@ -10,13 +10,13 @@
 #include <utility>
 
 #include "common/model/user_error.h"
+#include "shell/command_line.h"
+#include "shell/files.h"
+#include "shell/json.h"
+#include "shell/netem_flags.h"
+#include "shell/revision.h"
+#include "shell/run_main.h"
 #include "tools/lab/crowd/census.h"
-#include "tools/support/command_line.h"
-#include "tools/support/files.h"
-#include "tools/support/json.h"
-#include "tools/support/netem_flags.h"
-#include "tools/support/revision.h"
-#include "tools/support/run_main.h"
 
 namespace padr::lab {
 namespace {
@@ -190,7 +190,7 @@ CrowdRunConfig CrowdCommand::config_of(int peers, std::uint64_t seed) const {
   c.technique = technique_.technique();
   c.relevance = !uniform_;
   c.shoves = shoves_;
-  c.netem = support::parse_netem_flag("--netem", netem_, nullptr);
+  c.netem = shell::parse_netem_flag("--netem", netem_, nullptr);
   c.seed = seed;
   c.peers = peers;
   c.room = static_cast<float>(room_);
@@ -324,8 +324,8 @@ std::vector<CrowdRow> CrowdCommand::measure() const {
 }
 
 std::string CrowdCommand::json(const std::vector<std::string>& command, const std::vector<CrowdRow>& rows) const {
-  support::Json j;
-  j.begin_object().field("command", support::shell_line(command)).field("revision", support::revision());
+  shell::Json j;
+  j.begin_object().field("command", shell::shell_line(command)).field("revision", shell::revision());
   j.field("seed", seed_).field("seconds", seconds_).field("netem", netem_).key("crowds").begin_array();
   for (const CrowdRow& r : rows) {
     j.begin_object()
@@ -376,11 +376,11 @@ int CrowdCommand::run(const std::vector<std::string>& command) {
   }
   if (json_ == "-") std::cout << json(command, rows);
   if (!json_.empty() && json_ != "-") {
-    support::OutputFile file("--json", json_);
+    shell::OutputFile file("--json", json_);
     file.write(json(command, rows));
     file.close();
   }
-  return different == 0 ? support::kExitFine : support::kExitFailure;
+  return different == 0 ? shell::kExitFine : shell::kExitFailure;
 }
 
 }  // namespace padr::lab

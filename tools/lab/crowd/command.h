@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "shell/technique_flags.h"
 #include "tools/lab/crowd/inventory.h"
-#include "tools/support/technique_flags.h"
 
 namespace padr::lab {
 
@@ -55,7 +55,7 @@ class CrowdCommand {
   CrowdRunConfig config_of(int peers, std::uint64_t seed) const;
   std::string json(const std::vector<std::string>& command, const std::vector<CrowdRow>& rows) const;
 
-  support::TechniqueFlags technique_;
+  shell::TechniqueFlags technique_;
   std::vector<int> peers_{4, 50, 200};
   double seconds_ = 20;
   double warm_up_ = 4;

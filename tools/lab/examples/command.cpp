@@ -4,12 +4,12 @@
 #include <sstream>
 
 #include "common/model/user_error.h"
+#include "shell/command_line.h"
+#include "shell/files.h"
+#include "shell/run_main.h"
 #include "tools/lab/examples/film.h"
 #include "tools/lab/examples/results.h"
 #include "tools/plot/svg.h"
-#include "tools/support/command_line.h"
-#include "tools/support/files.h"
-#include "tools/support/run_main.h"
 
 namespace padr::lab {
 namespace {
@@ -84,14 +84,14 @@ int ExamplesCommand::run(const std::vector<std::string>& command) {
   for (const std::string& s : plan.stories) story_by_name(s);
   plan.takes = takes_;
   std::vector<std::string> warnings;
-  plan.netem = support::parse_netem_flag("--netem", netem_, &warnings);
+  plan.netem = shell::parse_netem_flag("--netem", netem_, &warnings);
   plan.netem_text = netem_;
   plan.parallel.threads = jobs_;
   for (const std::string& w : warnings) std::cerr << "padr-lab: warning: " << w << '\n';
   plot::write_into("--out", out_, {});
 
   const Results results = run_plan(plan);
-  const std::string summary = examples::json(results, plan, support::shell_line(command));
+  const std::string summary = examples::json(results, plan, shell::shell_line(command));
   plot::write_into("--out", out_,
                    {{"examples.csv", csv(results)},
                     {"takes.csv", takes_csv(results)},
@@ -103,14 +103,14 @@ int ExamplesCommand::run(const std::vector<std::string>& command) {
   if (json_ != "-") std::cout << table(results, plan);
   if (json_ == "-") std::cout << summary;
   if (!json_.empty() && json_ != "-") {
-    support::OutputFile file("--json", json_);
+    shell::OutputFile file("--json", json_);
     file.write(summary);
     file.close();
   }
-  if (no_pictures_) return support::kExitFine;
+  if (no_pictures_) return shell::kExitFine;
   const std::string wrong = draw_pictures(out_, plan, results);
   if (!wrong.empty()) std::cerr << "padr-lab: " << wrong << '\n';
-  return support::kExitFine;
+  return shell::kExitFine;
 }
 
 }  // namespace padr::lab

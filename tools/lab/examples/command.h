@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/support/netem_flags.h"
+#include "shell/netem_flags.h"
 
 namespace padr::lab {
 

@@ -1,15 +1,15 @@
 #include <algorithm>
 #include <array>
 
+#include "shell/json.h"
+#include "shell/revision.h"
 #include "tools/lab/examples/format.h"
 #include "tools/lab/examples/results.h"
-#include "tools/support/json.h"
-#include "tools/support/revision.h"
 
 namespace padr::lab::examples {
 namespace {
 
-using support::Json;
+using shell::Json;
 
 /// The numbers of a cost, in the one order of every file.
 struct Column {
@@ -159,7 +159,7 @@ std::string takes_csv(const Results& r) {
 
 std::string json(const Results& r, const Plan& plan, const std::string& command) {
   Json j;
-  j.begin_object().field("program", "padr-lab examples").field("revision", support::revision());
+  j.begin_object().field("program", "padr-lab examples").field("revision", shell::revision());
   j.field("command", command).field("takes", plan.takes).field("netem", plan.netem_text);
   j.field("disturbed_above_m", static_cast<double>(kDisturbedMetres));
   j.key("results").begin_array();

@@ -7,13 +7,13 @@
 #include <iostream>
 
 #include "common/model/user_error.h"
+#include "shell/command_line.h"
+#include "shell/run_main.h"
+#include "shell/technique_flags.h"
 #include "tools/lab/figures/html.h"
 #include "tools/lab/figures/pictures.h"
 #include "tools/lab/figures/results_text.h"
 #include "tools/lab/figures/words.h"
-#include "tools/support/command_line.h"
-#include "tools/support/run_main.h"
-#include "tools/support/technique_flags.h"
 
 namespace padr::lab {
 namespace {
@@ -64,18 +64,18 @@ void FiguresCommand::declare(CLI::App& app) {
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   app.add_option("--input", inputs_,
-                 std::string("What drives the avatar: ") + support::kInputHelp +
+                 std::string("What drives the avatar: ") + shell::kInputHelp +
                      ";\nrepeat for several inputs; default: wander, a different one for each seed")
       ->type_name("SPEC");
   app.add_option("--seconds", seconds_, "Virtual length of a run, s")
-      ->check(support::between(kLeastSeconds, kMostSeconds, "seconds"))
+      ->check(shell::between(kLeastSeconds, kMostSeconds, "seconds"))
       ->capture_default_str();
   app.add_option("--netem", netem_,
                  "Impairment of datagrams, in the grammar of tc-netem; default: none, as in the paper")
       ->type_name("SPEC");
-  knobs_.resize(support::knobs().size());
+  knobs_.resize(shell::knobs().size());
   for (std::size_t k = 0; k < knobs_.size(); ++k) {
-    const support::Knob& knob = support::knobs()[k];
+    const shell::Knob& knob = shell::knobs()[k];
     if (is_the_settings_own(knob.flag)) continue;
     app.add_option(knob.flag, knobs_[k], knob.help)->type_name(knob.type)->group("Technique (of every setting)");
   }
@@ -111,22 +111,22 @@ std::string FiguresCommand::canonical() const {
   for (const std::string& input : inputs_) words.insert(words.end(), {"--input", input});
   if (!netem_.empty()) words.insert(words.end(), {"--netem", netem_});
   for (std::size_t k = 0; k < knobs_.size(); ++k)
-    if (!knobs_[k].empty()) words.insert(words.end(), {support::knobs()[k].flag, knobs_[k]});
+    if (!knobs_[k].empty()) words.insert(words.end(), {shell::knobs()[k].flag, knobs_[k]});
   for (const std::string& text : added_) words.insert(words.end(), {"--add", text});
-  return support::shell_line(words);
+  return shell::shell_line(words);
 }
 
 std::vector<Setting> FiguresCommand::settings() const {
   std::vector<Setting> all = figure_settings();
   for (Setting& s : all)
     for (std::size_t k = 0; k < knobs_.size(); ++k)
-      if (!knobs_[k].empty()) support::knobs()[k].set(s.technique, knobs_[k]);
+      if (!knobs_[k].empty()) shell::knobs()[k].set(s.technique, knobs_[k]);
   for (const std::string& text : added_) {
     std::string id = text;
     for (char& c : id)
       if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '.') c = '-';
     const bool taken = std::any_of(all.begin(), all.end(), [&id](const Setting& s) { return s.id == id; });
-    const Technique t = support::technique_of(text);
+    const Technique t = shell::technique_of(text);
     if (taken) throw UserError("--add: '" + text + "' is there already");
     all.push_back({id, text, t});
   }
@@ -136,7 +136,7 @@ std::vector<Setting> FiguresCommand::settings() const {
 figures::Plan FiguresCommand::plan() const {
   Plan p;
   std::vector<std::string> warnings;
-  p.netem = support::parse_netem_flag("--netem", netem_, &warnings);
+  p.netem = shell::parse_netem_flag("--netem", netem_, &warnings);
   for (const std::string& w : warnings) std::cerr << "padr-lab: warning: " << w << '\n';
   p.netem_text = netem_;
   p.settings = settings();
@@ -147,18 +147,18 @@ figures::Plan FiguresCommand::plan() const {
   if (inputs.size() * static_cast<std::size_t>(seeds_) > kMostCases)
     throw UserError("--seeds: " + std::to_string(seeds_) + " times " + std::to_string(inputs.size()) +
                     " inputs is more than " + std::to_string(kMostCases) + " cases");
-  if (!inputs.empty()) support::tell_of_paths("padr-lab", inputs, scenario_.load().scene);
+  if (!inputs.empty()) shell::tell_of_paths("padr-lab", inputs, scenario_.load().scene);
   for (const std::string& input : inputs) {
     for (int i = 0; i < seeds_; ++i) {
       const std::uint64_t seed = scenario_.seed() + static_cast<std::uint64_t>(i);
-      Scene scene = support::load_scenario(p.scenario, seed).scene;
+      Scene scene = shell::load_scenario(p.scenario, seed).scene;
       if (scene.avatar.spawns.size() < 2)
         throw UserError("--scenario: " + p.scenario + " has room for one peer; two are needed");
       const std::string name = short_name(input);
       add_case(p.cases, {name + "-" + std::to_string(seed), name + ", seed " + std::to_string(seed), kind_of(input),
                          input, seed, std::move(scene)});
       // Mistakes in files show before hours are spent.
-      support::load_input(input, p.cases.back().scene, 0, seed);
+      shell::load_input(input, p.cases.back().scene, 0, seed);
     }
   }
   return p;
@@ -182,9 +182,9 @@ int FiguresCommand::run() {
   std::cout << "\n"
             << p.cases.size() * p.settings.size() << " runs in " << fixed(spent, 1) << " s; see "
             << (std::filesystem::path(out_) / "report.html").string() << "\n";
-  if (wrong.empty()) return support::kExitFine;
+  if (wrong.empty()) return shell::kExitFine;
   std::cerr << "padr-lab: " << wrong << '\n';
-  return support::kExitFailure;
+  return shell::kExitFailure;
 }
 
 }  // namespace padr::lab

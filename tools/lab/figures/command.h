@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "shell/netem_flags.h"
+#include "shell/scenario_flags.h"
 #include "tools/lab/figures/experiment.h"
-#include "tools/support/netem_flags.h"
-#include "tools/support/scenario_flags.h"
 
 namespace padr::lab {
 
@@ -22,9 +22,9 @@ class FiguresCommand {
   std::string canonical() const;
   std::vector<figures::Setting> settings() const;
 
-  support::ScenarioFlags scenario_;
+  shell::ScenarioFlags scenario_;
   std::vector<std::string> inputs_;
-  std::vector<std::string> knobs_;  ///< by support::knobs(); empty: as the setting has it
+  std::vector<std::string> knobs_;  ///< by shell::knobs(); empty: as the setting has it
   std::vector<std::string> added_;
   std::string out_;
   int seeds_ = 6;

@@ -2,9 +2,9 @@
 
 #include <filesystem>
 
+#include "shell/files.h"
+#include "shell/revision.h"
 #include "tools/lab/figures/words.h"
-#include "tools/support/files.h"
-#include "tools/support/revision.h"
 
 namespace padr::lab::figures {
 namespace {
@@ -81,8 +81,8 @@ void Page::head() {
       ". The paper gives no world sizes, masses or constants: ours are our own choice, so shapes can be compared with "
       "its "
       "figures, heights cannot.</p>");
-  add("<p class=\"small\">" + escaped(plan_.command) + "<br>padr-lab " + std::string(support::version()) +
-      ", revision " + std::string(support::revision()) + "</p>");
+  add("<p class=\"small\">" + escaped(plan_.command) + "<br>padr-lab " + std::string(shell::version()) + ", revision " +
+      std::string(shell::revision()) + "</p>");
 }
 
 void Page::claims_of(const std::string& figure) {
@@ -100,7 +100,7 @@ void Page::picture(const std::string& name) {
     add("<p class=\"small\">(" + name + " was not drawn)</p>");
     return;
   }
-  const std::string svg = support::read_file("--out", (std::filesystem::path(dir_) / (name + ".svg")).string());
+  const std::string svg = shell::read_file("--out", (std::filesystem::path(dir_) / (name + ".svg")).string());
   const std::size_t begin = svg.find("<svg");
   add("<figure>" + (begin == std::string::npos ? svg : svg.substr(begin)) + "</figure>");
 }

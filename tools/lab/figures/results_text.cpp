@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <array>
 
+#include "shell/json.h"
+#include "shell/revision.h"
 #include "tools/lab/figures/words.h"
-#include "tools/support/json.h"
-#include "tools/support/revision.h"
 
 namespace padr::lab::figures {
 namespace {
 
 using plot::number;
-using support::Json;
+using shell::Json;
 
 /// The numbers of a run, in the one order of every file.
 struct Column {
@@ -165,7 +165,7 @@ std::string table(const Plan& plan, const Results& r, const std::vector<Claim>& 
 
 std::string json(const Plan& plan, const Results& r, const std::vector<Claim>& claims) {
   Json j;
-  j.begin_object().field("program", "padr-lab").field("revision", support::revision());
+  j.begin_object().field("program", "padr-lab").field("revision", shell::revision());
   j.field("command", plan.command).field("scenario", plan.scenario).field("netem", plan.netem_text);
   j.field("seconds", plan.seconds()).field("peers", 2);
   j.key("claims").begin_array();

@@ -5,10 +5,10 @@
 #include <iterator>
 #include <memory>
 
+#include "shell/command_line.h"
+#include "shell/scenario_flags.h"
 #include "tools/lab/simulation.h"
 #include "tools/plot/gnuplot.h"
-#include "tools/support/command_line.h"
-#include "tools/support/scenario_flags.h"
 
 namespace padr::lab::figures {
 namespace {
@@ -51,8 +51,8 @@ Setting setting(const std::string& name, const std::string& threshold, const std
 }  // namespace
 
 FigureRun run_figure(const Case& c, const Setting& s, const link::NetemSpec& netem, Tick ticks) {
-  const auto driver = support::load_input(c.input, c.scene, kDriver, c.seed);
-  const auto watcher = support::load_input("rest", c.scene, kWatcher, c.seed);
+  const auto driver = shell::load_input(c.input, c.scene, kDriver, c.seed);
+  const auto watcher = shell::load_input("rest", c.scene, kWatcher, c.seed);
   SimulationConfig config;
   config.scene = c.scene;
   config.technique = s.technique;
@@ -101,7 +101,7 @@ std::string run_command(const Case& c, const Setting& s, const std::string& scen
                                  "--settle",   seconds(kConfirmTicks),
                                  "--watch",    std::to_string(kWatcher)};
   if (!netem.empty()) words.insert(words.end(), {"--netem", netem});
-  return support::shell_line(words) + " --technique " + describe(s.technique);
+  return shell::shell_line(words) + " --technique " + describe(s.technique);
 }
 
 std::vector<Setting> figure_settings() {

@@ -3,13 +3,13 @@
 #include <cmath>
 #include <string>
 
-#include "tools/support/text.h"
+#include "shell/text.h"
 
 namespace padr::lab::figures {
 
 /// Fixed digits; "-" for what there is no number for.
 inline std::string fixed(double v, int digits) {
-  return support::fixed_or_dash(v, digits);
+  return shell::fixed_or_dash(v, digits);
 }
 
 /// 0.5 is "50 %".

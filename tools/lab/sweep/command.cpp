@@ -3,12 +3,12 @@
 #include <cstdio>
 
 #include "common/model/user_error.h"
+#include "shell/command_line.h"
+#include "shell/run_main.h"
+#include "shell/scenario_flags.h"
+#include "shell/technique_flags.h"
 #include "tools/lab/sweep/digest.h"
 #include "tools/lab/sweep/sweep.h"
-#include "tools/support/command_line.h"
-#include "tools/support/run_main.h"
-#include "tools/support/scenario_flags.h"
-#include "tools/support/technique_flags.h"
 
 namespace padr::lab {
 namespace {
@@ -48,8 +48,8 @@ void declare_technique(CLI::App& app, sweep::GridText& grid) {
       ->type_name("NAMES")
       ->capture_default_str()
       ->group(group);
-  for (std::size_t k = 0; k < support::knobs().size(); ++k) {
-    const support::Knob& knob = support::knobs()[k];
+  for (std::size_t k = 0; k < shell::knobs().size(); ++k) {
+    const shell::Knob& knob = shell::knobs()[k];
     app.add_option(knob.flag, grid.knobs[k], knob.help)->type_name(std::string(knob.type) + ",...")->group(group);
   }
 }
@@ -57,7 +57,7 @@ void declare_technique(CLI::App& app, sweep::GridText& grid) {
 }  // namespace
 
 SweepCommand::SweepCommand() {
-  grid_.knobs.resize(support::knobs().size());
+  grid_.knobs.resize(shell::knobs().size());
 }
 
 void SweepCommand::declare(CLI::App& app) {
@@ -78,16 +78,16 @@ void SweepCommand::declare(CLI::App& app) {
       ->type_name("NUMBERS")
       ->capture_default_str()
       ->group(world);
-  app.add_option("--input", grid_.inputs, std::string(support::kInputHelp) + "; repeat for more peers, in turn")
+  app.add_option("--input", grid_.inputs, std::string(shell::kInputHelp) + "; repeat for more peers, in turn")
       ->type_name("SPEC")
       ->group(world);
   declare_network(app, grid_);
   declare_technique(app, grid_);
   app.add_option("--seconds", grid_.seconds, "Virtual time with input in every run, s")
-      ->check(support::between(0.1, kMaxSeconds, "seconds"))
+      ->check(shell::between(0.1, kMaxSeconds, "seconds"))
       ->capture_default_str();
   app.add_option("--settle", grid_.settle_seconds, "Virtual seconds without input after that")
-      ->check(support::between(0, kMaxSeconds, "seconds"))
+      ->check(shell::between(0, kMaxSeconds, "seconds"))
       ->capture_default_str();
   app.add_option("--watch", grid_.watch, "Measure only the view of this peer, and only while there is input")
       ->type_name("PEER");
@@ -115,7 +115,7 @@ int SweepCommand::run() {
   for (const std::string& w : grid.warnings()) std::fprintf(stderr, "padr-lab: warning: in some runs: %s\n", w.c_str());
   if (dry_) {
     std::printf("grid %s: %zu runs\n", grid.id().c_str(), grid.size());
-    return support::kExitFine;
+    return shell::kExitFine;
   }
   if (csv_.empty()) throw UserError("--csv is required: the file for the rows (or give --dry-run)");
   if (!summary_.empty() && shard.count > 1)
@@ -126,9 +126,9 @@ int SweepCommand::run() {
   std::printf("grid %s: %zu of %zu runs in %s, %zu of them new\n", grid.id().c_str(), r.runs, grid.size(), csv_.c_str(),
               r.done_now);
   if (shard.count == 1) sum_up("--csv", csv_, summary_);
-  if (r.agreed) return support::kExitFine;
+  if (r.agreed) return shell::kExitFine;
   std::fprintf(stderr, "padr-lab: confirmed worlds differed: see the column confirmed_mismatches\n");
-  return support::kExitFailure;
+  return shell::kExitFailure;
 }
 
 void MergeCommand::declare(CLI::App& app) {
@@ -147,7 +147,7 @@ int MergeCommand::run() {
   const std::size_t runs = sweep::merge(shards_, out_);
   std::printf("%zu runs of %zu files in %s\n", runs, shards_.size(), out_.c_str());
   sum_up("--out", out_, summary_);
-  return support::kExitFine;
+  return shell::kExitFine;
 }
 
 }  // namespace padr::lab

@@ -11,12 +11,12 @@
 #include "common/scenarios/bodies.h"
 #include "common/scenarios/scenarios.h"
 #include "common/world/world.h"
+#include "shell/files.h"
+#include "shell/netem_flags.h"
+#include "shell/revision.h"
+#include "shell/scenario_flags.h"
+#include "shell/technique_flags.h"
 #include "tools/lab/sweep/values.h"
-#include "tools/support/files.h"
-#include "tools/support/netem_flags.h"
-#include "tools/support/revision.h"
-#include "tools/support/scenario_flags.h"
-#include "tools/support/technique_flags.h"
 
 namespace padr::lab::sweep {
 namespace {
@@ -69,8 +69,8 @@ Grid::Grid(const GridText& t)
   for (std::size_t k = 0; k < t.knobs.size(); ++k) {
     if (t.knobs[k].empty()) continue;
     knobs_.push_back(k);
-    knob_columns_.push_back(column_of(support::knobs()[k].flag));
-    knob_values_.push_back(words_of(support::knobs()[k].flag, t.knobs[k]));
+    knob_columns_.push_back(column_of(shell::knobs()[k].flag));
+    knob_values_.push_back(words_of(shell::knobs()[k].flag, t.knobs[k]));
   }
   std::vector<std::size_t> lengths{scenarios_.size(), bodies_.size(),       peers_.size(),      delay_ms_.size(),
                                    jitter_ms_.size(), loss_percent_.size(), techniques_.size(), seeds_.size()};
@@ -102,22 +102,22 @@ Point Grid::point(std::size_t index) const {
   p.peers = static_cast<int>(pick(peers_));
   p.bodies = pick(bodies_);
   p.scenario = pick(scenarios_);
-  p.technique = support::technique_of(p.technique_name);
-  for (std::size_t k = 0; k < knobs_.size(); ++k) support::knobs()[knobs_[k]].set(p.technique, p.knobs[k]);
-  p.netem = support::parse_netem_flag("--netem", netem_text(p.delay_ms, p.jitter_ms, p.loss_percent, netem_), nullptr);
+  p.technique = shell::technique_of(p.technique_name);
+  for (std::size_t k = 0; k < knobs_.size(); ++k) shell::knobs()[knobs_[k]].set(p.technique, p.knobs[k]);
+  p.netem = shell::parse_netem_flag("--netem", netem_text(p.delay_ms, p.jitter_ms, p.loss_percent, netem_), nullptr);
   return p;
 }
 
 void Grid::check_techniques() {
   for (const std::string& name : techniques_) {
-    Technique t = support::technique_of(name);
+    Technique t = shell::technique_of(name);
     for (std::size_t k = 0; k < knobs_.size(); ++k)
-      for (const std::string& value : knob_values_[k]) support::knobs()[knobs_[k]].set(t, value);
+      for (const std::string& value : knob_values_[k]) shell::knobs()[knobs_[k]].set(t, value);
   }
   for (const double delay : delay_ms_)
     for (const double jitter : jitter_ms_)
       for (const double loss : loss_percent_)
-        support::parse_netem_flag("--netem", netem_text(delay, jitter, loss, netem_), &warnings_);
+        shell::parse_netem_flag("--netem", netem_text(delay, jitter, loss, netem_), &warnings_);
   std::sort(warnings_.begin(), warnings_.end());
   warnings_.erase(std::unique(warnings_.begin(), warnings_.end()), warnings_.end());
 }
@@ -126,7 +126,7 @@ void Grid::check_techniques() {
 void Grid::check_sessions() const {
   const auto most = static_cast<int>(*std::max_element(peers_.begin(), peers_.end()));
   for (const std::string& name : scenarios_) {
-    const support::LoadedScenario s = support::load_scenario(name, seeds_.front());
+    const shell::LoadedScenario s = shell::load_scenario(name, seeds_.front());
     const auto check_room = [&name, most](const Scene& scene, const std::string& with) {
       const auto spawns = static_cast<int>(scene.avatar.spawns.size());
       if (most > spawns)
@@ -142,9 +142,9 @@ void Grid::check_sessions() const {
       check_room(scenarios::load(scenarios::with_bodies(s.text, flag, *bodies), flag, seeds_.front()),
                  " with " + count);
     }
-    support::tell_of_paths("padr-lab", inputs_, s.scene);
+    shell::tell_of_paths("padr-lab", inputs_, s.scene);
     for (int p = 0; p < most; ++p)
-      support::load_input(inputs_[static_cast<std::size_t>(p) % inputs_.size()], s.scene, p, seeds_.front());
+      shell::load_input(inputs_[static_cast<std::size_t>(p) % inputs_.size()], s.scene, p, seeds_.front());
   }
 }
 
@@ -158,11 +158,11 @@ std::string Grid::identify() const {
     h.add(static_cast<std::uint64_t>(values.size()));
     for (const double v : values) h.add(std::string_view(plain(v)));
   };
-  h.add(support::revision());
+  h.add(shell::revision());
   h.add(world::physics_fingerprint());
   for (const std::string& name : scenarios_) {
     h.add(std::string_view(name));
-    h.add(std::string_view(support::load_scenario(name, seeds_.front()).text));
+    h.add(std::string_view(shell::load_scenario(name, seeds_.front()).text));
   }
   h.add(static_cast<std::uint64_t>(bodies_.size()));
   for (const auto& b : bodies_) h.add(static_cast<std::uint64_t>(b.value_or(0)));
@@ -171,7 +171,7 @@ std::string Grid::identify() const {
   numbers(jitter_ms_);
   numbers(loss_percent_);
   h.add(std::string_view(netem_));
-  for (const std::string& name : techniques_) h.add(std::string_view(describe(support::technique_of(name))));
+  for (const std::string& name : techniques_) h.add(std::string_view(describe(shell::technique_of(name))));
   for (std::size_t k = 0; k < knobs_.size(); ++k) {
     h.add(std::string_view(knob_columns_[k]));
     for (const std::string& v : knob_values_[k]) h.add(std::string_view(v));
@@ -184,7 +184,7 @@ std::string Grid::identify() const {
     if (!input.starts_with("path:")) continue;
     const std::string file =
         input.substr(5, input.rfind(",loop") == std::string::npos ? std::string::npos : input.size() - 5 - 5);
-    h.add(std::string_view(support::read_file("--input", file)));
+    h.add(std::string_view(shell::read_file("--input", file)));
   }
   std::array<char, 16> text{};
   std::snprintf(text.data(), text.size(), "%08x", static_cast<unsigned>(h.value() >> 32U));

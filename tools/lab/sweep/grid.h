@@ -22,7 +22,7 @@ struct GridText {
   std::string loss;
   std::string netem;  ///< further words for every run, no list
   std::string techniques = "full";
-  std::vector<std::string> knobs;  ///< one for each of support::knobs(); empty: as the technique has it
+  std::vector<std::string> knobs;  ///< one for each of shell::knobs(); empty: as the technique has it
   std::string seeds = "1";
   double seconds = 60;
   double settle_seconds = 0;
@@ -77,7 +77,7 @@ class Grid {
   std::vector<double> delay_ms_, jitter_ms_, loss_percent_;
   std::string netem_;
   std::vector<std::string> techniques_;
-  std::vector<std::size_t> knobs_;  ///< places in support::knobs()
+  std::vector<std::size_t> knobs_;  ///< places in shell::knobs()
   std::vector<std::string> knob_columns_;
   std::vector<std::vector<std::string>> knob_values_;  ///< by knob of the grid
   std::vector<std::uint64_t> seeds_;

@@ -6,11 +6,11 @@
 
 #include "common/scenarios/bodies.h"
 #include "common/scenarios/scenarios.h"
+#include "shell/scenario_flags.h"
 #include "tools/lab/rates.h"
 #include "tools/lab/sweep/rows_file.h"
 #include "tools/lab/sweep/values.h"
 #include "tools/plot/gnuplot.h"
-#include "tools/support/scenario_flags.h"
 
 namespace padr::lab::sweep {
 namespace {
@@ -23,7 +23,7 @@ constexpr const char* kOutcome =
     "confirmed_mismatches,confirmed_hash,setting";
 
 Scene scene_of(const Point& p) {
-  support::LoadedScenario s = support::load_scenario(p.scenario, p.seed);
+  shell::LoadedScenario s = shell::load_scenario(p.scenario, p.seed);
   if (!p.bodies) return s.scene;
   const std::string label = "--bodies " + std::to_string(*p.bodies) + ": " + p.scenario;
   return scenarios::load(scenarios::with_bodies(s.text, label, *p.bodies), label, p.seed);
@@ -88,7 +88,7 @@ Row run_point(const Grid& grid, std::size_t index) {
   std::vector<std::unique_ptr<scenarios::InputSource>> inputs;
   for (int peer = 0; peer < p.peers; ++peer) {
     const std::string& spec = grid.inputs()[static_cast<std::size_t>(peer) % grid.inputs().size()];
-    inputs.push_back(support::load_input(spec, config.scene, peer, p.seed));
+    inputs.push_back(shell::load_input(spec, config.scene, peer, p.seed));
     config.inputs.push_back(inputs.back().get());
   }
   Simulation simulation(std::move(config));

@@ -7,7 +7,7 @@
 #include <system_error>
 
 #include "common/model/user_error.h"
-#include "tools/support/files.h"
+#include "shell/files.h"
 
 namespace padr::lab::sweep {
 namespace {
@@ -34,7 +34,7 @@ std::optional<StoredRow> row_of(std::string_view line, std::size_t fields) {
 }  // namespace
 
 StoredRows read_rows(std::string_view flag, const std::string& file) {
-  const std::string text = support::read_file(flag, file, kMostBytes);
+  const std::string text = shell::read_file(flag, file, kMostBytes);
   StoredRows stored;
   std::size_t line = 0;
   std::size_t fields = 0;
@@ -101,7 +101,7 @@ void make_folder_of(const std::string& file) {
 void replace_file(std::string_view flag, const std::string& file, const std::string& text) {
   const std::string part = file + ".part";
   make_folder_of(file);
-  support::OutputFile out(flag, part);
+  shell::OutputFile out(flag, part);
   out.write(text);
   out.close();
   std::filesystem::rename(part, file);

@@ -6,9 +6,9 @@
 #include <mutex>
 
 #include "common/model/user_error.h"
+#include "shell/files.h"
 #include "tools/lab/sweep/row.h"
 #include "tools/lab/sweep/rows_file.h"
-#include "tools/support/files.h"
 
 namespace padr::lab::sweep {
 namespace {
@@ -71,7 +71,7 @@ SweepResult run_sweep(const Grid& grid, const Shard& shard, const std::string& f
   // The file is written anew beside the old one, which stays until the new one has all its rows.
   const std::string part = file + ".part";
   make_folder_of(file);
-  support::OutputFile out("--csv", part);
+  shell::OutputFile out("--csv", part);
   out.write(canonical(heading_of(grid), rows));
   out.flush();
   std::filesystem::rename(part, file);

@@ -1,11 +1,11 @@
-#include "tools/support/technique_flags.h"
+#include "shell/technique_flags.h"
 
 #include <algorithm>
 #include <sstream>
 
 #include "common/model/user_error.h"
 
-namespace padr::support {
+namespace padr::shell {
 namespace {
 
 constexpr std::array<Knob, TechniqueFlags::kKnobs> kKnobTable{{
@@ -92,4 +92,4 @@ Technique TechniqueFlags::technique() const {
   return t;
 }
 
-}  // namespace padr::support
+}  // namespace padr::shell

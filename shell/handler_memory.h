@@ -6,7 +6,7 @@
 #include <new>
 #include <utility>
 
-namespace padr::support {
+namespace padr::shell {
 
 /// Room for what Asio keeps of handlers while they wait, used again for the next ones. Asio has a cache for that of its
 /// own, which kinds of handlers that take turns push out of it, and which has no second place for one that is cancelled
@@ -88,4 +88,4 @@ class KeptIn {
   Handler handler_;
 };
 
-}  // namespace padr::support
+}  // namespace padr::shell

@@ -9,7 +9,7 @@
 
 #include "common/link/netem_spec.h"
 
-namespace padr::support {
+namespace padr::shell {
 
 /// parse_netem for the value of a flag: errors and warnings begin with the flag's name.
 link::NetemSpec parse_netem_flag(std::string_view flag, std::string_view text, std::vector<std::string>* warnings);
@@ -36,4 +36,4 @@ class NetemFlags {
 /// One paragraph on the grammar, for help texts.
 extern const char* const kNetemHelp;
 
-}  // namespace padr::support
+}  // namespace padr::shell

@@ -1,4 +1,4 @@
-#include "tools/support/files.h"
+#include "shell/files.h"
 
 #include <cerrno>
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 #include "common/model/user_error.h"
 
-namespace padr::support {
+namespace padr::shell {
 namespace {
 
 std::string system_reason() {
@@ -63,4 +63,4 @@ void OutputFile::fail() const {
   throw std::system_error(errno, std::generic_category(), "cannot write '" + path_ + "'");
 }
 
-}  // namespace padr::support
+}  // namespace padr::shell

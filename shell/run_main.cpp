@@ -1,4 +1,4 @@
-#include "tools/support/run_main.h"
+#include "shell/run_main.h"
 
 #include <cstdio>
 #include <exception>
@@ -6,7 +6,7 @@
 
 #include "common/model/user_error.h"
 
-namespace padr::support {
+namespace padr::shell {
 namespace {
 
 void say(std::string_view program, const char* what) {
@@ -27,4 +27,4 @@ int run_main(std::string_view program, const std::function<int()>& body) {
   }
 }
 
-}  // namespace padr::support
+}  // namespace padr::shell

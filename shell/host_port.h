@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace padr::support {
+namespace padr::shell {
 
 /// A UDP address as a user writes it: HOST:PORT, where HOST is a name, an IPv4 address or an IPv6 address in brackets.
 struct HostPort {
@@ -16,4 +16,4 @@ struct HostPort {
 /// Throws UserError, which names the flag, for anything else and for ports below `lowest_port`.
 HostPort parse_host_port(std::string_view flag, std::string_view text, int lowest_port);
 
-}  // namespace padr::support
+}  // namespace padr::shell

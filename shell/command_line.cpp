@@ -1,4 +1,4 @@
-#include "tools/support/command_line.h"
+#include "shell/command_line.h"
 
 #include <algorithm>
 #include <array>
@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "common/model/user_error.h"
-#include "tools/support/revision.h"
+#include "shell/revision.h"
 
-namespace padr::support {
+namespace padr::shell {
 
 void add_version_flag(CLI::App& app, const std::string& program) {
   app.set_version_flag("--version",
@@ -147,4 +147,4 @@ std::string shell_line(const std::vector<std::string>& command) {
   return line;
 }
 
-}  // namespace padr::support
+}  // namespace padr::shell

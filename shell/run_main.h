@@ -3,7 +3,7 @@
 #include <functional>
 #include <string_view>
 
-namespace padr::support {
+namespace padr::shell {
 
 /// Exit codes of all programs.
 inline constexpr int kExitFine = 0;
@@ -14,4 +14,4 @@ inline constexpr int kExitUsage = 2;    ///< a mistake in a flag or in a file th
 /// other exception (the operating system's among them) one line and kExitFailure.
 int run_main(std::string_view program, const std::function<int()>& body);
 
-}  // namespace padr::support
+}  // namespace padr::shell

@@ -4,7 +4,7 @@
 
 #include "common/model/ids.h"
 
-namespace padr::support {
+namespace padr::shell {
 
 /// A program's only clock: microseconds since it began, monotonic.
 class Clock {
@@ -17,4 +17,4 @@ class Clock {
   Steady::time_point start_ = Steady::now();
 };
 
-}  // namespace padr::support
+}  // namespace padr::shell

@@ -14,16 +14,16 @@
 #include <vector>
 
 #include "common/model/endpoint.h"
-#include "tools/support/handler_memory.h"
-#include "tools/support/host_port.h"
+#include "shell/handler_memory.h"
+#include "shell/host_port.h"
 
-namespace padr::support {
+namespace padr::shell {
 
 using Udp = boost::asio::ip::udp;
 
 /// The first address of HOST of the wanted family, if a family is wanted; otherwise IPv4 before IPv6.
 /// Throws UserError, which names the flag, if there is none.
-Udp::endpoint resolve(boost::asio::io_context& io, const std::string& flag, const support::HostPort& where,
+Udp::endpoint resolve(boost::asio::io_context& io, const std::string& flag, const shell::HostPort& where,
                       const Udp* family = nullptr);
 
 Endpoint to_endpoint(const Udp::endpoint& e);
@@ -105,4 +105,4 @@ class UdpSocket {
   std::unique_ptr<std::byte[]> inbox_;
 };
 
-}  // namespace padr::support
+}  // namespace padr::shell

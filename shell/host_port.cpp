@@ -1,10 +1,10 @@
-#include "tools/support/host_port.h"
+#include "shell/host_port.h"
 
 #include <charconv>
 
 #include "common/model/user_error.h"
 
-namespace padr::support {
+namespace padr::shell {
 
 HostPort parse_host_port(std::string_view flag, std::string_view text, int lowest_port) {
   const auto bad = [&](std::string_view why) {
@@ -29,4 +29,4 @@ HostPort parse_host_port(std::string_view flag, std::string_view text, int lowes
   return {std::string(text), std::string(host), static_cast<std::uint16_t>(number)};
 }
 
-}  // namespace padr::support
+}  // namespace padr::shell

@@ -2,9 +2,9 @@
 
 #include "common/trace/fidelity.h"
 #include "common/trace/pcc.h"
-#include "tools/support/json.h"
+#include "shell/json.h"
 
-namespace padr::support {
+namespace padr::shell {
 
 /// Fields of an open object; padr-lab and padr-report give a measure the same names. docs/metrics.md defines them.
 inline void put(Json& j, const trace::Fidelity& f) {
@@ -18,4 +18,4 @@ inline void put(Json& j, const trace::Pcc& c) {
   j.field("pcc_bodies_mean", c.bodies_mean).field("pcc_bodies_peak", c.bodies_peak);
 }
 
-}  // namespace padr::support
+}  // namespace padr::shell

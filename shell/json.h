@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace padr::support {
+namespace padr::shell {
 
 /// Writes one JSON document (RFC 8259), indented or in one line, as text. Calls must nest properly: that is asserted.
 ///
@@ -58,4 +58,4 @@ class Json {
   bool after_key_ = false;
 };
 
-}  // namespace padr::support
+}  // namespace padr::shell

@@ -8,7 +8,7 @@
 
 #include "common/model/technique.h"
 
-namespace padr::support {
+namespace padr::shell {
 
 /// A setting of a technique as a flag.
 struct Knob {
@@ -42,4 +42,4 @@ class TechniqueFlags {
   std::array<CLI::Option*, kKnobs> options_{};
 };
 
-}  // namespace padr::support
+}  // namespace padr::shell

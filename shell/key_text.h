@@ -6,7 +6,7 @@
 
 #include "common/model/endpoint.h"
 
-namespace padr::support {
+namespace padr::shell {
 
 /// Keys of 32 bytes, secret or public, as 64 hexadecimal digits.
 using KeyBytes = PublicKey;
@@ -25,4 +25,4 @@ std::string keylog_line(const KeylogEntry& entry);
 /// Nothing if it is none.
 std::optional<KeylogEntry> parse_keylog_line(std::string_view line);
 
-}  // namespace padr::support
+}  // namespace padr::shell

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <random>
 
-namespace padr::support {
+namespace padr::shell {
 
 /// 64 bits that nobody guesses, from the system.
 inline std::uint64_t unpredictable() {
@@ -11,4 +11,4 @@ inline std::uint64_t unpredictable() {
   return std::uint64_t{device()} << 32U | device();
 }
 
-}  // namespace padr::support
+}  // namespace padr::shell

@@ -1,11 +1,11 @@
-#include "tools/support/text.h"
+#include "shell/text.h"
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 
-namespace padr::support {
+namespace padr::shell {
 namespace {
 
 /// Bytes of the well-formed sequence at the begin of `s`; 0 if there is none.
@@ -69,4 +69,4 @@ std::string Table::text() const {
   return s;
 }
 
-}  // namespace padr::support
+}  // namespace padr::shell

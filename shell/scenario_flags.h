@@ -12,7 +12,7 @@
 #include "common/scenarios/input.h"
 #include "common/scenarios/path_survey.h"
 
-namespace padr::support {
+namespace padr::shell {
 
 /// A scenario with where it came from.
 struct LoadedScenario {
@@ -52,4 +52,4 @@ void tell_of_paths(const char* program, const std::vector<std::string>& specs, c
 inline constexpr const char* kInputHelp =
     "path:FILE[,loop] (CSV of t,x,y in s and m), wander[:SEED] (made-up human motion) or rest";
 
-}  // namespace padr::support
+}  // namespace padr::shell

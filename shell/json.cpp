@@ -1,11 +1,11 @@
-#include "tools/support/json.h"
+#include "shell/json.h"
 
 #include <array>
 #include <cassert>
 #include <charconv>
 #include <cmath>
 
-namespace padr::support {
+namespace padr::shell {
 namespace {
 
 void append_quoted(std::string& out, std::string_view text) {
@@ -102,4 +102,4 @@ std::string Json::text() const {
   return layout_ == Layout::kOneLine ? out_ : out_ + "\n";
 }
 
-}  // namespace padr::support
+}  // namespace padr::shell

@@ -1,4 +1,4 @@
-#include "tools/support/scenario_flags.h"
+#include "shell/scenario_flags.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -6,10 +6,10 @@
 
 #include "common/model/user_error.h"
 #include "common/scenarios/scenarios.h"
-#include "tools/support/command_line.h"
-#include "tools/support/files.h"
+#include "shell/command_line.h"
+#include "shell/files.h"
 
-namespace padr::support {
+namespace padr::shell {
 namespace {
 
 std::string names() {
@@ -89,4 +89,4 @@ void tell_of_paths(const char* program, const std::vector<std::string>& specs, c
   }
 }
 
-}  // namespace padr::support
+}  // namespace padr::shell

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace padr::support {
+namespace padr::shell {
 
 /// Gives `app` a --version flag that prints program name, version and revision.
 void add_version_flag(CLI::App& app, const std::string& program);
@@ -23,4 +23,4 @@ std::vector<std::string> command_of(int argc, const char* const* argv);
 /// The same in one line, quoted where a POSIX shell needs it.
 std::string shell_line(const std::vector<std::string>& command);
 
-}  // namespace padr::support
+}  // namespace padr::shell

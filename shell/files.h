@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace padr::support {
+namespace padr::shell {
 
 /// The whole of a regular file. `flag` is for the message. Throws UserError, which names the flag, the file and the
 /// system's reason, if it cannot be read or is larger than `limit` bytes.
@@ -35,4 +35,4 @@ class OutputFile {
   std::unique_ptr<std::FILE, Close> file_;
 };
 
-}  // namespace padr::support
+}  // namespace padr::shell

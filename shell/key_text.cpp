@@ -1,8 +1,8 @@
-#include "tools/support/key_text.h"
+#include "shell/key_text.h"
 
 #include <algorithm>
 
-namespace padr::support {
+namespace padr::shell {
 namespace {
 
 constexpr std::string_view kDigits = "0123456789abcdef";
@@ -61,4 +61,4 @@ std::optional<KeylogEntry> parse_keylog_line(std::string_view line) {
   return KeylogEntry{*from, *to, *key};
 }
 
-}  // namespace padr::support
+}  // namespace padr::shell

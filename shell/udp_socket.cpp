@@ -1,4 +1,4 @@
-#include "tools/support/udp_socket.h"
+#include "shell/udp_socket.h"
 
 #include <linux/errqueue.h>
 #include <netinet/in.h>
@@ -14,7 +14,7 @@
 
 #include "common/model/user_error.h"
 
-namespace padr::support {
+namespace padr::shell {
 namespace {
 
 namespace asio = boost::asio;
@@ -37,8 +37,7 @@ Udp::endpoint to_asio(const Endpoint& e, bool v4) {
 
 }  // namespace
 
-Udp::endpoint resolve(asio::io_context& io, const std::string& flag, const support::HostPort& where,
-                      const Udp* family) {
+Udp::endpoint resolve(asio::io_context& io, const std::string& flag, const shell::HostPort& where, const Udp* family) {
   Udp::resolver resolver(io);
   error_code error;
   const auto found = resolver.resolve(where.host, std::to_string(where.port), error);
@@ -264,4 +263,4 @@ bool UdpSocket::send(const Endpoint& to, std::span<const std::byte> datagram) {
   return false;
 }
 
-}  // namespace padr::support
+}  // namespace padr::shell

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace padr::support {
+namespace padr::shell {
 
 /// "0.123" and so on: fixed digits, independent of locale; "inf" and "nan" for what is not finite.
 std::string fixed(double v, int digits);
@@ -32,4 +32,4 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
-}  // namespace padr::support
+}  // namespace padr::shell

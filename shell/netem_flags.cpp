@@ -1,9 +1,9 @@
-#include "tools/support/netem_flags.h"
+#include "shell/netem_flags.h"
 
 #include "common/model/user_error.h"
-#include "tools/support/command_line.h"
+#include "shell/command_line.h"
 
-namespace padr::support {
+namespace padr::shell {
 
 const char* const kNetemHelp =
     "SPEC is what follows `netem` in `tc qdisc add ... netem SPEC`, see tc-netem(8), in one argument:\n"
@@ -47,4 +47,4 @@ link::NetemSpec NetemFlags::spec(std::vector<std::string>* warnings) const {
   return parse_netem_flag("--netem", text_, warnings);
 }
 
-}  // namespace padr::support
+}  // namespace padr::shell
