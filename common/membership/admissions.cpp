@@ -39,18 +39,19 @@ std::uint64_t Admissions::cookie_for(const Endpoint& where, std::uint64_t nonce)
   return std::max<std::uint64_t>(cookie, 1);
 }
 
-void Admissions::refuse(const Endpoint& from, const wire::Join& join, const std::string& reason) {
-  session_.send(from, wire::Refuse{join.nonce, reason});
-  session_.note("refused " + to_string(from) + ": " + reason, true);
+void Admissions::refuse(const Endpoint& from, const wire::Join& join, const std::string& reason, Commands& out) {
+  out.send(from, wire::Refuse{join.nonce, reason});
+  out.note("refused " + to_string(from) + ": " + reason, true);
 }
 
-void Admissions::on_join(const Endpoint& from, const wire::Join& join, const RecordedReplica& replica, Micros local) {
-  if (!session_.may_answer(local)) return;
+void Admissions::on_join(const Endpoint& from, const wire::Join& join, const Replica& replica, Micros local,
+                         Commands& out) {
+  if (!out.may_answer(local)) return;
   Guest* guest = guest_at(from, join.nonce);
   if (guest == nullptr) {
     const std::string reason = objection(session_.config, join);
-    if (!reason.empty()) return refuse(from, join, reason);
-    guest = take_in(from, join, replica.replica(), local);
+    if (!reason.empty()) return refuse(from, join, reason, out);
+    guest = take_in(from, join, replica, local, out);
     if (guest == nullptr) return;
   }
   wire::Welcome w;
@@ -61,18 +62,19 @@ void Admissions::on_join(const Endpoint& from, const wire::Join& join, const Rec
   w.running = true;
   w.incarnation = guest->incarnation;
   w.cookie = guest->cookie;
-  session_.send(from, w);
+  out.send(from, w);
 }
 
 Admissions::Guest* Admissions::take_in(const Endpoint& from, const wire::Join& join, const Replica& replica,
-                                       Micros local) {
+                                       Micros local, Commands& out) {
   std::erase_if(guests_, [&](const Guest& g) { return same_place(g.at, from) && !g.ordered; });  // started anew
   const auto slot = free_slot(replica);
   if (!slot) {
     if (!may_come_free(replica))
       refuse(from, join,
              "the session is full: " + std::to_string(session_.slots) + " of " + std::to_string(session_.slots) +
-                 " slots are taken");
+                 " slots are taken",
+             out);
     return nullptr;
   }
   Guest g;
@@ -121,20 +123,20 @@ bool Admissions::may_come_free(const Replica& replica) const {
   return false;
 }
 
-bool Admissions::on_ping(const Endpoint& from, const wire::Ping& ping, Micros local) {
+bool Admissions::on_ping(const Endpoint& from, const wire::Ping& ping, Micros local, Commands& out) {
   const bool known = std::any_of(guests_.begin(), guests_.end(), [&](const Guest& g) { return g.at == from; });
-  if (known) session_.send(from, wire::Pong{ping.sent, session_.clock.now(local), session_.present});
+  if (known) out.send(from, wire::Pong{ping.sent, session_.clock.now(local), session_.present});
   return known;
 }
 
-void Admissions::on_pull(const Endpoint& from, const wire::Pull& pull, const RecordedReplica& replica,
-                         std::vector<Endpoint> gone) {
+void Admissions::on_pull(const Endpoint& from, const wire::Pull& pull, const Replica& replica,
+                         std::vector<Endpoint> gone, Commands& out) {
   Guest* guest = guest_at(from, pull.nonce);
   // All pieces together are many times as long as a Pull: an address that is not proven gets none.
   if (guest == nullptr || pull.cookie != guest->cookie) return;
   guest->proven = true;
   if (guest->pieces.empty()) {
-    sync::Transfer t = replica.replica().transfer();
+    sync::Transfer t = replica.transfer();
     t.gone = std::move(gone);
     const wire::Bytes all = wire::encode_transfer(t);
     guest->have = t.have;
@@ -147,53 +149,53 @@ void Admissions::on_pull(const Endpoint& from, const wire::Pull& pull, const Rec
   const auto count = static_cast<std::uint32_t>(guest->pieces.size());
   for (std::uint32_t i = 0; i < kBurst && pull.from + i < count; ++i)
     if ((pull.wanted >> i & 1U) != 0)
-      session_.send(from, wire::Piece{pull.nonce, pull.from + i, count, guest->pieces[pull.from + i]});
+      out.send(from, wire::Piece{pull.nonce, pull.from + i, count, guest->pieces[pull.from + i]});
 }
 
 // A peer that was removed, or left, after the joiner got its transfer sends the joiner nothing, and the members had no
 // reason to publish updates that all of them had.
-void Admissions::pass_on_what_nobody_sends(const Guest& guest, RecordedReplica& replica) {
-  const sync::UpdateLog& log = replica.replica().agreed().log();
+void Admissions::pass_on_what_nobody_sends(const Guest& guest, const Replica& replica, Commands& out) {
+  const sync::UpdateLog& log = replica.agreed().log();
   for (PeerId p = 0; p < session_.slots; ++p) {
     if (p == session_.self) continue;
-    const Neighbour& n = replica.replica().other(p);
+    const Neighbour& n = replica.other(p);
     const std::uint32_t end = n.there() ? n.first : log.have(p);
     for (const sync::Bundle& b : log.of(p, guest.have[p])) {
       if (b.index >= end) break;
       sync::Bundle order;
       order.passed_on.push_back(b);
-      replica.order(order);
+      out.publish(order);
     }
   }
 }
 
-void Admissions::on_enter(const Endpoint& from, const wire::Enter& enter, RecordedReplica& replica, bool may_admit) {
+void Admissions::on_enter(const Endpoint& from, const wire::Enter& enter, const Replica& replica, bool may_admit,
+                          Commands& out) {
   Guest* guest = guest_at(from, enter.nonce);
   if (guest == nullptr || guest->pieces.empty() || guest->ordered || !may_admit) return;
-  if (!knows_all_orders(replica.replica())) return;
-  const bool taken = !is_free(guest->slot, replica.replica()) ||
-                     guest->incarnation <= replica.replica().other(guest->slot).incarnation;
+  if (!knows_all_orders(replica)) return;
+  const bool taken = !is_free(guest->slot, replica) || guest->incarnation <= replica.other(guest->slot).incarnation;
   if (taken) {  // by whom another coordinator has let in meanwhile; the guest misses our answers, and begins anew
     std::erase_if(guests_, [guest](const Guest& g) { return &g == guest; });
     return;
   }
   guest->ordered = true;
-  pass_on_what_nobody_sends(*guest, replica);
+  pass_on_what_nobody_sends(*guest, replica, out);
   sync::Admission a;
   a.slot = guest->slot;
   a.incarnation = guest->incarnation;
-  a.first = replica.replica().agreed().log().have(guest->slot);
+  a.first = replica.agreed().log().have(guest->slot);
   a.at = from;
   a.have = guest->have;
   sync::Bundle order;
   order.admission = std::move(a);
-  replica.order(order);
+  out.publish(order);
 }
 
-void Admissions::pass_on(const Endpoint& from, const wire::Enter& enter, const Endpoint& coordinator) {
+void Admissions::pass_on(const Endpoint& from, const wire::Enter& enter, const Endpoint& coordinator, Commands& out) {
   const Guest* guest = guest_at(from, enter.nonce);
   if (guest != nullptr && guest->proven && !guest->ordered && !same_place(coordinator, from))
-    session_.send(from, wire::Redirect{enter.nonce, coordinator});
+    out.send(from, wire::Redirect{enter.nonce, coordinator});
 }
 
 void Admissions::advance(Micros local) {

@@ -3,8 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/membership/session_state.h"
-#include "common/replica/recorded_replica.h"
+#include "common/membership/commands.h"
 
 namespace padr::node {
 
@@ -12,17 +11,17 @@ namespace padr::node {
 /// publishes its admission once it has all of them.
 class Admissions {
  public:
-  explicit Admissions(SessionState& session) : session_(session) {}
+  explicit Admissions(const SessionView& session) : session_(session) {}
 
-  void on_join(const Endpoint& from, const wire::Join& join, const RecordedReplica& replica, Micros local);
-  bool on_ping(const Endpoint& from, const wire::Ping& ping, Micros local);
+  void on_join(const Endpoint& from, const wire::Join& join, const Replica& replica, Micros local, Commands& out);
+  bool on_ping(const Endpoint& from, const wire::Ping& ping, Micros local, Commands& out);
   /// `gone`: see sync::Transfer.
-  void on_pull(const Endpoint& from, const wire::Pull& pull, const RecordedReplica& replica,
-               std::vector<Endpoint> gone);
+  void on_pull(const Endpoint& from, const wire::Pull& pull, const Replica& replica, std::vector<Endpoint> gone,
+               Commands& out);
   /// `may_admit`: no eviction is under way.
-  void on_enter(const Endpoint& from, const wire::Enter& enter, RecordedReplica& replica, bool may_admit);
+  void on_enter(const Endpoint& from, const wire::Enter& enter, const Replica& replica, bool may_admit, Commands& out);
   /// Another peer is the coordinator now: redirects the joiner to it, unless it is admitted already.
-  void pass_on(const Endpoint& from, const wire::Enter& enter, const Endpoint& coordinator);
+  void pass_on(const Endpoint& from, const wire::Enter& enter, const Endpoint& coordinator, Commands& out);
   /// Forgets joiners that have not come in.
   void advance(Micros local);
   /// Joiners that are being admitted; one a slot at most.
@@ -47,11 +46,11 @@ class Admissions {
   std::optional<PeerId> free_slot(const Replica& replica) const;
   bool knows_all_orders(const Replica& replica) const;
   bool may_come_free(const Replica& replica) const;
-  Guest* take_in(const Endpoint& from, const wire::Join& join, const Replica& replica, Micros local);
-  void pass_on_what_nobody_sends(const Guest& guest, RecordedReplica& replica);
-  void refuse(const Endpoint& from, const wire::Join& join, const std::string& reason);
+  Guest* take_in(const Endpoint& from, const wire::Join& join, const Replica& replica, Micros local, Commands& out);
+  void pass_on_what_nobody_sends(const Guest& guest, const Replica& replica, Commands& out);
+  void refuse(const Endpoint& from, const wire::Join& join, const std::string& reason, Commands& out);
 
-  SessionState& session_;
+  const SessionView& session_;
   std::vector<Guest> guests_;
 };
 

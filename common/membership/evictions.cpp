@@ -39,26 +39,26 @@ bool Evictions::follows(PeerId from, const wire::Poll& poll, const Replica& repl
   return replica.other(from).there() && !suspected(replica, from) && !lost_.contains(from);
 }
 
-void Evictions::on_poll(PeerId from, const wire::Poll& poll, RecordedReplica& replica) {
-  if (poll.freeze && !follows(from, poll, replica.replica())) return;  // not ours to follow, or not yet
+void Evictions::on_poll(PeerId from, const wire::Poll& poll, const Replica& replica, Commands& out) {
+  if (poll.freeze && !follows(from, poll, replica)) return;  // not ours to follow, or not yet
   wire::Answer answer;
   answer.frozen = poll.freeze;
-  answer.tick = replica.replica().now();
+  answer.tick = replica.now();
   for (const wire::Seat& s : poll.lost) {
     if (s.slot >= session_.slots || s.slot == session_.self || s.slot == from) continue;
-    const Neighbour& n = replica.replica().other(s.slot);
+    const Neighbour& n = replica.other(s.slot);
     const bool same = n.incarnation == s.incarnation;
     if (poll.freeze) {
-      if (n.reachable() && same && !n.frozen) replica.freeze(s.slot, true);
+      if (n.reachable() && same && !n.frozen) out.freeze(s.slot, true);
       if (n.frozen) frozen_for_[s.slot] = from;
       answered_[{from, s.slot}] = s.incarnation;
     }
-    answer.lost.push_back({s.slot, s.incarnation, replica.replica().agreed().log().have(s.slot)});
+    answer.lost.push_back({s.slot, s.incarnation, replica.agreed().log().have(s.slot)});
     if (!same || n.frozen || n.answer_mark < 0) continue;
     const auto ago = static_cast<std::uint32_t>(std::max(0, answer.tick - n.answer_mark));
     answer.lost.back().heard = std::min(ago + 1, wire::kMostHeard);
   }
-  if (!answer.lost.empty()) session_.send(replica.replica().other(from).at, answer);
+  if (!answer.lost.empty()) out.send(replica.other(from).at, answer);
 }
 
 void Evictions::on_answer(PeerId from, const wire::Answer& answer, const Replica& replica) {
@@ -76,10 +76,10 @@ void Evictions::on_answer(PeerId from, const wire::Answer& answer, const Replica
   }
 }
 
-void Evictions::on_fetch(PeerId from, const wire::Fetch& fetch, const Replica& replica) {
+void Evictions::on_fetch(PeerId from, const wire::Fetch& fetch, const Replica& replica, Commands& out) {
   if (fetch.slot >= session_.slots || !replica.other(fetch.slot).frozen) return;
   wire::Fetched f{fetch.slot, fetch.incarnation, replica.agreed().log().of(fetch.slot, fetch.from)};
-  if (!f.updates.empty()) session_.send(replica.other(from).at, f);
+  if (!f.updates.empty()) out.send(replica.other(from).at, f);
 }
 
 void Evictions::on_fetched(const wire::Fetched& fetched, const Replica& replica,
@@ -95,13 +95,12 @@ void Evictions::on_fetched(const wire::Fetched& fetched, const Replica& replica,
     }
 }
 
-void Evictions::thaw(RecordedReplica& replica) {
+void Evictions::thaw(const Replica& replica, Commands& out) {
   for (auto it = frozen_for_.begin(); it != frozen_for_.end();) {
-    const Replica& n = replica.replica();
-    if (!n.other(it->first).frozen) {  // it is out, or somebody else sits there
+    if (!replica.other(it->first).frozen) {  // it is out, or somebody else sits there
       it = frozen_for_.erase(it);
-    } else if (!n.other(it->second).reachable()) {  // who asked is gone, and so is the question
-      replica.freeze(it->first, false);
+    } else if (!replica.other(it->second).reachable()) {  // who asked is gone, and so is the question
+      out.freeze(it->first, false);
       it = frozen_for_.erase(it);
     } else {
       ++it;
@@ -117,7 +116,7 @@ bool Evictions::is_first_well(const Replica& replica) const {
   return true;
 }
 
-void Evictions::doubt(const Replica& replica) {
+void Evictions::doubt(const Replica& replica, Commands& out) {
   const bool first = is_first_well(replica);
   wire::Poll question;
   for (PeerId p = 0; p < replica.config().slots; ++p) {
@@ -132,7 +131,7 @@ void Evictions::doubt(const Replica& replica) {
   }
   if (question.lost.empty() || replica.now() - doubts_asked_ < kAskAgain) return;
   doubts_asked_ = replica.now();
-  poll(question, replica);
+  poll(question, replica, out);
 }
 
 LastHeard Evictions::hearsay(PeerId p, const Replica& replica) const {
@@ -150,26 +149,25 @@ LastHeard Evictions::hearsay(PeerId p, const Replica& replica) const {
   return h;
 }
 
-void Evictions::notice(RecordedReplica& replica) {
-  const Replica& n = replica.replica();
-  for (PeerId p = 0; p < n.config().slots; ++p) {
-    if (p == session_.self || !n.other(p).there() || !suspected(n, p) || lost_.contains(p)) continue;
-    if (coordinator(n) != session_.self) return;
+void Evictions::notice(const Replica& replica, Commands& out) {
+  for (PeerId p = 0; p < replica.config().slots; ++p) {
+    if (p == session_.self || !replica.other(p).there() || !suspected(replica, p) || lost_.contains(p)) continue;
+    if (coordinator(replica) != session_.self) return;
     const auto doubted = doubted_.find(p);
     if (doubted == doubted_.end()) continue;
-    if (const LastHeard h = hearsay(p, n); !may_evict(h)) {
+    if (const LastHeard h = hearsay(p, replica); !may_evict(h)) {
       if (is_heard(h) && !h.deaf && !std::exchange(doubted->second.told, true))
-        session_.note("peer " + std::to_string(p) + " does not answer, but others hear it: it stays", true);
+        out.note("peer " + std::to_string(p) + " does not answer, but others hear it: it stays", true);
       continue;
     }
     doubted_.erase(doubted);
-    replica.freeze(p, true);
-    lost_[p].incarnation = n.other(p).incarnation;
-    asked_ = n.now() - kAskAgain;
-    moved_ = n.now();
-    session_.note("peer " + std::to_string(p) + " has been silent for " + std::to_string(kSilence / kTicksPerSecond) +
-                      " s: asking the others for its updates",
-                  true);
+    out.freeze(p, true);
+    lost_[p].incarnation = replica.other(p).incarnation;
+    asked_ = replica.now() - kAskAgain;
+    moved_ = replica.now();
+    out.note("peer " + std::to_string(p) + " has been silent for " + std::to_string(kSilence / kTicksPerSecond) +
+                 " s: asking the others for its updates",
+             true);
   }
 }
 
@@ -201,32 +199,31 @@ bool Evictions::all_answered(const Replica& replica) const {
   return true;
 }
 
-void Evictions::ask(const Replica& replica) {
+void Evictions::ask(const Replica& replica, Commands& out) {
   if (replica.now() - asked_ < kAskAgain) return;
   asked_ = replica.now();
   wire::Poll question{{}, true};
   for (const auto& [slot, lost] : lost_)
     if (question.lost.size() < wire::kMostLost) question.lost.push_back({slot, lost.incarnation});
-  poll(question, replica);
+  poll(question, replica, out);
 }
 
-void Evictions::poll(const wire::Poll& poll, const Replica& replica) {
+void Evictions::poll(const wire::Poll& poll, const Replica& replica, Commands& out) {
   for (PeerId p = 0; p < replica.config().slots; ++p)
-    if (p != session_.self && replica.other(p).reachable() && !lost_.contains(p))
-      session_.send(replica.other(p).at, poll);
+    if (p != session_.self && replica.other(p).reachable() && !lost_.contains(p)) out.send(replica.other(p).at, poll);
 }
 
-void Evictions::advance(RecordedReplica& replica) {
-  thaw(replica);
-  doubt(replica.replica());
-  notice(replica);
-  std::erase_if(lost_, [&](const auto& entry) { return !replica.replica().other(entry.first).frozen; });
+void Evictions::advance(const Replica& replica, Commands& out) {
+  thaw(replica, out);
+  doubt(replica, out);
+  notice(replica, out);
+  std::erase_if(lost_, [&](const auto& entry) { return !replica.other(entry.first).frozen; });
   missing_.reset();
   if (lost_.empty() || ordered()) return;
-  if (!all_answered(replica.replica())) return ask(replica.replica());
+  if (!all_answered(replica)) return ask(replica, out);
   for (auto& [p, lost] : lost_)
-    if (!gather(p, lost, replica.replica())) return;
-  bury(replica);
+    if (!gather(p, lost, replica, out)) return;
+  bury(out);
 }
 
 bool Evictions::ordered() const {
@@ -234,7 +231,7 @@ bool Evictions::ordered() const {
 }
 
 // Whether all updates of it are here that some member has and another may lack.
-bool Evictions::gather(PeerId p, Lost& lost, const Replica& replica) {
+bool Evictions::gather(PeerId p, Lost& lost, const Replica& replica, Commands& out) {
   const sync::UpdateLog& log = replica.agreed().log();
   lost.least = lost.most = log.have(p);
   for (const auto& [q, have] : lost.have) {
@@ -250,7 +247,7 @@ bool Evictions::gather(PeerId p, Lost& lost, const Replica& replica) {
       continue;
     }
     missing_ = {p, i};
-    fetch(p, lost, i, replica);
+    fetch(p, lost, i, replica, out);
     return false;
   }
   return true;
@@ -258,28 +255,28 @@ bool Evictions::gather(PeerId p, Lost& lost, const Replica& replica) {
 
 // A member may have an update and keep it no more: a late joiner has it in the state that it began with. So they are
 // asked one after the other.
-void Evictions::fetch(PeerId p, Lost& lost, std::uint32_t index, const Replica& replica) {
+void Evictions::fetch(PeerId p, Lost& lost, std::uint32_t index, const Replica& replica, Commands& out) {
   if (replica.now() - asked_ < kAskAgain) return;
   std::vector<PeerId> had;
   for (const auto& [q, have] : lost.have)
     if (have > index && counts(q, replica)) had.push_back(q);
   if (had.empty()) return;
   asked_ = replica.now();
-  session_.send(replica.other(had[lost.fetches++ % had.size()]).at, wire::Fetch{p, lost.incarnation, index});
+  out.send(replica.other(had[lost.fetches++ % had.size()]).at, wire::Fetch{p, lost.incarnation, index});
 }
 
-void Evictions::bury(RecordedReplica& replica) {
+void Evictions::bury(Commands& out) {
   sync::Bundle last;
   for (auto& [p, lost] : lost_) {
     for (std::uint32_t i = lost.least; i < lost.most; ++i) {
       sync::Bundle order;
       order.passed_on.push_back(lost.fetched.at(i));
-      replica.order(order);
+      out.publish(order);
     }
     last.removals.push_back({p, lost.incarnation, lost.most});
     lost.ordered = true;
   }
-  replica.order(last);
+  out.publish(last);
 }
 
 }  // namespace padr::node

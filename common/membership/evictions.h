@@ -5,9 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/membership/commands.h"
 #include "common/membership/last_heard.h"
-#include "common/membership/session_state.h"
-#include "common/replica/recorded_replica.h"
 
 namespace padr::node {
 
@@ -23,14 +22,14 @@ class MisbehaviourPolicy;
 /// meanwhile, the next one evicts both.
 class Evictions {
  public:
-  explicit Evictions(SessionState& session) : session_(session) {}
+  explicit Evictions(const SessionView& session) : session_(session) {}
 
-  void on_poll(PeerId from, const wire::Poll& poll, RecordedReplica& replica);
+  void on_poll(PeerId from, const wire::Poll& poll, const Replica& replica, Commands& out);
   void on_answer(PeerId from, const wire::Answer& answer, const Replica& replica);
-  void on_fetch(PeerId from, const wire::Fetch& fetch, const Replica& replica);
+  void on_fetch(PeerId from, const wire::Fetch& fetch, const Replica& replica, Commands& out);
   void on_fetched(const wire::Fetched& fetched, const Replica& replica, const MisbehaviourPolicy& misbehaviour);
   /// Once a tick.
-  void advance(RecordedReplica& replica);
+  void advance(const Replica& replica, Commands& out);
 
   /// The lowest peer that is alive, as far as this peer can tell.
   PeerId coordinator(const Replica& replica) const;
@@ -69,19 +68,19 @@ class Evictions {
   };
   /// Whether `from` may evict somebody, as far as this peer can tell.
   bool follows(PeerId from, const wire::Poll& poll, const Replica& replica) const;
-  void thaw(RecordedReplica& replica);
-  void doubt(const Replica& replica);
+  void thaw(const Replica& replica, Commands& out);
+  void doubt(const Replica& replica, Commands& out);
   bool is_first_well(const Replica& replica) const;
   LastHeard hearsay(PeerId p, const Replica& replica) const;
-  void notice(RecordedReplica& replica);
+  void notice(const Replica& replica, Commands& out);
   bool counts(PeerId p, const Replica& replica) const;
   bool all_answered(const Replica& replica) const;
-  void ask(const Replica& replica);
-  void poll(const wire::Poll& poll, const Replica& replica);
+  void ask(const Replica& replica, Commands& out);
+  void poll(const wire::Poll& poll, const Replica& replica, Commands& out);
   bool ordered() const;
-  bool gather(PeerId p, Lost& lost, const Replica& replica);
-  void fetch(PeerId p, Lost& lost, std::uint32_t index, const Replica& replica);
-  void bury(RecordedReplica& replica);
+  bool gather(PeerId p, Lost& lost, const Replica& replica, Commands& out);
+  void fetch(PeerId p, Lost& lost, std::uint32_t index, const Replica& replica, Commands& out);
+  void bury(Commands& out);
 
   /// A silent peer, and when others heard it last.
   struct Doubted {
@@ -90,7 +89,7 @@ class Evictions {
     bool told = false;  ///< people were told that it stays
   };
 
-  SessionState& session_;
+  const SessionView& session_;
   std::map<PeerId, Doubted> doubted_;
   Tick doubts_asked_ = 0;
   std::map<PeerId, Lost> lost_;  ///< as the coordinator

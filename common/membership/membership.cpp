@@ -16,6 +16,7 @@ constexpr Tick kRefused = kTicksPerSecond / 10;
 Membership::Membership(SessionState& session, RecordedReplica& replica)
     : session_(session),
       replica_(replica),
+      commands_(session, replica),
       admissions_(session),
       evictions_(session),
       relay_(session),
@@ -26,39 +27,40 @@ Membership::Membership(SessionState& session, RecordedReplica& replica)
 }
 
 void Membership::on_join(const Endpoint& from, const wire::Join& join, Micros local) {
+  const Replica& view = replica_.replica();
   const PeerId c = coordinator();
-  if (!replica_.replica().member() || c == kNoPeer || way_back()) return;  // it asks again
-  if (misbehaviour_.bars(from.key, replica_.replica())) {
-    if (session_.may_answer(local)) session_.send(from, wire::Refuse{join.nonce, "it has been cut off"});
+  if (!view.member() || c == kNoPeer || way_back()) return;  // it asks again
+  if (misbehaviour_.bars(from.key, view)) {
+    if (commands_.may_answer(local)) commands_.send(from, wire::Refuse{join.nonce, "it has been cut off"});
     return;
   }
-  if (c == session_.self) return admissions_.on_join(from, join, replica_, local);
-  if (session_.may_answer(local)) session_.send(from, wire::Redirect{join.nonce, replica_.replica().other(c).at});
+  if (c == session_.self) return admissions_.on_join(from, join, view, local, commands_);
+  if (commands_.may_answer(local)) commands_.send(from, wire::Redirect{join.nonce, view.other(c).at});
 }
 
 void Membership::receive(const Endpoint& from, const wire::Header& header, const wire::MembershipMessage& message,
                          std::size_t bytes, Micros local) {
+  const Replica& view = replica_.replica();
   if (const auto* probe = std::get_if<wire::Probe>(&message))
-    return merge_.on_probe(from, header.sender, *probe, bytes, replica_.replica(), local);
+    return merge_.on_probe(from, header.sender, *probe, bytes, view, local, commands_);
   if (const auto* pull = std::get_if<wire::Pull>(&message))
-    return admissions_.on_pull(from, *pull, replica_, merge_.gone());
+    return admissions_.on_pull(from, *pull, view, merge_.gone(), commands_);
   if (const auto* enter = std::get_if<wire::Enter>(&message)) {
     const PeerId c = coordinator();
-    if (c != session_.self && c != kNoPeer) return admissions_.pass_on(from, *enter, replica_.replica().other(c).at);
-    return admissions_.on_enter(from, *enter, replica_, c == session_.self && !evictions_.busy() && !doubts());
+    if (c != session_.self && c != kNoPeer) return admissions_.pass_on(from, *enter, view.other(c).at, commands_);
+    return admissions_.on_enter(from, *enter, view, c == session_.self && !evictions_.busy() && !doubts(), commands_);
   }
   const PeerId member = header.sender;
-  if (!is_at(member, from) || !replica_.replica().other(member).reachable() || !hears(member)) return;
-  if (const auto* poll = std::get_if<wire::Poll>(&message)) evictions_.on_poll(member, *poll, replica_);
-  if (const auto* answer = std::get_if<wire::Answer>(&message))
-    evictions_.on_answer(member, *answer, replica_.replica());
+  if (!is_at(member, from) || !view.other(member).reachable() || !hears(member)) return;
+  if (const auto* poll = std::get_if<wire::Poll>(&message)) evictions_.on_poll(member, *poll, view, commands_);
+  if (const auto* answer = std::get_if<wire::Answer>(&message)) evictions_.on_answer(member, *answer, view);
   if (const auto* fetch = std::get_if<wire::Fetch>(&message)) {
-    evictions_.on_fetch(member, *fetch, replica_.replica());
-    relay_.on_fetch(member, *fetch, replica_.replica());
+    evictions_.on_fetch(member, *fetch, view, commands_);
+    relay_.on_fetch(member, *fetch, view, commands_);
   }
   if (const auto* fetched = std::get_if<wire::Fetched>(&message)) {
-    evictions_.on_fetched(*fetched, replica_.replica(), misbehaviour_);
-    relay_.on_fetched(member, *fetched, replica_);
+    evictions_.on_fetched(*fetched, view, misbehaviour_);
+    relay_.on_fetched(member, *fetched, view, commands_);
   }
 }
 
@@ -79,8 +81,8 @@ void Membership::on_unreachable(const Endpoint& at) {
     if (n.other(p).heard >= since) {
       since = n.now();
     } else if (n.now() - since >= kRefused && !Evictions::suspected(n, p)) {
-      session_.note("nobody listens at peer " + std::to_string(p) + "'s address any more", true);
-      replica_.give_up(p, false);
+      commands_.note("nobody listens at peer " + std::to_string(p) + "'s address any more", true);
+      commands_.give_up(p, false);
     }
   }
 }
@@ -104,7 +106,7 @@ void Membership::end_former_lives() {
   for (auto it = former_.begin(); it != former_.end();) {
     const Neighbour& n = replica_.replica().other(it->first);
     const bool over = !n.there() || n.incarnation != it->second;
-    if (!over && !n.given_up_for_good) replica_.give_up(it->first);
+    if (!over && !n.given_up_for_good) commands_.give_up(it->first, true);
     it = over ? former_.erase(it) : std::next(it);
   }
 }
@@ -114,12 +116,12 @@ void Membership::follow_changes() {
   for (const MemberChange& c : changes) {
     const std::string who = "peer " + std::to_string(c.slot);
     if (c.kind == MemberChange::Kind::kAdmitted && c.slot != session_.self)
-      session_.note(who + " at " + to_string(c.at) + " joins at tick " + std::to_string(c.tick));
+      commands_.note(who + " at " + to_string(c.at) + " joins at tick " + std::to_string(c.tick));
     if (c.kind == MemberChange::Kind::kAdmitted && c.slot == session_.self)
-      session_.note("admitted at tick " + std::to_string(c.tick) + " as " + who);
-    if (c.kind == MemberChange::Kind::kLeft) session_.note(who + " has left");
+      commands_.note("admitted at tick " + std::to_string(c.tick) + " as " + who);
+    if (c.kind == MemberChange::Kind::kLeft) commands_.note(who + " has left");
     if (c.kind == MemberChange::Kind::kRemoved)
-      session_.note(who + " is lost: out from tick " + std::to_string(c.tick), true);
+      commands_.note(who + " is lost: out from tick " + std::to_string(c.tick), true);
     if (c.kind == MemberChange::Kind::kAdmitted) evictions_.forget_asker(c.slot);
     merge_.on_change(c);
     changes_.push_back(c);
@@ -128,18 +130,19 @@ void Membership::follow_changes() {
 }
 
 void Membership::advance(Micros local) {
-  misbehaviour_.advance(replica_, evictions_);
-  evictions_.advance(replica_);
-  relay_.advance(replica_.replica());
+  const Replica& view = replica_.replica();
+  misbehaviour_.advance(view, evictions_, commands_);
+  evictions_.advance(view, commands_);
+  relay_.advance(view, commands_);
   follow_changes();
   end_former_lives();
-  merge_.advance(replica_.replica());
+  merge_.advance(view, commands_);
   watch_confirmed();
   admissions_.advance(local);
   int present = 1;
   for (PeerId p = 0; p < session_.slots; ++p)
-    if (p != session_.self && replica_.replica().other(p).there()) ++present;
-  session_.present = present;
+    if (p != session_.self && view.other(p).there()) ++present;
+  commands_.count_present(present);
 }
 
 std::vector<MemberChange> Membership::take_changes() {
@@ -178,7 +181,7 @@ std::optional<Endpoint> Membership::way_back() const {
 
 void Membership::announce_way_back() {
   const std::string why = why_back();
-  if (!why.empty() && !std::exchange(told_, true)) session_.note(why + ": joining anew", true);
+  if (!why.empty() && !std::exchange(told_, true)) commands_.note(why + ": joining anew", true);
 }
 
 }  // namespace padr::node

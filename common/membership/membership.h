@@ -22,14 +22,14 @@ class Membership {
   void on_join(const Endpoint& from, const wire::Join& join, Micros local);
   /// False if it is not from a joiner.
   bool on_ping(const Endpoint& from, const wire::Ping& ping, Micros local) {
-    return admissions_.on_ping(from, ping, local);
+    return admissions_.on_ping(from, ping, local, commands_);
   }
   /// `bytes`: of the whole datagram.
   void receive(const Endpoint& from, const wire::Header& header, const wire::MembershipMessage& message,
                std::size_t bytes, Micros local);
   /// A state datagram from an address of no member, or of a removed peer.
   void on_stranger(const Endpoint& from, std::size_t bytes, Micros local) {
-    merge_.on_stranger(from, bytes, replica_.replica(), local);
+    merge_.on_stranger(from, bytes, replica_.replica(), local, commands_);
   }
   /// Whether slot p is another one's, and who sits or sat there last is at this address.
   bool is_at(PeerId p, const Endpoint& where) const {
@@ -39,12 +39,12 @@ class Membership {
   bool hears(PeerId p) const { return misbehaviour_.hears(p, replica_.replica()); }
   /// A state datagram of a member's was dropped.
   void on_drop(PeerId p, sync::DropReason why, Micros local) {
-    misbehaviour_.on_drop(p, why, replica_, evictions_, local);
+    misbehaviour_.on_drop(p, why, replica_.replica(), evictions_, local, commands_);
   }
   /// The machine at `at` says that nobody listens there.
   void on_unreachable(const Endpoint& at);
   /// Sends one Probe there: who is in this session.
-  void knock(const Endpoint& at) { merge_.knock(at, replica_.replica()); }
+  void knock(const Endpoint& at) { merge_.knock(at, replica_.replica(), commands_); }
   /// The address of a member of a session that this peer was in before.
   void remember(const Endpoint& at) { merge_.remember(at, replica_.replica().now()); }
   /// Once a tick, after the replica's step.
@@ -67,8 +67,9 @@ class Membership {
   bool stuck() const;
   std::string why_back() const;
 
-  SessionState& session_;
+  const SessionView& session_;
   RecordedReplica& replica_;
+  Commands commands_;
   Admissions admissions_;
   Evictions evictions_;
   Relay relay_;

@@ -154,15 +154,14 @@ bool MisbehaviourPolicy::hears(PeerId p, const Replica& replica) const {
   return w.incarnation != replica.other(p).incarnation || replica.now() >= w.deaf_until;
 }
 
-void MisbehaviourPolicy::on_drop(PeerId p, DropReason why, RecordedReplica& replica, const Evictions& evictions,
-                                 Micros local) {
-  const Replica& n = replica.replica();
+void MisbehaviourPolicy::on_drop(PeerId p, DropReason why, const Replica& replica, const Evictions& evictions,
+                                 Micros local, Commands& out) {
   // Late datagrams of a removed peer, and duplicates by the network, are nobody's fault.
-  if (!n.other(p).reachable() || why == DropReason::kForeign || why == DropReason::kDuplicate) return;
-  Watch& w = watch(p, n);
-  tell(p, why, w, local);
+  if (!replica.other(p).reachable() || why == DropReason::kForeign || why == DropReason::kDuplicate) return;
+  Watch& w = watch(p, replica);
+  tell(p, why, w, local, out);
   if (!session_.config.sealed || (why != DropReason::kRight && !is_nonsense(why))) return;
-  if (is_too_much(p, why, n)) cut_off(p, w, "keeps sending invalid datagrams", replica, evictions);
+  if (is_too_much(p, why, replica)) cut_off(p, w, "keeps sending invalid datagrams", replica, evictions, out);
 }
 
 bool MisbehaviourPolicy::is_too_much(PeerId p, DropReason why, const Replica& replica) {
@@ -192,23 +191,22 @@ MisbehaviourPolicy::Offender& MisbehaviourPolicy::offender(PeerId p, const Repli
   return offenders_.back();
 }
 
-void MisbehaviourPolicy::advance(RecordedReplica& replica, const Evictions& evictions) {
-  const Replica& n = replica.replica();
-  if (!n.member() || n.leaving()) return;
-  for (PeerId p = 0; p < n.config().slots; ++p) {
-    const Neighbour& other = n.other(p);
-    if (p == n.self() || !other.there() || other.frozen || n.silence(p) > kTicksPerSecond) continue;
-    const bool tells = n.arrears(p) < kArrears;
-    if (tells && n.unacknowledged(p) < kArrears) continue;
-    Watch& w = watch(p, n);
-    const PeerId coordinator = evictions.coordinator(n);
-    if (w.deaf_until == kForGood || (coordinator != n.self() && coordinator != p)) continue;
+void MisbehaviourPolicy::advance(const Replica& replica, const Evictions& evictions, Commands& out) {
+  if (!replica.member() || replica.leaving()) return;
+  for (PeerId p = 0; p < replica.config().slots; ++p) {
+    const Neighbour& other = replica.other(p);
+    if (p == replica.self() || !other.there() || other.frozen || replica.silence(p) > kTicksPerSecond) continue;
+    const bool tells = replica.arrears(p) < kArrears;
+    if (tells && replica.unacknowledged(p) < kArrears) continue;
+    Watch& w = watch(p, replica);
+    const PeerId coordinator = evictions.coordinator(replica);
+    if (w.deaf_until == kForGood || (coordinator != replica.self() && coordinator != p)) continue;
     const std::string what = tells ? "acknowledged no updates" : "not sent the updates that it promised";
-    cut_off(p, w, "has " + what + " for " + std::to_string(kArrears / kTicksPerSecond) + " s", replica, evictions);
+    cut_off(p, w, "has " + what + " for " + std::to_string(kArrears / kTicksPerSecond) + " s", replica, evictions, out);
   }
-  for (const PeerId p : evictions.withholding(n))
-    if (Watch& w = watch(p, n); w.deaf_until != kForGood)
-      cut_off(p, w, "does not send its updates of a lost peer", replica, evictions);
+  for (const PeerId p : evictions.withholding(replica))
+    if (Watch& w = watch(p, replica); w.deaf_until != kForGood)
+      cut_off(p, w, "does not send its updates of a lost peer", replica, evictions, out);
 }
 
 void MisbehaviourPolicy::bar(PeerId p, bool for_good, const Replica& replica) {
@@ -226,34 +224,33 @@ bool MisbehaviourPolicy::bars(const PublicKey& key, const Replica& replica) cons
                      [&](const Offender& o) { return o.key == key && replica.now() < o.barred_until; });
 }
 
-void MisbehaviourPolicy::tell(PeerId p, DropReason why, Watch& w, Micros local) {
+void MisbehaviourPolicy::tell(PeerId p, DropReason why, Watch& w, Micros local, Commands& out) {
   Watch::Told& told = w.told[static_cast<std::size_t>(why)];
   ++told.drops;
   if (local - told.at < kTellAgain) return;
-  session_.note("dropped " + std::to_string(told.drops) + (told.drops == 1 ? " datagram" : " datagrams") + " of peer " +
-                    std::to_string(p) + ": " + std::string(sync::kDropNames[static_cast<std::size_t>(why)]),
-                true);
+  out.note("dropped " + std::to_string(told.drops) + (told.drops == 1 ? " datagram" : " datagrams") + " of peer " +
+               std::to_string(p) + ": " + std::string(sync::kDropNames[static_cast<std::size_t>(why)]),
+           true);
   told = {0, local};
 }
 
 // The coordinator can evict the peer; if the peer is the coordinator, the next one can. Any other member that gave it
 // up would wait for its updates for ever, as the coordinator still hears it. So another member only mutes it for a
 // while.
-void MisbehaviourPolicy::cut_off(PeerId p, Watch& w, const std::string& why, RecordedReplica& replica,
-                                 const Evictions& evictions) {
-  const Replica& n = replica.replica();
-  const PeerId coordinator = evictions.coordinator(n);
-  const bool for_good = coordinator == n.self() || coordinator == p;
-  const auto withholding = evictions.withholding(n);
-  const bool by_network = n.arrears(p) >= kArrears || n.unacknowledged(p) >= kArrears ||
+void MisbehaviourPolicy::cut_off(PeerId p, Watch& w, const std::string& why, const Replica& replica,
+                                 const Evictions& evictions, Commands& out) {
+  const PeerId coordinator = evictions.coordinator(replica);
+  const bool for_good = coordinator == replica.self() || coordinator == p;
+  const auto withholding = evictions.withholding(replica);
+  const bool by_network = replica.arrears(p) >= kArrears || replica.unacknowledged(p) >= kArrears ||
                           std::find(withholding.begin(), withholding.end(), p) != withholding.end();
-  bar(p, !by_network, n);
+  bar(p, !by_network, replica);
   w.unlawful.reset();
-  w.deaf_until = for_good ? kForGood : n.now() + kMuted;
-  session_.note("peer " + std::to_string(p) + " " + why + ": " +
-                    (for_good ? "cut off" : "ignored for " + std::to_string(kMuted / kTicksPerSecond) + " s"),
-                true);
-  replica.cut_off(p, for_good, why);
+  w.deaf_until = for_good ? kForGood : replica.now() + kMuted;
+  out.note("peer " + std::to_string(p) + " " + why + ": " +
+               (for_good ? "cut off" : "ignored for " + std::to_string(kMuted / kTicksPerSecond) + " s"),
+           true);
+  out.cut_off(p, for_good, why);
 }
 
 bool said(const sync::Transfer& transfer, std::uint16_t session) {

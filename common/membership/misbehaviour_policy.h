@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/membership/session_state.h"
-#include "common/replica/recorded_replica.h"
+#include "common/membership/commands.h"
 
 namespace padr::node {
 
@@ -20,7 +19,7 @@ class Evictions;
 /// Signatures and cut-offs apply only in a session with a key; without one, anybody can send in a member's name.
 class MisbehaviourPolicy {
  public:
-  explicit MisbehaviourPolicy(SessionState& session) : session_(session), watches_(kMaxPeers) {}
+  explicit MisbehaviourPolicy(const SessionView& session) : session_(session), watches_(kMaxPeers) {}
 
   /// See Replica::Judge.
   sync::DropReason judge(const sync::StatePacket& packet, const Replica& replica, const Evictions& evictions) const;
@@ -28,9 +27,10 @@ class MisbehaviourPolicy {
   /// know the keys of peers that were gone before it joined.
   bool said(const sync::Bundle& update, const Replica& replica) const;
   /// A datagram of p's was dropped.
-  void on_drop(PeerId p, sync::DropReason why, RecordedReplica& replica, const Evictions& evictions, Micros local);
+  void on_drop(PeerId p, sync::DropReason why, const Replica& replica, const Evictions& evictions, Micros local,
+               Commands& out);
   /// Once a tick.
-  void advance(RecordedReplica& replica, const Evictions& evictions);
+  void advance(const Replica& replica, const Evictions& evictions, Commands& out);
   /// Whether a joiner with this key is still barred.
   bool bars(const PublicKey& key, const Replica& replica) const;
   /// Keys with offences on record; kMostOffenders at most.
@@ -76,10 +76,11 @@ class MisbehaviourPolicy {
   Watch& watch(PeerId p, const Replica& replica);
   bool is_too_much(PeerId p, sync::DropReason why, const Replica& replica);
   void bar(PeerId p, bool for_good, const Replica& replica);
-  void tell(PeerId p, sync::DropReason why, Watch& w, Micros local);
-  void cut_off(PeerId p, Watch& w, const std::string& why, RecordedReplica& replica, const Evictions& evictions);
+  void tell(PeerId p, sync::DropReason why, Watch& w, Micros local, Commands& out);
+  void cut_off(PeerId p, Watch& w, const std::string& why, const Replica& replica, const Evictions& evictions,
+               Commands& out);
 
-  SessionState& session_;
+  const SessionView& session_;
   std::vector<Watch> watches_;       ///< by slot
   std::vector<Offender> offenders_;  ///< kMostOffenders at most
 };

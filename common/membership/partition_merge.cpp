@@ -35,18 +35,29 @@ PartitionMerge::Side PartitionMerge::ours(const Replica& replica) const {
   for (PeerId p = 0; p < replica.config().slots; ++p) {
     const Neighbour& n = replica.other(p);
     const auto disowned = disowned_by_.find(p);
-    const bool out = disowned != disowned_by_.end() && disowned->second == n.incarnation;
+    const bool disowns = disowned != disowned_by_.end() && disowned->second == n.incarnation;
     if (p == replica.self()) {
       s.push_back({p, replica.config().incarnation, 0});
-    } else if (n.there() && n.proven && !out && !Evictions::suspected(replica, p)) {
+    } else if (n.there() && n.proven && !disowns && !Evictions::suspected(replica, p)) {
       s.push_back({p, n.incarnation, 0});
     }
   }
   return s;
 }
 
+// Two sides have nobody in common. As long as somebody seems to be on both, somebody's word is old.
+bool PartitionMerge::outranks(const Side& a, const Side& b) {
+  const bool disjoint = std::none_of(b.begin(), b.end(),
+                                     [&](const wire::Seat& s) { return std::find(a.begin(), a.end(), s) != a.end(); });
+  if (!disjoint || a.size() != b.size()) return disjoint && a.size() > b.size();
+  return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(),
+                                      [](const wire::Seat& x, const wire::Seat& y) {
+                                        return std::pair(x.slot, x.incarnation) < std::pair(y.slot, y.incarnation);
+                                      });
+}
+
 void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, std::size_t bytes,
-                              const Replica& replica, Micros local) {
+                              const Replica& replica, Micros local, Commands& out) {
   if (!replica.member() || sender >= session_.slots) return;
   if (sender == session_.self && probe.incarnation == replica.config().incarnation) {  // our own knock, at our own door
     std::erase_if(gone_, [&](const Gone& g) { return g.at == from; });
@@ -63,36 +74,25 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
     return;  // said in another life
   }
   const Side us = ours(replica);
-  // Two sides have nobody in common. As long as somebody seems to be on both, somebody's word is old.
-  const bool disjoint = std::none_of(us.begin(), us.end(), [&](const wire::Seat& s) {
-    return std::find(probe.members.begin(), probe.members.end(), s) != probe.members.end();
-  });
-  const bool larger = probe.members.size() > us.size();
-  const bool senior =
-      probe.members.size() == us.size() &&
-      std::lexicographical_compare(probe.members.begin(), probe.members.end(), us.begin(), us.end(),
-                                   [](const wire::Seat& a, const wire::Seat& b) {
-                                     return std::pair(a.slot, a.incarnation) < std::pair(b.slot, b.incarnation);
-                                   });
-  if (disjoint && (larger || senior)) {
+  if (outranks(probe.members, us)) {
     if (!winner_)
-      session_.note("met " + std::to_string(probe.members.size()) + " peers that go on without us, who are " +
-                        std::to_string(us.size()) + ": joining them by " + to_string(from),
-                    true);
+      out.note("met " + std::to_string(probe.members.size()) + " peers that go on without us, who are " +
+                   std::to_string(us.size()) + ": joining them by " + to_string(from),
+               true);
     winner_ = from;
     won_at_ = replica.now();
     return;
   }
   if (winner_ == from) winner_.reset();
-  if (!session_.may_answer(local)) return;
-  send_probe(from, known, replica);
-  if (!known) hold_back_beyond(from, bytes);
+  if (!out.may_answer(local)) return;
+  if (known) return out.send(from, our_probe(true, replica));
+  reply_within_credit(from, bytes, replica, out);
 }
 
 // Whoever that is has proven nothing, and gets no more than it has sent: where we are many, an answer to some of its
 // probes.
-void PartitionMerge::hold_back_beyond(const Endpoint& to, std::size_t bytes) {
-  if (session_.config.sealed) return;
+void PartitionMerge::reply_within_credit(const Endpoint& to, std::size_t bytes, const Replica& replica, Commands& out) {
+  if (session_.config.sealed) return out.send(to, our_probe(false, replica));
   auto it = std::find_if(credits_.begin(), credits_.end(), [&](const Credit& c) { return c.at == to; });
   if (it == credits_.end()) {
     if (credits_.size() == kMost) credits_.erase(credits_.begin());
@@ -100,37 +100,33 @@ void PartitionMerge::hold_back_beyond(const Endpoint& to, std::size_t bytes) {
     it = std::prev(credits_.end());
   }
   it->bytes = std::min(it->bytes + bytes, wire::kMaxDatagram);
-  const std::size_t answer = session_.outgoing.back().bytes.size();
-  if (answer > it->bytes)
-    session_.outgoing.pop_back();
-  else
-    it->bytes -= answer;
+  it->bytes -= out.send_at_most(it->bytes, to, our_probe(false, replica));
 }
 
 std::optional<Endpoint> PartitionMerge::winner(const Replica& replica) const {
   return winner_ && replica.now() - won_at_ < kLately ? winner_ : std::nullopt;
 }
 
-void PartitionMerge::send_probe(const Endpoint& to, bool knows, const Replica& replica) {
-  session_.send(to, wire::Probe{replica.config().incarnation, ours(replica), knows, replica.newest_incarnation()});
+wire::Probe PartitionMerge::our_probe(bool knows, const Replica& replica) const {
+  return {replica.config().incarnation, ours(replica), knows, replica.newest_incarnation()};
 }
 
-void PartitionMerge::on_stranger(const Endpoint& from, std::size_t bytes, const Replica& replica, Micros local) {
-  if (!replica.member() || member_at(from, replica) || !session_.may_answer(local)) return;
-  send_probe(from, false, replica);
+void PartitionMerge::on_stranger(const Endpoint& from, std::size_t bytes, const Replica& replica, Micros local,
+                                 Commands& out) {
+  if (!replica.member() || member_at(from, replica) || !out.may_answer(local)) return;
   // Whoever that is has proven nothing: no answer is larger than what provoked it.
-  if (session_.outgoing.back().bytes.size() > bytes) session_.outgoing.pop_back();
+  out.send_at_most(bytes, from, our_probe(false, replica));
 }
 
-void PartitionMerge::knock(const Endpoint& at, const Replica& replica) {
-  if (replica.member() && !member_at(at, replica)) send_probe(at, false, replica);
+void PartitionMerge::knock(const Endpoint& at, const Replica& replica, Commands& out) {
+  if (replica.member() && !member_at(at, replica)) out.send(at, our_probe(false, replica));
 }
 
-void PartitionMerge::advance(const Replica& replica) {
+void PartitionMerge::advance(const Replica& replica, Commands& out) {
   if (!replica.member() || replica.now() - probed_ < kPace) return;
   probed_ = replica.now();
   std::erase_if(gone_, [&](const Gone& g) { return replica.now() - g.since > kRemember || member_at(g.at, replica); });
-  for (const Gone& g : gone_) send_probe(g.at, false, replica);
+  for (const Gone& g : gone_) out.send(g.at, our_probe(false, replica));
 }
 
 }  // namespace padr::node

@@ -16,17 +16,23 @@ namespace padr::node {
 /// the other part join the winner anew and take over its world.
 class PartitionMerge {
  public:
-  explicit PartitionMerge(SessionState& session) : session_(session) {}
+  /// The living peers of one part, by slot.
+  using Side = std::vector<wire::Seat>;
+  /// Whether a part of the same session outranks another one: nobody is in both, and it has more peers, or as many and
+  /// the lowest slot, or the lower incarnation in it.
+  static bool outranks(const Side& a, const Side& b);
+
+  explicit PartitionMerge(const SessionView& session) : session_(session) {}
 
   void on_change(const MemberChange& change);
   void on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, std::size_t bytes,
-                const Replica& replica, Micros local);
+                const Replica& replica, Micros local, Commands& out);
   /// A state datagram of this session has come from an address of no member.
-  void on_stranger(const Endpoint& from, std::size_t bytes, const Replica& replica, Micros local);
+  void on_stranger(const Endpoint& from, std::size_t bytes, const Replica& replica, Micros local, Commands& out);
   /// Sends one Probe to an address of no member.
-  void knock(const Endpoint& at, const Replica& replica);
+  void knock(const Endpoint& at, const Replica& replica, Commands& out);
   /// Once a tick.
-  void advance(const Replica& replica);
+  void advance(const Replica& replica, Commands& out);
 
   /// Sends Probes there from now on, too.
   void remember(const Endpoint& at, Tick now);
@@ -50,14 +56,13 @@ class PartitionMerge {
     Endpoint at;
     std::size_t bytes = 0;
   };
-  using Side = std::vector<wire::Seat>;
   bool member_at(const Endpoint& where, const Replica& replica) const;
   Side ours(const Replica& replica) const;
-  void send_probe(const Endpoint& to, bool knows, const Replica& replica);
-  /// Drops the reply that is about to be sent, if it is larger than what that address has sent so far.
-  void hold_back_beyond(const Endpoint& to, std::size_t bytes);
+  wire::Probe our_probe(bool knows, const Replica& replica) const;
+  /// Replies, unless the reply is larger than what that address has sent so far.
+  void reply_within_credit(const Endpoint& to, std::size_t bytes, const Replica& replica, Commands& out);
 
-  SessionState& session_;
+  const SessionView& session_;
   std::vector<Gone> gone_;
   std::vector<Credit> credits_;                  ///< kMost at most
   std::map<PeerId, std::uint32_t> disowned_by_;  ///< and their incarnations

@@ -2,9 +2,9 @@
 
 namespace padr::node {
 
-Relay::Relay(SessionState& session) : session_(session), questions_(kMaxPeers), services_(kMaxPeers) {}
+Relay::Relay(const SessionView& session) : session_(session), questions_(kMaxPeers), services_(kMaxPeers) {}
 
-void Relay::on_fetch(PeerId from, const wire::Fetch& fetch, const Replica& replica) {
+void Relay::on_fetch(PeerId from, const wire::Fetch& fetch, const Replica& replica, Commands& out) {
   if (fetch.slot >= session_.slots || fetch.slot == session_.self) return;
   const Neighbour& of = replica.other(fetch.slot);
   if (!of.reachable() || of.frozen || of.incarnation != fetch.incarnation) return;
@@ -14,17 +14,17 @@ void Relay::on_fetch(PeerId from, const wire::Fetch& fetch, const Replica& repli
   const wire::Fetched f{fetch.slot, fetch.incarnation, replica.agreed().log().of(fetch.slot, fetch.from)};
   if (f.updates.empty()) return;
   ++s.times;
-  session_.send(replica.other(from).at, f);
+  out.send(replica.other(from).at, f);
 }
 
-void Relay::on_fetched(PeerId from, const wire::Fetched& fetched, RecordedReplica& replica) {
+void Relay::on_fetched(PeerId from, const wire::Fetched& fetched, const Replica& replica, Commands& out) {
   if (fetched.slot >= session_.slots) return;
   Question& q = questions_[fetched.slot];
-  const Tick now = replica.replica().now();
+  const Tick now = replica.now();
   if (q.to != from || now - q.at > kPatience) return;
   q.to = kNoPeer;
   q.next = now + kHurry;
-  replica.relay(fetched);
+  out.relay(fetched);
 }
 
 // Those that are heard, one after the other.
@@ -40,7 +40,7 @@ PeerId Relay::next_to_ask(PeerId about, const Replica& replica) {
   return kNoPeer;
 }
 
-void Relay::advance(const Replica& replica) {
+void Relay::advance(const Replica& replica, Commands& out) {
   if (!replica.member()) return;
   for (PeerId p = 0; p < replica.config().slots; ++p) {
     const Neighbour& of = replica.other(p);
@@ -53,7 +53,7 @@ void Relay::advance(const Replica& replica) {
     const PeerId whom = next_to_ask(p, replica);
     if (whom == kNoPeer) return;
     q = {whom, replica.now(), replica.now() + kPace};
-    session_.send(replica.other(whom).at, wire::Fetch{p, of.incarnation, replica.agreed().log().have(p)});
+    out.send(replica.other(whom).at, wire::Fetch{p, of.incarnation, replica.agreed().log().have(p)});
   }
 }
 

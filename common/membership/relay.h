@@ -2,8 +2,7 @@
 
 #include <vector>
 
-#include "common/membership/session_state.h"
-#include "common/replica/recorded_replica.h"
+#include "common/membership/commands.h"
 
 namespace padr::node {
 
@@ -16,12 +15,12 @@ namespace padr::node {
 /// updates until they are acknowledged.
 class Relay {
  public:
-  explicit Relay(SessionState& session);
+  explicit Relay(const SessionView& session);
 
-  void on_fetch(PeerId from, const wire::Fetch& fetch, const Replica& replica);
-  void on_fetched(PeerId from, const wire::Fetched& fetched, RecordedReplica& replica);
+  void on_fetch(PeerId from, const wire::Fetch& fetch, const Replica& replica, Commands& out);
+  void on_fetched(PeerId from, const wire::Fetched& fetched, const Replica& replica, Commands& out);
   /// Once a tick.
-  void advance(const Replica& replica);
+  void advance(const Replica& replica, Commands& out);
 
   static constexpr Tick kPace = 15;      ///< between two requests for one peer's updates, ticks
   static constexpr Tick kHurry = 6;      ///< until the next request after a reply, ticks
@@ -40,7 +39,7 @@ class Relay {
   };
   PeerId next_to_ask(PeerId about, const Replica& replica);
 
-  SessionState& session_;
+  const SessionView& session_;
   std::vector<Question> questions_;  ///< by whom they are about
   std::vector<Service> services_;    ///< by asker
   int asked_last_ = 0;

@@ -72,19 +72,23 @@ struct SessionPace {
   static constexpr std::size_t kSamples = 24;  ///< of the clock before it counts as agreed
 };
 
-/// What a session knows, and its way to the outside: the founder's and the joiner's part both work on it.
-struct SessionState {
+/// What a session is to this peer: all that the rules of membership see of it.
+struct SessionView {
   SessionConfig config;
-  SessionPhase phase = SessionPhase::kJoining;
-  std::string failure;
-  PeerId self = kNoPeer;
+  PeerId self = kNoPeer;          ///< until it is a member
   std::uint32_t incarnation = 0;  ///< of this peer in its slot
   std::uint16_t number = 0;
   int slots = 0;
   int wanted = 0;
-  int present = 0;
-  wire::Roster beginners;  ///< who is there at tick 0, by slot; empty for whoever comes later
+  int present = 0;  ///< members that are there, this one included
   SessionClock clock;
+};
+
+/// A session in progress, and what it sends: the founder's and the joiner's part both work on it.
+struct SessionState : SessionView {
+  SessionPhase phase = SessionPhase::kJoining;
+  std::string failure;
+  wire::Roster beginners;  ///< who is there at tick 0, by slot; empty for whoever comes later
   Micros born = 0;
   std::vector<SessionDatagram> outgoing;
   std::vector<SessionNote> notes;
@@ -94,6 +98,14 @@ struct SessionState {
   }
   void send(const Endpoint& to, const wire::MembershipMessage& message) {
     outgoing.push_back({to, wire::seal({wire::Kind::kMembership, self, number}, wire::encode_membership(message))});
+  }
+  /// Sends it only if the datagram has at most so many bytes; returns its bytes, 0 if it was not sent.
+  std::size_t send_at_most(std::size_t bytes, const Endpoint& to, const wire::MembershipMessage& message) {
+    send(to, message);
+    const std::size_t size = outgoing.back().bytes.size();
+    if (size <= bytes) return size;
+    outgoing.pop_back();
+    return 0;
   }
   /// Answers to anybody who asks: at most kAnswers at once and as many a second, so that nobody is flooded through us.
   bool may_answer(Micros local) {

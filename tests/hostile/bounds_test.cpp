@@ -30,13 +30,14 @@ Endpoint place(std::uint16_t n) {
 // Each has a slot promised to it, and takes as long as a guest may.
 TEST(Bounds, NewcomersAreAsManyAsThereAreSlotsAndAreForgotten) {
   SessionState state = state_of_a_member();
-  const RecordedReplica replica(scenarios::load_embedded("ball", 1), alone());
+  RecordedReplica replica(scenarios::load_embedded("ball", 1), alone());
+  Commands out(state, replica);
   Admissions admissions(state);
   Micros now = 0;
   for (std::uint16_t n = 0; n < 1000; ++n) {
     now += 40'000;  // as often as anybody is answered
-    admissions.on_join(place(n), {n + 1U, 0, 0, true, ""}, replica, now);
-    admissions.on_pull(place(n), {n + 1U, 0, ~std::uint64_t{0}}, replica, {});
+    admissions.on_join(place(n), {n + 1U, 0, 0, true, ""}, replica.replica(), now, out);
+    admissions.on_pull(place(n), {n + 1U, 0, ~std::uint64_t{0}}, replica.replica(), {}, out);
     admissions.advance(now);
     EXPECT_LE(admissions.guests(), std::size_t{kSlots - 1});
     state.outgoing.clear();
@@ -54,11 +55,12 @@ TEST(Bounds, OfThoseWhoAreGoneTheLatestAreRememberedForAWhile) {
   EXPECT_EQ(sides.gone().back(), place(999));
   EXPECT_EQ(sides.gone().front(), place(1000 - PartitionMerge::kMost));
   RecordedReplica replica(scenarios::load_embedded("ball", 1), alone());
+  Commands out(state, replica);
   while (replica.replica().now() <= PartitionMerge::kRemember) replica.step({});
-  sides.advance(replica.replica());
+  sides.advance(replica.replica(), out);
   EXPECT_EQ(sides.gone().size(), PartitionMerge::kMost);
   for (Tick t = 0; t <= PartitionMerge::kPace; ++t) replica.step({});
-  sides.advance(replica.replica());
+  sides.advance(replica.replica(), out);
   EXPECT_TRUE(sides.gone().empty());
 }
 

@@ -37,7 +37,7 @@ class Guarded {
   }
   void drop(DropReason why, std::size_t times = 1) {
     for (std::size_t i = 0; i < times; ++i)
-      misbehaviour_.on_drop(1, why, replica_, evictions_, tick_start(replica_.replica().now()));
+      misbehaviour_.on_drop(1, why, replica_.replica(), evictions_, tick_start(replica_.replica().now()), out_);
   }
   bool bars(std::uint8_t n) const { return misbehaviour_.bars(key(n), replica_.replica()); }
   bool hears() const { return misbehaviour_.hears(1, replica_.replica()); }
@@ -54,6 +54,7 @@ class Guarded {
   Scene scene_;
   SessionState session_;
   RecordedReplica replica_;
+  Commands out_{session_, replica_};
   Evictions evictions_{session_};
   MisbehaviourPolicy misbehaviour_{session_};
 };
