@@ -4,8 +4,8 @@
 #include <string>
 
 #include "common/monitor/orders.h"
-#include "peer/cuts.h"
 #include "peer/egress.h"
+#include "peer/link_cuts.h"
 #include "peer/log.h"
 #include "peer/player.h"
 #include "peer/telemetry.h"
@@ -16,7 +16,7 @@ namespace padr::peer {
 class Controls {
  public:
   /// All must outlive it.
-  Controls(Player& player, Egress& egress, Cuts& cuts, Telemetry& telemetry, Log& log)
+  Controls(Player& player, Egress& egress, LinkCuts& cuts, Telemetry& telemetry, Log& log)
       : player_(player), egress_(egress), cuts_(cuts), telemetry_(telemetry), log_(log) {}
 
   void obey(const monitor::Order& order, Micros now);
@@ -37,7 +37,7 @@ class Controls {
 
   Player& player_;
   Egress& egress_;
-  Cuts& cuts_;
+  LinkCuts& cuts_;
   Telemetry& telemetry_;
   Log& log_;
   Micros now_ = 0;

@@ -23,7 +23,8 @@ struct CrowdRecord {
     std::uint64_t checks = 0;
     std::uint64_t mismatches = 0;
   };
-  /// Of a region, at whole seconds, the last kCheckpoints; where two lives have been at the same tick, of the later.
+  /// Of a region, at whole seconds, the last kCheckpoints; where two incarnations have been at the same tick, of the
+  /// later.
   std::map<crowd::Region, std::map<Tick, std::uint64_t>> checkpoints;
   Tick first_tick = -1;       ///< played; -1: it never came in
   Micros joined_at = -1;      ///< us

@@ -31,7 +31,7 @@ class Egress {
 
   Egress(Specs specs, Send send) : specs_(std::move(specs)), send_(std::move(send)) {}
 
-  /// This peer's number, from now on; another than before in another life.
+  /// This peer's number, from now on; another than before in another incarnation.
   void sit(PeerId self);
 
   void session(const Endpoint& to, std::span<const std::byte> datagram, Micros now);

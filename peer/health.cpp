@@ -49,9 +49,9 @@ HealthState Health::state(const Player& player, Micros now) {
   s.playing = player.playing();
   if (!s.playing) return s;
   const auto confirmed = player.confirmed();
-  // Another life may begin at an earlier tick than the one before has confirmed.
-  if (player.life() != life_ || confirmed.tick > confirmed_) advanced_ = now;
-  life_ = player.life();
+  // Another incarnation may begin at an earlier tick than the one before has confirmed.
+  if (player.incarnation() != incarnation_ || confirmed.tick > confirmed_) advanced_ = now;
+  incarnation_ = player.incarnation();
   confirmed_ = confirmed.tick;
   s.peer = player.self();
   s.present = player.present();

@@ -46,7 +46,7 @@ class Health {
   RateLimit limit_;
   Micros next_ = 0;
   Tick confirmed_ = -1;
-  int life_ = -1;
+  int incarnation_ = -1;
   Micros advanced_ = 0;  ///< when confirmed last did
 };
 

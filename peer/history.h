@@ -10,14 +10,14 @@
 
 namespace padr::peer {
 
-/// What a peer has come to know in all its lives: confirmed worlds, and who came and went.
+/// What a peer has come to know in all its incarnations: confirmed worlds, and who came and went.
 class History {
  public:
   struct Checkpoint {
     Tick tick = -1;
     std::uint64_t hash = 0;
   };
-  struct Life {
+  struct Incarnation {
     PeerId peer = kNoPeer;
     std::uint32_t incarnation = 0;
     Tick came = -1;            ///< first tick played; -1: has not come in
@@ -25,20 +25,20 @@ class History {
     Checkpoint confirmed;      ///< newest
   };
 
-  /// A replica is made for this life, maybe not for the first time.
-  void begin(int life);
-  void confirm(int life, Tick tick, std::uint64_t hash);
-  /// The life plays from this tick on.
-  void play(int life, PeerId peer, std::uint32_t incarnation, Tick tick);
+  /// A replica is made for this incarnation, maybe not for the first time.
+  void begin(int incarnation);
+  void confirm(int incarnation, Tick tick, std::uint64_t hash);
+  /// The incarnation plays from this tick on.
+  void play(int incarnation, PeerId peer, std::uint32_t incarnation, Tick tick);
   void change(const node::MemberChange& c);
 
-  const std::vector<Life>& lives() const { return lives_; }
-  Checkpoint confirmed(int life) const;
-  /// Hashes of confirmed ticks that are whole seconds, the last kCheckpointsKept of them; where two lives have been at
-  /// the same tick, what the later one says, for that is what it has in common with the others.
+  const std::vector<Incarnation>& incarnations() const { return incarnations_; }
+  Checkpoint confirmed(int incarnation) const;
+  /// Hashes of confirmed ticks that are whole seconds, the last kCheckpointsKept of them; where two incarnations have
+  /// been at the same tick, what the later one says, for that is what it has in common with the others.
   const std::map<Tick, std::uint64_t>& checkpoints() const { return checkpoints_; }
 
-  // Others, each once in each of their lives:
+  // Others, each once in each of their incarnations:
   std::uint64_t came() const { return seen_[0].size(); }
   std::uint64_t left() const { return seen_[1].size(); }
   std::uint64_t removed() const { return seen_[2].size(); }
@@ -46,8 +46,8 @@ class History {
   static constexpr std::size_t kCheckpointsKept = 3600;
 
  private:
-  std::vector<Life> lives_;
-  std::vector<std::map<Tick, std::uint64_t>> pending_;  ///< by life, until it plays
+  std::vector<Incarnation> incarnations_;
+  std::vector<std::map<Tick, std::uint64_t>> pending_;  ///< by incarnation, until it plays
   std::map<Tick, std::uint64_t> checkpoints_;
   std::array<std::set<std::pair<PeerId, std::uint32_t>>, 3> seen_;  ///< by kind of change
 };

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "peer/cuts.h"
 #include "peer/egress.h"
+#include "peer/link_cuts.h"
 #include "peer/log.h"
 #include "peer/options.h"
 #include "peer/packet_log.h"
@@ -76,7 +76,7 @@ class Loop {
   std::unique_ptr<shell::UdpSocket> socket_;
   Endpoint local_;
   std::unique_ptr<Egress> egress_;
-  Cuts cuts_;
+  LinkCuts cuts_;
   bool stopping_ = false;
   int exit_code_ = 0;
   std::string reason_;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "common/crowd/plane.h"
+#include "common/crowd/regions.h"
 #include "common/link/netem_spec.h"
 #include "common/model/ids.h"
 #include "common/model/technique.h"

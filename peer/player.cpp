@@ -52,13 +52,13 @@ node::ParticipantConfig Player::config(const node::SessionConfig& session,
   c.session = session;
   c.channels = std::move(channels);
   c.replica.technique = options_.technique;
-  c.recording = [this](int life) {
-    history_.begin(life);
-    return recordings_.of(life);
+  c.recording = [this](int incarnation) {
+    history_.begin(incarnation);
+    return recordings_.of(incarnation);
   };
-  c.on_confirmed = [this](int life, const sync::FoldState& s, std::uint64_t hash) {
-    history_.confirm(life, s.tick, hash);
-    if (watcher_ != nullptr) watcher_->confirmed(life, s, hash);
+  c.on_confirmed = [this](int incarnation, const sync::FoldState& s, std::uint64_t hash) {
+    history_.confirm(incarnation, s.tick, hash);
+    if (watcher_ != nullptr) watcher_->confirmed(incarnation, s, hash);
   };
   return c;
 }
@@ -92,7 +92,7 @@ void Player::advance(Micros now) {
   if (paused()) go_on(now);
   if (now >= participant_.next_due()) participant_.advance(now);
   for (int i = 0; i < kStepsPerTurn && playing(); ++i) {
-    if (life() != known_life_) begin_life(now);
+    if (incarnation() != known_incarnation_) begin_incarnation(now);
     if (now < participant_.next_step() || done(now)) break;
     step(now);
   }
@@ -108,17 +108,18 @@ Micros Player::next_due() const {
   return due > step - kTickLength ? step : due;
 }
 
-void Player::begin_life(Micros now) {
+void Player::begin_incarnation(Micros now) {
   const node::Session& s = session();
   const Tick next = replica().now() + 1;
   past_ = past_ + present_;
   present_ = {};
-  known_life_ = life();
-  history_.play(known_life_, self(), replica().config().incarnation, known_life_ == 0 && next == 1 ? 0 : next);
-  if (watcher_ != nullptr) watcher_->begun(replica(), known_life_);
+  known_incarnation_ = incarnation();
+  history_.play(known_incarnation_, self(), replica().config().incarnation,
+                known_incarnation_ == 0 && next == 1 ? 0 : next);
+  if (watcher_ != nullptr) watcher_->begun(replica(), known_incarnation_);
   const std::string ours = "session " + fmt::format("{}", s.number());
-  if (known_life_ > 0) {
-    log_.session->warn("{}: life {} begins at tick {}, as peer {}", ours, known_life_ + 1, next, self());
+  if (known_incarnation_ > 0) {
+    log_.session->warn("{}: life {} begins at tick {}, as peer {}", ours, known_incarnation_ + 1, next, self());
     return;
   }
   input_ = shell::load_input(options_.input, options_.scenario.scene, self(), options_.scenario.seed);

@@ -27,7 +27,7 @@ struct TickStats {
   static constexpr Micros kStall = 2 * kMicrosPerSecond / kTicksPerSecond;
 };
 
-/// What nodes have counted, in all lives.
+/// What nodes have counted, in all incarnations.
 struct Totals {
   node::ReplicaStats replica;
   std::uint64_t replayed_steps = 0;
@@ -46,8 +46,8 @@ struct Standstill {
   std::vector<Datagram> waiting;
 };
 
-/// One peer's play from its coming to its end, whatever lives it takes: the participant, its input, its traces and
-/// what people want to know of it. Has no clock: times are local microseconds.
+/// One peer's play from its coming to its end, whatever incarnations it takes: the participant, its input, its traces
+/// and what people want to know of it. Has no clock: times are local microseconds.
 class Player {
  public:
   /// All but `session` and `channels` must outlive it; `channels` is there if the session has a key. `watcher` may be
@@ -64,7 +64,7 @@ class Player {
   void advance(Micros now);
   /// When to call it next.
   Micros next_due() const;
-  /// As in Participant. State datagrams are of the present life.
+  /// As in Participant. State datagrams are of the present incarnation.
   std::span<const node::Parcel> take_outgoing() { return participant_.take_outgoing(); }
 
   /// Says goodbye with the next step, or a few ticks later where many play. `stay`: also help the others to their end.
@@ -98,27 +98,27 @@ class Player {
   PeerId self() const { return replica().self(); }
   /// Null if the session has no key.
   const node::SecureChannels* channels() const { return participant_.channels(); }
-  /// Of the present life; only when playing.
+  /// Of the present incarnation; only when playing.
   const node::Replica& replica() const { return participant_.replica(); }
   /// Counted from 0.
-  int life() const { return participant_.life(); }
+  int incarnation() const { return participant_.incarnation(); }
   bool returning() const { return participant_.returning(); }
   /// Peers that are there, this one included.
   int present() const;
-  /// First tick played, of the first life.
-  Tick first_tick() const { return history_.lives().front().came; }
+  /// First tick played, of the first incarnation.
+  Tick first_tick() const { return history_.incarnations().front().came; }
   /// When it was, us; -1: not yet.
   Micros joined_at() const { return joined_at_; }
   const TickStats& ticks() const { return ticks_; }
   Totals totals() const;
   const History& history() const { return history_; }
-  History::Checkpoint confirmed() const { return history_.confirmed(life()); }
+  History::Checkpoint confirmed() const { return history_.confirmed(incarnation()); }
 
  private:
   node::ParticipantConfig config(const node::SessionConfig& session, std::optional<node::ChannelConfig> channels);
   void go_on(Micros now);
   void step(Micros now);
-  void begin_life(Micros now);
+  void begin_incarnation(Micros now);
   void watch_clock(Micros now);
   void watch_hashes();
   void say_goodbye();
@@ -137,13 +137,13 @@ class Player {
   node::Participant participant_;
   std::unique_ptr<scenarios::InputSource> input_;
   TickStats ticks_;
-  Totals past_;     ///< of lives gone by
+  Totals past_;     ///< of incarnations gone by
   Totals present_;  ///< of the present one, as of its last step
   RateLimit limit_;
   Tick last_input_;  ///< the target stands still from here on
   Micros joined_at_ = -1;
   Micros stepped_at_ = -1;
-  int known_life_ = -1;
+  int known_incarnation_ = -1;
   bool mismatch_told_ = false;
   bool leaving_ = false;
   bool stay_ = false;

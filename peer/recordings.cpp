@@ -8,10 +8,10 @@
 
 namespace padr::peer {
 
-std::string trace_file(const std::string& first, int life) {
-  if (life == 0) return first;
+std::string trace_file(const std::string& first, int incarnation) {
+  if (incarnation == 0) return first;
   const std::filesystem::path path(first);
-  const std::string name = path.stem().string() + "." + std::to_string(life + 1) + path.extension().string();
+  const std::string name = path.stem().string() + "." + std::to_string(incarnation + 1) + path.extension().string();
   return (path.parent_path() / name).string();
 }
 
@@ -37,13 +37,13 @@ trace::Provenance Recordings::provenance() const {
   return p;
 }
 
-std::optional<node::RecordedReplica::Recording> Recordings::of(int life) {
+std::optional<node::RecordedReplica::Recording> Recordings::of(int incarnation) {
   if (files_.empty()) return std::nullopt;
-  const auto n = static_cast<std::size_t>(life);
-  if (life > 0) {
+  const auto n = static_cast<std::size_t>(incarnation);
+  if (incarnation > 0) {
     files_.resize(std::max(files_.size(), n + 1));
     try {
-      files_[n] = std::make_unique<shell::OutputFile>("--trace", trace_file(options_.trace, life));
+      files_[n] = std::make_unique<shell::OutputFile>("--trace", trace_file(options_.trace, incarnation));
     } catch (const UserError& e) {
       log_.play->error("{}: the peer has joined again, and this is not recorded", e.what());
       return std::nullopt;

@@ -11,18 +11,18 @@
 
 namespace padr::peer {
 
-/// Where the n-th life is recorded to: NAME.trace, NAME.2.trace, NAME.3.trace, ...
-std::string trace_file(const std::string& first, int life);
+/// Where the n-th incarnation is recorded to: NAME.trace, NAME.2.trace, NAME.3.trace, ...
+std::string trace_file(const std::string& first, int incarnation);
 
-/// The traces of a peer, one file for each of its lives.
+/// The traces of a peer, one file for each of its incarnations.
 class Recordings {
  public:
   /// Opens the first file, if --trace is given: throws UserError if that cannot be. Both must outlive it.
   Recordings(const Options& options, Log& log);
 
-  /// Where to record life 0, 1, ...; nothing without --trace, and if a later life's file cannot be opened, which is
-  /// said in the log. A life that is begun anew because it got nowhere writes its file anew.
-  std::optional<node::RecordedReplica::Recording> of(int life);
+  /// Where to record incarnation 0, 1, ...; nothing without --trace, and if a later incarnation's file cannot be
+  /// opened, which is said in the log. An incarnation that is begun anew because it got nowhere writes its file anew.
+  std::optional<node::RecordedReplica::Recording> of(int incarnation);
   /// Throws std::system_error if something could not be written.
   void close();
 
@@ -31,7 +31,7 @@ class Recordings {
 
   const Options& options_;
   Log& log_;
-  std::vector<std::unique_ptr<shell::OutputFile>> files_;  ///< by life; null where there is none
+  std::vector<std::unique_ptr<shell::OutputFile>> files_;  ///< by incarnation; null where there is none
 };
 
 }  // namespace padr::peer

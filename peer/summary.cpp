@@ -80,14 +80,17 @@ void put_confirmed(Json& j, const Player& p) {
   j.end_object().end_object();
 }
 
-// From confirmed_from of its last life on, a peer's confirmed worlds are those of the others; what it had confirmed in
-// an earlier life while the others were agreeing that it is gone need not be.
+// From confirmed_from of its last incarnation on, a peer's confirmed worlds are those of the others; what it had
+// confirmed in an earlier incarnation while the others were agreeing that it is gone need not be.
 void put_lives(Json& j, const Player& p) {
   j.key("lives").begin_array();
-  for (const History::Life& life : p.history().lives()) {
-    if (life.came < 0) continue;
-    j.begin_object().field("peer", life.peer).field("incarnation", life.incarnation).field("came_tick", life.came);
-    j.field("confirmed_from", life.confirmed_from).field("confirmed_to", life.confirmed.tick);
+  for (const History::Incarnation& incarnation : p.history().incarnations()) {
+    if (incarnation.came < 0) continue;
+    j.begin_object()
+        .field("peer", incarnation.peer)
+        .field("incarnation", incarnation.incarnation)
+        .field("came_tick", incarnation.came);
+    j.field("confirmed_from", incarnation.confirmed_from).field("confirmed_to", incarnation.confirmed.tick);
     j.end_object();
   }
   j.end_array();

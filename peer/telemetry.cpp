@@ -122,12 +122,12 @@ void Telemetry::send(const monitor::Message& message) {
   }
 }
 
-void Telemetry::begun(const node::Replica& replica, int life) {
-  life_ = life;
+void Telemetry::begun(const node::Replica& replica, int incarnation) {
+  incarnation_ = incarnation;
   from_.session = replica.config().session;
   from_.slot = replica.self();
   from_.incarnation = replica.config().incarnation;
-  sampler_.begin(replica, life == 0 ? "plays" : "plays in life " + std::to_string(life + 1));
+  sampler_.begin(replica, incarnation == 0 ? "plays" : "plays in life " + std::to_string(incarnation + 1));
   beat_ = 0;  // hello
   next_ = 0;
 }
@@ -147,8 +147,8 @@ void Telemetry::stepped(const Step& s) {
   send(frame_);
 }
 
-void Telemetry::confirmed(int life, const sync::FoldState& state, std::uint64_t hash) {
-  if (!listened_to() || life != life_ || options_.monitor->detail != monitor::Detail::kAll ||
+void Telemetry::confirmed(int incarnation, const sync::FoldState& state, std::uint64_t hash) {
+  if (!listened_to() || incarnation != incarnation_ || options_.monitor->detail != monitor::Detail::kAll ||
       !sampler_.due(state.tick) || agreed_told_ >= kAgreedPerStep)
     return;
   ++agreed_told_;
@@ -186,7 +186,7 @@ void Telemetry::tell_hello(const Situation& s) {
   h.token = obeys_ ? token_ : 0;
   h.at = s.at;
   h.slots = session.slots();
-  h.life = std::max(life_, 0);
+  h.incarnation = std::max(incarnation_, 0);
   h.scenario = options_.scenario.label;
   h.scenario_seed = options_.scenario.seed;
   h.scene_hash = scene_hash(options_.scenario.scene);

@@ -8,8 +8,8 @@
 
 #include "common/monitor/codec.h"
 #include "common/monitor/sampler.h"
-#include "peer/cuts.h"
 #include "peer/egress.h"
+#include "peer/link_cuts.h"
 #include "peer/log.h"
 #include "peer/options.h"
 #include "peer/player.h"
@@ -44,9 +44,9 @@ class Telemetry final : public Watcher {
   void close();
 
   // As Watcher.
-  void begun(const node::Replica& replica, int life) override;
+  void begun(const node::Replica& replica, int incarnation) override;
   void stepped(const Step& step) override;
-  void confirmed(int life, const sync::FoldState& state, std::uint64_t hash) override;
+  void confirmed(int incarnation, const sync::FoldState& state, std::uint64_t hash) override;
   void changed(const node::MemberChange& change) override { sampler_.observe(change); }
 
   /// Something that only the shell knows of; the number is filled in.
@@ -57,7 +57,7 @@ class Telemetry final : public Watcher {
   struct Situation {
     const Player& player;
     const Egress& egress;
-    const Cuts& cuts;
+    const LinkCuts& cuts;
     Endpoint at;  ///< where the session's socket listens
   };
   /// Tells what is due besides frames.
@@ -95,7 +95,7 @@ class Telemetry final : public Watcher {
   std::uint64_t token_ = 0;
   std::uint64_t issuer_ = 0;  ///< of the orders that came last
   std::uint32_t taken_ = 0;   ///< number of the newest of them
-  int life_ = -1;
+  int incarnation_ = -1;
   bool driven_ = false;
   std::uint32_t drive_order_ = 0;
   int agreed_told_ = 0;  ///< since the last step

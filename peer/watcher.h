@@ -19,11 +19,11 @@ class Watcher {
   Watcher& operator=(const Watcher&) = delete;
   virtual ~Watcher() = default;
 
-  /// A life begins to play, counted from 0.
-  virtual void begun(const node::Replica& replica, int life) = 0;
+  /// An incarnation begins to play, counted from 0.
+  virtual void begun(const node::Replica& replica, int incarnation) = 0;
   virtual void stepped(const Step& step) = 0;
-  /// As of node::ParticipantConfig: also of a life that is only being begun.
-  virtual void confirmed(int life, const sync::FoldState& state, std::uint64_t hash) = 0;
+  /// As of node::ParticipantConfig: also of an incarnation that is only being begun.
+  virtual void confirmed(int incarnation, const sync::FoldState& state, std::uint64_t hash) = 0;
   virtual void changed(const node::MemberChange& change) = 0;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "common/trace/fidelity.h"
-#include "common/trace/pcc.h"
+#include "common/trace/physics_consistency_cost.h"
 #include "shell/json.h"
 
 namespace padr::shell {

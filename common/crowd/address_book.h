@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/crowd/plane.h"
+#include "common/crowd/regions.h"
 #include "common/model/endpoint.h"
 #include "common/model/rng.h"
 #include "common/wire/session_codec.h"

@@ -133,7 +133,7 @@ void CrowdPeer::enter(Region r, const std::optional<Endpoint>& member, Micros lo
   c.replica.technique = config_.technique;
   c.replica.kept_ticks = kKeptTicks;
   if (config_.on_confirmed)
-    c.on_confirmed = [this, r](int /*life*/, const sync::FoldState& s, std::uint64_t hash) {
+    c.on_confirmed = [this, r](int /*incarnation*/, const sync::FoldState& s, std::uint64_t hash) {
       config_.on_confirmed(r, s, hash);
     };
   Place& place = places_[r];
@@ -183,11 +183,11 @@ Micros CrowdPeer::next_due() const {
   return due;
 }
 
-// In another life it sits in another slot, and has said nothing yet.
+// In another incarnation it sits in another slot, and has said nothing yet.
 void CrowdPeer::note_life(Place& place) {
-  if (place.peer->life() <= place.life) return;
-  if (place.life >= 0) ++stats_.merged;
-  place.life = place.peer->life();
+  if (place.peer->incarnation() <= place.incarnation) return;
+  if (place.incarnation >= 0) ++stats_.merged;
+  place.incarnation = place.peer->incarnation();
   place.said = -1;
 }
 

@@ -10,7 +10,7 @@
 
 #include "common/crowd/finder.h"
 #include "common/crowd/handover.h"
-#include "common/crowd/plane.h"
+#include "common/crowd/regions.h"
 #include "common/participant/participant.h"
 
 namespace padr::crowd {
@@ -84,7 +84,7 @@ class CrowdPeer {
     bool leaving = false;
     Tick said = -1;  ///< its last word on whether it is going is of this tick or an earlier one; -1: not said yet
     Micros left = 0;
-    int life = -1;  ///< of the participant, when it was looked at last
+    int incarnation = -1;  ///< of the participant, when it was looked at last
   };
   void note_life(Place& place);
   void say_goodbye(Micros local);

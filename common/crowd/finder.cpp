@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/model/seen_from.h"
+#include "common/model/observed_address.h"
 #include "common/replica/replica.h"
 
 namespace padr::crowd {
@@ -126,7 +126,7 @@ void Finder::take(const Endpoint& from, const wire::Ask& ask, std::size_t size, 
     a->seeks = regions_of(ask.sender.seeks);
     a->rank = ask.rank;
     a->hinted = local;
-    a->unanswered = 0;  // it lives, whatever became of its answers
+    a->unanswered = 0;  // it is alive, whatever became of its answers
     tell.noted = AddressBook::fresh(*a, local);
     if (!tell.noted && local - a->asked > kAskAgain) this->ask(from, about, local);
   }

@@ -9,7 +9,7 @@
 
 #include "common/channel/parcel.h"
 #include "common/crowd/address_book.h"
-#include "common/crowd/plane.h"
+#include "common/crowd/regions.h"
 #include "common/crowd/search.h"
 #include "common/model/rng.h"
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/crowd/plane.h"
+#include "common/crowd/regions.h"
 #include "common/participant/participant.h"
 
 namespace padr::crowd {

@@ -89,7 +89,7 @@ void Membership::on_unreachable(const Endpoint& at) {
 
 // One process is one peer: if another slot's was there, that life of it is over. Several may come to be known at once,
 // so this is asked when all of them are: where somebody was who sat there before says nothing of who does now.
-void Membership::note_former_lives(const std::vector<MemberChange>& changes) {
+void Membership::note_former_incarnations(const std::vector<MemberChange>& changes) {
   for (const MemberChange& c : changes) {
     if (c.kind != MemberChange::Kind::kAdmitted || c.slot == session_.self) continue;
     for (PeerId p = 0; p < session_.slots; ++p) {
@@ -102,7 +102,7 @@ void Membership::note_former_lives(const std::vector<MemberChange>& changes) {
 }
 
 // Until it knows that it has been let in anew it goes on as before, and what it says meanwhile is no sign of life.
-void Membership::end_former_lives() {
+void Membership::end_former_incarnations() {
   for (auto it = former_.begin(); it != former_.end();) {
     const Neighbour& n = replica_.replica().other(it->first);
     const bool over = !n.there() || n.incarnation != it->second;
@@ -126,7 +126,7 @@ void Membership::follow_changes() {
     merge_.on_change(c);
     changes_.push_back(c);
   }
-  note_former_lives(changes);
+  note_former_incarnations(changes);
 }
 
 void Membership::advance(Micros local) {
@@ -135,7 +135,7 @@ void Membership::advance(Micros local) {
   evictions_.advance(view, commands_);
   relay_.advance(view, commands_);
   follow_changes();
-  end_former_lives();
+  end_former_incarnations();
   merge_.advance(view, commands_);
   watch_confirmed();
   admissions_.advance(local);

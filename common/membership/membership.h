@@ -59,8 +59,8 @@ class Membership {
 
  private:
   void follow_changes();
-  void note_former_lives(const std::vector<MemberChange>& changes);
-  void end_former_lives();
+  void note_former_incarnations(const std::vector<MemberChange>& changes);
+  void end_former_incarnations();
   /// Whether an eviction may be near.
   bool doubts() const;
   void watch_confirmed();

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "common/membership/misbehaviour_policy.h"
+#include "common/model/observed_address.h"
 #include "common/model/rng.h"
-#include "common/model/seen_from.h"
 #include "common/model/user_error.h"
 #include "common/wire/signature.h"
 #include "common/wire/transfer_codec.h"
@@ -46,7 +46,7 @@ void check_founder(const SessionConfig& c, const Scene& scene) {
 }  // namespace
 
 Participant::Participant(const Scene& scene, ParticipantConfig config, Micros local)
-    : scene_(scene), config_(std::move(config)), local_(local), warned_(local - kWarnAgain), born_(local) {
+    : scene_(scene), config_(std::move(config)), local_(local), warned_(local - kWarnAgain), began_(local) {
   if (config_.channels) channels_.emplace(*config_.channels);
   SessionConfig& session = config_.session;
   if (!session.join) check_founder(session, scene_);
@@ -54,7 +54,7 @@ Participant::Participant(const Scene& scene, ParticipantConfig config, Micros lo
   session.scene_hash = scene_hash(scene_);
   session.authority = config_.replica.technique.authority;
   if (session.fingerprint == 0) session.fingerprint = world::physics_fingerprint();
-  coming_.session = std::make_unique<Session>(config_.session, local);
+  next_.session = std::make_unique<Session>(config_.session, local);
 }
 
 Participant::~Participant() = default;
@@ -74,7 +74,9 @@ ReplicaConfig Participant::replica_config(const Session& session) const {
 
 Replica::ConfirmedSink Participant::sink() {
   if (!config_.on_confirmed) return {};
-  return [this, life = lives_](const sync::FoldState& s, std::uint64_t hash) { config_.on_confirmed(life, s, hash); };
+  return [this, incarnation = begun_](const sync::FoldState& s, std::uint64_t hash) {
+    config_.on_confirmed(incarnation, s, hash);
+  };
 }
 
 void Participant::receive(const Endpoint& from, std::span<const std::byte> datagram, Micros local) {
@@ -119,53 +121,53 @@ void Participant::take(const Endpoint& from, std::span<const std::byte> datagram
   wire::SealError refused{};
   std::uint8_t version = 0;
   const auto opened = wire::open(datagram, refused, &version);
-  for (Life* life : {&life_, &coming_}) {
-    if (!life->session) continue;
+  for (Incarnation* incarnation : {&current_, &next_}) {
+    if (!incarnation->session) continue;
     if (!opened) {
-      life->session->on_refused(from, datagram.size(), refused, version, local);
+      incarnation->session->on_refused(from, datagram.size(), refused, version, local);
       continue;
     }
-    if (!life->session->receive(from, *opened, local) || !life->membership) continue;
+    if (!incarnation->session->receive(from, *opened, local) || !incarnation->membership) continue;
     const PeerId peer = opened->header.sender;
-    if (!life->membership->hears(peer)) {
-      life->replica->count_drop(peer, sync::DropReason::kCutOff);
+    if (!incarnation->membership->hears(peer)) {
+      incarnation->replica->count_drop(peer, sync::DropReason::kCutOff);
       continue;
     }
-    const auto why = life->replica->receive(*opened, life->session->session_now(local));
+    const auto why = incarnation->replica->receive(*opened, incarnation->session->session_now(local));
     if (why == sync::DropReason::kNone) continue;
-    if (why == sync::DropReason::kForeign) life->membership->on_stranger(from, datagram.size(), local);
+    if (why == sync::DropReason::kForeign) incarnation->membership->on_stranger(from, datagram.size(), local);
     // Whoever has been held up itself finds everybody ahead of it.
-    const Tick due = life->replica->replica().now() + 1;
-    const bool behind = life->session->session_now(local) - tick_start(due) > kHeldUp;
-    if (why != sync::DropReason::kTick || !behind) life->membership->on_drop(peer, why, local);
+    const Tick due = incarnation->replica->replica().now() + 1;
+    const bool behind = incarnation->session->session_now(local) - tick_start(due) > kHeldUp;
+    if (why != sync::DropReason::kTick || !behind) incarnation->membership->on_drop(peer, why, local);
   }
 }
 
 // Nothing proves that the network has said so: in a session with a key it does not count.
 void Participant::unreachable(const Endpoint& at, Micros local) {
   if (channels_) return;
-  for (Life* life : {&life_, &coming_})
-    if (life->session) life->session->unreachable(at, local);
+  for (Incarnation* incarnation : {&current_, &next_})
+    if (incarnation->session) incarnation->session->unreachable(at, local);
 }
 
 void Participant::advance(Micros local) {
   local_ = local;
-  for (Life* life : {&life_, &coming_})
-    if (life->session && local >= life->session->next_due()) life->session->advance(local);
-  if (coming_.session) be_born(local);
-  collect(life_);
-  collect(coming_);
+  for (Incarnation* incarnation : {&current_, &next_})
+    if (incarnation->session && local >= incarnation->session->next_due()) incarnation->session->advance(local);
+  if (next_.session) bring_in_next(local);
+  collect(current_);
+  collect(next_);
 }
 
-void Participant::be_born(Micros local) {
-  Session& s = *coming_.session;
-  if (s.phase() == SessionPhase::kFailed && life_.session) {
-    collect(coming_);
-    coming_ = {};
+void Participant::bring_in_next(Micros local) {
+  Session& s = *next_.session;
+  if (s.phase() == SessionPhase::kFailed && current_.session) {
+    collect(next_);
+    next_ = {};
     try_again_ = local + kTryAgain;
   } else if (s.lost_introducer()) {
     ask_again(local);
-  } else if (!coming_.replica && (s.phase() == SessionPhase::kStarted || s.may_enter())) {
+  } else if (!next_.replica && (s.phase() == SessionPhase::kStarted || s.may_enter())) {
     if (const std::string why = no_room_for(s); !why.empty()) return s.state().fail(why);
     if (s.phase() == SessionPhase::kStarted && config_.session.begins_at && !config_.session.join)
       found_region();
@@ -173,25 +175,25 @@ void Participant::be_born(Micros local) {
       begin_at_tick_0();
     else
       begin_later(local);
-  } else if (coming_.replica && coming_.replica->replica().member()) {
+  } else if (next_.replica && next_.replica->replica().member()) {
     s.admitted();
     take_over();
-  } else if (coming_.membership) {
-    watch(coming_, local);
-  } else if (coming_.replica) {
-    catch_up(coming_, local);
+  } else if (next_.membership) {
+    watch(next_, local);
+  } else if (next_.replica) {
+    catch_up(next_, local);
   }
 }
 
 // Who was letting us in for the first time has ended: somebody else will.
 void Participant::ask_again(Micros local) {
   SessionConfig c = config_.session;
-  if (c.patience > 0) c.patience -= local - born_;
+  if (c.patience > 0) c.patience -= local - began_;
   if (config_.session.patience > 0 && c.patience <= 0) return;
-  collect(coming_);
-  coming_ = {};
+  collect(next_);
+  next_ = {};
   c.seed = derive_seed(c.seed, 0xA6A, ++tries_);
-  coming_.session = std::make_unique<Session>(c, local);
+  next_.session = std::make_unique<Session>(c, local);
 }
 
 // The number of slots is the founder's to say: it may be mistaken, or lie.
@@ -203,46 +205,46 @@ std::string Participant::no_room_for(const Session& session) const {
 }
 
 // Not in yet: steps along, so that it is up to date when it is.
-void Participant::watch(Life& life, Micros local) {
-  const Micros now = life.session->session_now(local);
-  for (Tick i = 0; i < kAtOnce && tick_start(life.replica->replica().now() + 1) <= now; ++i) {
-    life.replica->step({});
-    life.membership->advance(local);
+void Participant::watch(Incarnation& incarnation, Micros local) {
+  const Micros now = incarnation.session->session_now(local);
+  for (Tick i = 0; i < kAtOnce && tick_start(incarnation.replica->replica().now() + 1) <= now; ++i) {
+    incarnation.replica->step({});
+    incarnation.membership->advance(local);
   }
 }
 
 // From the tick of the agreed world that it was given to the present one; then it asks to be let in.
-void Participant::catch_up(Life& life, Micros local) {
-  if (!life.replica->catch_up(kAtOnce)) return;
-  life.membership = std::make_unique<Membership>(life.session->state(), *life.replica);
+void Participant::catch_up(Incarnation& incarnation, Micros local) {
+  if (!incarnation.replica->catch_up(kAtOnce)) return;
+  incarnation.membership = std::make_unique<Membership>(incarnation.session->state(), *incarnation.replica);
   // Members among them are forgotten again; a slot's address says nothing, its peer may be gone.
-  for (const Endpoint& at : std::exchange(life.gone, {})) life.membership->remember(at);
-  life.session->hand_over_to(life.membership.get());
-  life.session->enter(local);
+  for (const Endpoint& at : std::exchange(incarnation.gone, {})) incarnation.membership->remember(at);
+  incarnation.session->hand_over_to(incarnation.membership.get());
+  incarnation.session->enter(local);
 }
 
 void Participant::begin_at_tick_0() {
-  ReplicaConfig c = replica_config(*coming_.session);
-  const wire::Roster& beginners = coming_.session->beginners();
+  ReplicaConfig c = replica_config(*next_.session);
+  const wire::Roster& beginners = next_.session->beginners();
   c.peers = static_cast<int>(beginners.size());
-  coming_.replica = std::make_unique<RecordedReplica>(
-      scene_, c, config_.recording ? config_.recording(lives_) : std::nullopt, sink());
-  for (PeerId p = 0; p < beginners.size(); ++p) coming_.replica->locate(p, beginners[p]);
+  next_.replica = std::make_unique<RecordedReplica>(
+      scene_, c, config_.recording ? config_.recording(begun_) : std::nullopt, sink());
+  for (PeerId p = 0; p < beginners.size(); ++p) next_.replica->locate(p, beginners[p]);
   take_over();
 }
 
 void Participant::found_region() {
-  const ReplicaConfig c = replica_config(*coming_.session);
+  const ReplicaConfig c = replica_config(*next_.session);
   const auto now = static_cast<Tick>(*config_.session.begins_at * kTicksPerSecond / kMicrosPerSecond);
   const sync::Transfer start = sync::founding(scene_, c.slots, c.technique.authority, now, c.incarnation);
-  coming_.replica = std::make_unique<RecordedReplica>(
-      scene_, c, start, now, config_.recording ? config_.recording(lives_) : std::nullopt, sink());
-  coming_.replica->catch_up(0);  // it is there already
+  next_.replica = std::make_unique<RecordedReplica>(
+      scene_, c, start, now, config_.recording ? config_.recording(begun_) : std::nullopt, sink());
+  next_.replica->catch_up(0);  // it is there already
   take_over();
 }
 
 void Participant::begin_later(Micros local) {
-  Session& s = *coming_.session;
+  Session& s = *next_.session;
   auto transfer = wire::decode_transfer(s.transfer(), scene_, s.slots());
   if (!transfer || transfer->slots.size() <= s.introducer_number()) {
     s.state().fail("the transfer of " + to_string(s.introducer()) + " does not decode");
@@ -262,82 +264,82 @@ void Participant::begin_later(Micros local) {
   }
   for (sync::Transfer::Slot& slot : transfer->slots)
     if (slot.at.is_set()) slot.at = as_seen_from(slot.at, s.introducer());
-  if (life_.replica) {
-    const sync::FoldState* ours = life_.replica->replica().agreed().confirmed_at(transfer->state.tick);
+  if (current_.replica) {
+    const sync::FoldState* ours = current_.replica->replica().agreed().confirmed_at(transfer->state.tick);
     const std::string difference = ours == nullptr ? "" : first_difference(*ours, transfer->state);
     if (!difference.empty()) s.state().note("here and there " + difference, true);
   }
-  coming_.replica =
+  next_.replica =
       std::make_unique<RecordedReplica>(scene_, replica_config(s), *transfer, std::max(now, transfer->state.tick),
-                                        config_.recording ? config_.recording(lives_) : std::nullopt, sink());
-  for (const Endpoint& at : transfer->gone) coming_.gone.push_back(as_seen_from(at, s.introducer()));
-  catch_up(coming_, local);
+                                        config_.recording ? config_.recording(begun_) : std::nullopt, sink());
+  for (const Endpoint& at : transfer->gone) next_.gone.push_back(as_seen_from(at, s.introducer()));
+  catch_up(next_, local);
 }
 
 void Participant::take_over() {
-  Life before = std::move(life_);
-  life_ = std::move(coming_);
-  coming_ = {};
-  ++lives_;
-  if (!life_.membership) {
-    life_.membership = std::make_unique<Membership>(life_.session->state(), *life_.replica);
-    life_.session->hand_over_to(life_.membership.get());
+  Incarnation before = std::move(current_);
+  current_ = std::move(next_);
+  next_ = {};
+  ++begun_;
+  if (!current_.membership) {
+    current_.membership = std::make_unique<Membership>(current_.session->state(), *current_.replica);
+    current_.session->hand_over_to(current_.membership.get());
   }
   if (!before.session) return;
   collect(before);
   for (PeerId p = 0; p < before.session->slots(); ++p)
-    life_.membership->remember(before.replica->replica().other(p).at);
+    current_.membership->remember(before.replica->replica().other(p).at);
   before.replica->finish(true);
 }
 
 void Participant::look_for_way_back(Micros local) {
-  const auto where = life_.membership->way_back();
-  if (where) life_.membership->announce_way_back();
-  if (!where && coming_.session && !coming_.replica) coming_ = {};  // no need any more
-  if (coming_.session || local < try_again_ || !where || !where->is_set()) return;
+  const auto where = current_.membership->way_back();
+  if (where) current_.membership->announce_way_back();
+  if (!where && next_.session && !next_.replica) next_ = {};  // no need any more
+  if (next_.session || local < try_again_ || !where || !where->is_set()) return;
   SessionConfig c = config_.session;
   c.join = *where;
   c.seed = derive_seed(c.seed, 0xBAC, ++tries_);
   c.patience = kReturnPatience;
-  coming_.session = std::make_unique<Session>(c, local);
+  next_.session = std::make_unique<Session>(c, local);
 }
 
 Micros Participant::next_due() const {
   Micros due = std::numeric_limits<Micros>::max();
-  for (const Life* life : {&life_, &coming_})
-    if (life->session) due = std::min(due, life->session->next_due());
+  for (const Incarnation* incarnation : {&current_, &next_})
+    if (incarnation->session) due = std::min(due, incarnation->session->next_due());
   return due;
 }
 
 Micros Participant::next_step() const {
-  return life_.session->local_at(tick_start(replica().now() + 1));
+  return current_.session->local_at(tick_start(replica().now() + 1));
 }
 
 void Participant::step(Vec2 target, Micros local) {
   const Micros lateness = before_step(local);
-  life_.replica->step(target, lateness);
+  current_.replica->step(target, lateness);
   after_step(local);
 }
 
 void Participant::step_led(const BodyState& from, const BodyState& to, Vec2 target, Micros local) {
   before_step(local);
-  life_.replica->step_led(from, to, target);
+  current_.replica->step_led(from, to, target);
   after_step(local);
 }
 
 Micros Participant::before_step(Micros local) {
   local_ = local;
-  const Micros lateness = life_.session->session_now(local) - tick_start(replica().now() + 1);
-  if (lateness > kHeldUp) life_.replica->excuse_silence();
+  const Micros lateness = current_.session->session_now(local) - tick_start(replica().now() + 1);
+  if (lateness > kHeldUp) current_.replica->excuse_silence();
   return lateness;
 }
 
 void Participant::after_step(Micros local) {
-  life_.membership->advance(local);
-  for (const Outgoing& o : life_.replica->outgoing()) post(replica().other(o.to).at, o.to, o.bytes);
+  current_.membership->advance(local);
+  for (const Outgoing& o : current_.replica->outgoing()) post(replica().other(o.to).at, o.to, o.bytes);
   look_for_way_back(local);
-  collect(life_);
-  collect(coming_);
+  collect(current_);
+  collect(next_);
   if (!config_.steers || std::abs(replica().now() - steered_) < kSteerEvery) return;
   steered_ = replica().now();
   steer(local);
@@ -347,35 +349,35 @@ void Participant::after_step(Micros local) {
 void Participant::steer(Micros local) {
   bool lower = false;
   for (PeerId p = 0; p < replica().self(); ++p) lower = lower || replica().other(p).there();
-  life_.session->steer(local, lower ? replica().clock_lead() : 0);
+  current_.session->steer(local, lower ? replica().clock_lead() : 0);
 }
 
 void Participant::retune(const Technique& technique) {
   config_.replica.technique = technique;
-  for (Life* life : {&life_, &coming_})
-    if (life->replica) life->replica->retune(technique);
+  for (Incarnation* incarnation : {&current_, &next_})
+    if (incarnation->replica) incarnation->replica->retune(technique);
 }
 
 void Participant::knock(const Endpoint& at) {
-  if (life_.membership) life_.membership->knock(at);
+  if (current_.membership) current_.membership->knock(at);
 }
 
 void Participant::leave() {
-  if (life_.replica) {
-    life_.replica->leave();
-    coming_ = {};
+  if (current_.replica) {
+    current_.replica->leave();
+    next_ = {};
   } else {
-    coming_.session->leave();
-    collect(coming_);
+    next_.session->leave();
+    collect(next_);
   }
 }
 
-void Participant::collect(Life& life) {
-  if (!life.session) return;
-  for (const SessionDatagram& d : life.session->take_outgoing()) post(d.to, kNoPeer, d.bytes);
-  for (SessionNote& n : life.session->take_notes()) notes_.push_back(std::move(n));
-  if (!life.membership) return;
-  for (const MemberChange& c : life.membership->take_changes()) changes_.push_back(c);
+void Participant::collect(Incarnation& incarnation) {
+  if (!incarnation.session) return;
+  for (const SessionDatagram& d : incarnation.session->take_outgoing()) post(d.to, kNoPeer, d.bytes);
+  for (SessionNote& n : incarnation.session->take_notes()) notes_.push_back(std::move(n));
+  if (!incarnation.membership) return;
+  for (const MemberChange& c : incarnation.membership->take_changes()) changes_.push_back(c);
 }
 
 std::span<const Parcel> Participant::take_outgoing() {
@@ -391,7 +393,7 @@ std::vector<MemberChange> Participant::take_changes() {
 }
 
 void Participant::finish() {
-  if (life_.replica) life_.replica->finish();
+  if (current_.replica) current_.replica->finish();
 }
 
 }  // namespace padr::node

@@ -19,18 +19,18 @@ struct ParticipantConfig {
   std::optional<ChannelConfig> channels;  ///< the session has a key; otherwise nothing is sealed
   /// Steers its session's clock with its steps. Otherwise the caller does, as in a crowd, where a peer has one clock.
   bool steers = true;
-  /// Where the n-th life of this peer (0, 1, ...) is recorded to; empty or nothing returned: nowhere.
-  std::function<std::optional<RecordedReplica::Recording>(int life)> recording;
+  /// Where the n-th incarnation of this peer (0, 1, ...) is recorded to; empty or nothing returned: nowhere.
+  std::function<std::optional<RecordedReplica::Recording>(int incarnation)> recording;
   /// For tests only: what becomes of a datagram before it is sealed and sent.
   std::function<std::vector<Parcel>(Parcel)> tamper{};
-  /// As Replica's, besides the life it belongs to.
-  std::function<void(int life, const sync::FoldState& state, std::uint64_t hash)> on_confirmed;
+  /// As Replica's, besides the incarnation it belongs to.
+  std::function<void(int incarnation, const sync::FoldState& state, std::uint64_t hash)> on_confirmed;
 };
 
 /// A whole peer but for its clock, socket and input: comes together with others or into a running session, plays, and
 /// finds its way back when it was declared gone, fell out with the rest or met a larger side after a partition. Each
-/// time it begins a new life, with a fresh replica that has taken over the agreed world; until that is in, the old one
-/// goes on.
+/// time it begins a new incarnation, with a fresh replica that has taken over the agreed world; until that is in, the
+/// old one goes on.
 class Participant {
  public:
   /// `local`: microseconds on any monotonic clock of the caller's, the same for all calls. Throws UserError if the
@@ -49,23 +49,23 @@ class Participant {
   Micros next_due() const;
 
   /// Whether there is a world to step.
-  bool playing() const { return life_.replica != nullptr; }
+  bool playing() const { return current_.replica != nullptr; }
   /// Local time of the next step; only when playing.
   Micros next_step() const;
   /// One tick, with the avatar driven towards `target` (m).
   void step(Vec2 target, Micros local);
-  /// Plays by other knobs from the next step on, in lives to come too; `authority` must stay.
+  /// Plays by other knobs from the next step on, in incarnations to come too; `authority` must stay.
   void retune(const Technique& technique);
   /// As in Replica: one tick in a region where this peer is a guest.
   void step_led(const BodyState& from, const BodyState& to, Vec2 target, Micros local);
   /// Corrects the session's clock towards that of the lowest peer that is there, as far as is known; only when playing.
   void steer(Micros local);
-  // As in RecordedReplica, of the present life; only when playing.
-  void order(const sync::Bundle& order) { life_.replica->order(order); }
-  void jolt(Vec2 velocity) { life_.replica->jolt(velocity); }
-  void set_coarseness(float times) { life_.replica->set_coarseness(times); }
-  void push(EntityId b, Vec2 velocity) { life_.replica->push(b, velocity); }
-  void remark(const trace::Remark& r) { life_.replica->remark(r); }
+  // As in RecordedReplica, of the present incarnation; only when playing.
+  void order(const sync::Bundle& order) { current_.replica->order(order); }
+  void jolt(Vec2 velocity) { current_.replica->jolt(velocity); }
+  void set_coarseness(float times) { current_.replica->set_coarseness(times); }
+  void push(EntityId b, Vec2 velocity) { current_.replica->push(b, velocity); }
+  void remark(const trace::Remark& r) { current_.replica->remark(r); }
   /// Tells somebody who says that it is in this session, but is no member, who is: so that sides come together.
   void knock(const Endpoint& at);
   /// Says goodbye: with the next step when playing, at once before.
@@ -77,29 +77,29 @@ class Participant {
   /// Who came and went, since the last call.
   std::vector<MemberChange> take_changes();
 
-  /// Of the present life.
-  const Replica& replica() const { return life_.replica->replica(); }
-  const RecordedReplica& recorded() const { return *life_.replica; }
-  const Session& session() const { return life_.session ? *life_.session : *coming_.session; }
-  Session& session() { return life_.session ? *life_.session : *coming_.session; }
+  /// Of the present incarnation.
+  const Replica& replica() const { return current_.replica->replica(); }
+  const RecordedReplica& recorded() const { return *current_.replica; }
+  const Session& session() const { return current_.session ? *current_.session : *next_.session; }
+  Session& session() { return current_.session ? *current_.session : *next_.session; }
   /// Lives begun so far, less one.
-  int life() const { return lives_ - 1; }
-  bool returning() const { return playing() && coming_.session != nullptr; }
-  bool failed() const { return !life_.session && coming_.session->phase() == SessionPhase::kFailed; }
-  PeerId coordinator() const { return life_.membership->coordinator(); }
+  int incarnation() const { return begun_ - 1; }
+  bool returning() const { return playing() && next_.session != nullptr; }
+  bool failed() const { return !current_.session && next_.session->phase() == SessionPhase::kFailed; }
+  PeerId coordinator() const { return current_.membership->coordinator(); }
   /// Null if the session has no key.
   const SecureChannels* channels() const { return channels_ ? &*channels_ : nullptr; }
   /// Ends the trace. Nothing may be called afterwards but the getters.
   void finish();
 
  private:
-  struct Life {
+  struct Incarnation {
     std::unique_ptr<Session> session;
     std::unique_ptr<RecordedReplica> replica;
     std::unique_ptr<Membership> membership;  ///< once the replica has caught up
     std::vector<Endpoint> gone;              ///< of the transfer that it began with
   };
-  void be_born(Micros local);
+  void bring_in_next(Micros local);
   void ask_again(Micros local);
   /// Why not; empty if it has.
   std::string no_room_for(const Session& session) const;
@@ -109,11 +109,11 @@ class Participant {
   Micros before_step(Micros local);
   void after_step(Micros local);
   void begin_later(Micros local);
-  void catch_up(Life& life, Micros local);
-  void watch(Life& life, Micros local);
+  void catch_up(Incarnation& incarnation, Micros local);
+  void watch(Incarnation& incarnation, Micros local);
   void take_over();
   void look_for_way_back(Micros local);
-  void collect(Life& life);
+  void collect(Incarnation& incarnation);
   void take(const Endpoint& from, std::span<const std::byte> datagram, Micros local);
   void post(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes);
   void hand_over(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes);
@@ -129,10 +129,10 @@ class Participant {
   std::uint64_t drops_told_ = 0;
   Micros warned_;
   bool last_key_told_ = false;
-  Life life_;    ///< the present one, once there is one
-  Life coming_;  ///< one that is being begun
-  int lives_ = 0;
-  Micros born_;
+  Incarnation current_;  ///< the present one, once there is one
+  Incarnation next_;     ///< one that is being begun
+  int begun_ = 0;
+  Micros began_;
   Tick steered_ = 0;
   Micros try_again_ = 0;
   std::uint64_t tries_ = 0;

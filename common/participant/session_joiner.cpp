@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "common/membership/session_objection.h"
+#include "common/model/observed_address.h"
 #include "common/model/rng.h"
-#include "common/model/seen_from.h"
 
 namespace padr::node {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/sync/reach.h"
+#include "common/sync/bounding_radius.h"
 #include "common/world/avatar_control.h"
 
 namespace padr::sync {
@@ -92,7 +92,7 @@ bool LiveWorld::may_touch(EntityId own, EntityId other) const {
 }
 
 void LiveWorld::gather_near() {
-  ReachBox box;
+  BoundingBox box;
   near_.clear();
   for (const EntityId e : own_) {
     near_.push_back({e, view_.position(e), reach_[e]});

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/model/seen_from.h"
+#include "common/model/observed_address.h"
 #include "common/replica/replica.h"
 
 namespace padr::node {

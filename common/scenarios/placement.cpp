@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "common/scenarios/draft.h"
 #include "common/scenarios/numbers.h"
+#include "common/scenarios/scene_draft.h"
 #include "common/scenarios/shapes.h"
 
 namespace padr::scenarios {
@@ -27,7 +27,7 @@ std::vector<Placed> placed(const std::vector<BodyDef>& defs, const std::vector<O
   return result;
 }
 
-std::vector<Placed> avatars(const Draft& draft, const Document& document) {
+std::vector<Placed> avatars(const SceneDraft& draft, const Document& document) {
   std::vector<Placed> result;
   for (const Vec2 spawn : draft.scene.avatar.spawns) {
     BodyDef avatar;
@@ -69,7 +69,7 @@ void check_apart(const Placed& a, const Placed& b, const Document& document) {
 
 }  // namespace
 
-void check_placement(const Draft& draft, const Document& document) {
+void check_placement(const SceneDraft& draft, const Document& document) {
   check_area(draft.scene, document);
   const std::vector<Placed> statics = placed(draft.scene.statics, draft.statics);
   std::vector<Placed> moving = placed(draft.scene.bodies, draft.bodies);

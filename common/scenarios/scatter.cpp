@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "common/model/rng.h"
-#include "common/scenarios/draft.h"
+#include "common/scenarios/scene_draft.h"
 #include "common/scenarios/shapes.h"
 
 namespace padr::scenarios {
@@ -33,7 +33,7 @@ const proto::Scatter::Kind& draw_kind(Rng& rng, const proto::Scatter& block) {
 /// One `scatter` block being filled.
 class Filling {
  public:
-  Filling(Draft& draft, const Document& document, int index, std::uint64_t seed)
+  Filling(SceneDraft& draft, const Document& document, int index, std::uint64_t seed)
       : draft_(draft),
         document_(document),
         block_(document.scenario().scatter(index)),
@@ -127,7 +127,7 @@ class Filling {
                                 " bodies, allowed: fewer or smaller bodies, a smaller gap or margin, a larger area");
   }
 
-  Draft& draft_;
+  SceneDraft& draft_;
   const Document& document_;
   const proto::Scatter& block_;
   Origin origin_;
@@ -138,7 +138,7 @@ class Filling {
 
 }  // namespace
 
-void scatter(Draft& draft, const Document& document, std::uint64_t seed) {
+void scatter(SceneDraft& draft, const Document& document, std::uint64_t seed) {
   for (int i = 0; i < document.scenario().scatter_size(); ++i) Filling(draft, document, i, seed).run();
 }
 

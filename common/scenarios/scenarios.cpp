@@ -3,14 +3,14 @@
 #include <string>
 
 #include "common/model/user_error.h"
-#include "common/scenarios/draft.h"
 #include "common/scenarios/embedded.h"
+#include "common/scenarios/scene_draft.h"
 
 namespace padr::scenarios {
 
 Scene load(std::string_view text, std::string_view label, std::uint64_t seed) {
   const Document document(text, label);
-  Draft draft = draft_of(document);
+  SceneDraft draft = draft_of(document);
   check_placement(draft, document);
   scatter(draft, document, seed);
   add_spawns(draft, document, seed);

@@ -2,7 +2,7 @@
 
 #include "common/model/ids.h"
 #include "common/model/rng.h"
-#include "common/scenarios/draft.h"
+#include "common/scenarios/scene_draft.h"
 #include "common/scenarios/shapes.h"
 
 namespace padr::scenarios {
@@ -33,7 +33,7 @@ Vec2 draw(Rng& rng, Vec2 lower, Vec2 upper) {
 
 }  // namespace
 
-void add_spawns(Draft& draft, const Document& document, std::uint64_t seed) {
+void add_spawns(SceneDraft& draft, const Document& document, std::uint64_t seed) {
   const std::uint32_t more = document.scenario().avatar().more_spawns();
   std::vector<Vec2>& spawns = draft.scene.avatar.spawns;
   const Origin origin = document.origin("avatar.more_spawns");

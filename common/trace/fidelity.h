@@ -8,7 +8,7 @@
 #include "common/model/scene.h"
 #include "common/model/state.h"
 #include "common/trace/doers.h"
-#include "common/trace/pcc.h"
+#include "common/trace/physics_consistency_cost.h"
 #include "common/trace/player_view.h"
 #include "common/trace/undisturbed.h"
 

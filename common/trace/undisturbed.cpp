@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/sync/reach.h"
+#include "common/sync/bounding_radius.h"
 #include "common/world/avatar_control.h"
 
 namespace padr::trace {

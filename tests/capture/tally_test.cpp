@@ -160,8 +160,8 @@ TEST(Tally, LossDuplicatesReorderingResendsAndAcks) {
   EXPECT_EQ(l.told_loss.of(), 0U) << "of six datagrams nothing is judged";
   EXPECT_EQ(l.acks.count(), 1U);
   EXPECT_NEAR(l.acks.mean_us(), 1'100'000, 1);
-  EXPECT_EQ(t.tally.lives().at({77, 0, 0}).updates[static_cast<std::size_t>(sync::Cause::kContactBegin)], 1U);
-  EXPECT_EQ(t.tally.lives().at({77, 0, 0}).updates[static_cast<std::size_t>(sync::Cause::kThreshold)], 1U);
+  EXPECT_EQ(t.tally.incarnations().at({77, 0, 0}).updates[static_cast<std::size_t>(sync::Cause::kContactBegin)], 1U);
+  EXPECT_EQ(t.tally.incarnations().at({77, 0, 0}).updates[static_cast<std::size_t>(sync::Cause::kThreshold)], 1U);
   const Traffic& f = l.traffic;
   EXPECT_EQ(f.bytes, t.wire_bytes);
   EXPECT_EQ(f.bytes, f.header_bytes + f.envelope_bytes + f.update_bytes + f.repeat_bytes + f.mark_bytes);

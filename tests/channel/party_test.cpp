@@ -73,7 +73,7 @@ TEST(SealedParty, AnAddressThatChangesCostsNothing) {
   party.net().move(1, other);
   party.run(8);
   EXPECT_TRUE(party.united()) << party.story();
-  EXPECT_EQ(party.net().peer(1).life(), 0) << party.story();
+  EXPECT_EQ(party.net().peer(1).incarnation(), 0) << party.story();
   EXPECT_EQ(party.net().peer(0).channels()->stats().moves, 1U);
   EXPECT_LT(party.lag(0), 60);
   EXPECT_EQ(party.judge().violation(), "");

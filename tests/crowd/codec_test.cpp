@@ -1,7 +1,7 @@
 // Passages and residents on the wire.
 #include <gtest/gtest.h>
 
-#include "common/crowd/plane.h"
+#include "common/crowd/regions.h"
 #include "common/sync/state_hash.h"
 #include "common/wire/codec.h"
 #include "common/wire/transfer_codec.h"
@@ -97,7 +97,7 @@ TEST(PassageCodec, NothingCrossesForTheZerothTime) {
   EXPECT_FALSE(decode_state(encode(packet_with({p})), 3));
 }
 
-/// A region in the middle of its life.
+/// A region in the middle of its session.
 sync::Transfer transfer(const Scene& scene, int slots) {
   sync::Transfer t = sync::founding(scene, slots, true, 500, 1);
   t.tail.clear();

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "tests/seed.h"
+#include "tools/lab/crowd/body_positions.h"
 #include "tools/lab/crowd/census.h"
-#include "tools/lab/crowd/inventory.h"
 
 namespace padr::lab {
 namespace {
@@ -125,7 +125,7 @@ void push_about(std::uint64_t seed, const std::string& loss) {
     founded += run.peer(i).stats().founded;
   }
   EXPECT_GT(entries, 10U) << "nothing was pushed across a border: this shows nothing";
-  const Inventory inv = inventory_of(run, c.plane);
+  const BodyPositions inv = inventory_of(run, c.plane);
   EXPECT_EQ(inv.regions, founded) << "every region that was ever founded has been kept by somebody";
   EXPECT_EQ(inv.bodies, inv.regions * static_cast<std::size_t>(c.plane.bodies));
   EXPECT_EQ(inv.lost, 0U);

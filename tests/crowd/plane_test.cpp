@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "common/crowd/plane.h"
+#include "common/crowd/regions.h"
 #include "common/sync/residents.h"
 
 namespace padr::crowd {

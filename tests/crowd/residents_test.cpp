@@ -1,7 +1,7 @@
 // Bodies that come into a region and go out of it: what the agreed world makes of entries and exits.
 #include <gtest/gtest.h>
 
-#include "common/crowd/plane.h"
+#include "common/crowd/regions.h"
 #include "common/sync/fold.h"
 #include "common/sync/state_hash.h"
 #include "common/sync/validation.h"

@@ -7,9 +7,9 @@
 #include "tests/fuzz/bytes.h"
 #include "tests/fuzz/good.h"
 #include "tests/wire/samples.h"
-#include "tools/capture/ledger.h"
 #include "tools/capture/record.h"
 #include "tools/capture/sentence.h"
+#include "tools/capture/session_log.h"
 #include "tools/capture/summary.h"
 #include "tools/capture/timeline.h"
 

@@ -138,12 +138,12 @@ class Trial {
     for (const PeerId p : who) EXPECT_LT(lag(p), 180) << p << "\n" << party_.story();
     EXPECT_EQ(party_.judge().violation(), "") << party_.story();
   }
-  /// Nobody honest has come to harm: all play on in the lives they had, and confirmed worlds are the same.
+  /// Nobody honest has come to harm: all play on in the incarnations they had, and confirmed worlds are the same.
   void expect_no_harm() { expect_no_harm_to(honest()); }
   void expect_no_harm_to(const std::vector<PeerId>& who) {
     for (const PeerId p : who) {
       EXPECT_TRUE(party_.net().peer(person(p)).playing()) << p << "\n" << party_.story();
-      EXPECT_EQ(party_.net().peer(person(p)).life(), 0) << p << "\n" << party_.story();
+      EXPECT_EQ(party_.net().peer(person(p)).incarnation(), 0) << p << "\n" << party_.story();
     }
     expect_confirmed(who);
   }

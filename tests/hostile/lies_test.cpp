@@ -164,7 +164,7 @@ TEST(Lying, WhoIsToldOtherThingsThanTheRestNoticesAndIsMended) {
     const sync::FoldState* theirs = t.replica(p).agreed().confirmed_at(all);
     ASSERT_NE(theirs, nullptr);
     EXPECT_EQ(sync::hash_of(*theirs), sync::hash_of(*t.replica(0).agreed().confirmed_at(all))) << t.party().story();
-    EXPECT_EQ(t.party().net().peer(t.person(p)).life() > 0, p == 1) << t.party().story();
+    EXPECT_EQ(t.party().net().peer(t.person(p)).incarnation() > 0, p == 1) << t.party().story();
   }
 }
 

@@ -76,7 +76,7 @@ TEST(ChaosScripts, TheSameSeedPlaysTheSame) {
   const lab::ChaosOutcome a = lab::play(small_play(), script);
   const lab::ChaosOutcome b = lab::play(small_play(), script);
   EXPECT_EQ(a.compared, b.compared);
-  EXPECT_EQ(a.lives, b.lives);
+  EXPECT_EQ(a.incarnations, b.incarnations);
 }
 
 TEST(ChaosScripts, AFailingScriptShrinks) {

@@ -34,7 +34,7 @@ TEST_P(Hearing, WhoSomebodyHearsStays) {
     for (int p = 0; p < 4; ++p) worst = std::max(worst, party.lag(p));
   }
   EXPECT_TRUE(party.united()) << party.story();
-  for (int p = 0; p < 4; ++p) EXPECT_EQ(party.net().peer(p).life(), 0) << party.story();
+  for (int p = 0; p < 4; ++p) EXPECT_EQ(party.net().peer(p).incarnation(), 0) << party.story();
   EXPECT_LT(worst, 240) << "confirmed goes on, in steps";
   party.net().cut(c.a, c.b, false);
   party.net().cut(c.b, c.a, false);
@@ -71,12 +71,12 @@ TEST(HearingForLong, IsNotForEver) {
 // A peer confirms with its own updates before others have them. What nobody else has when it is declared gone is not
 // the session's: it says where the difference begins, and goes on with the others' world.
 TEST(Confirmed, OfAPeerThatIsDeclaredGoneIsTheSessionsOnlyAsFarAsSomebodyElseHasIt) {
-  std::map<int, std::map<Tick, std::uint64_t>> confirmed;  // by person, of its first life
+  std::map<int, std::map<Tick, std::uint64_t>> confirmed;  // by person, of its first incarnation
   Party party(party_config(4, "delay 30ms", 84), [&](lab::VirtualNetwork& g) {
-    g.on_confirmed = [&confirmed, judge = g.on_confirmed](int person, int life, const sync::FoldState& s,
+    g.on_confirmed = [&confirmed, judge = g.on_confirmed](int person, int incarnation, const sync::FoldState& s,
                                                           std::uint64_t hash) {
-      if (life == 0) confirmed[person][s.tick] = hash;
-      judge(person, life, s, hash);
+      if (incarnation == 0) confirmed[person][s.tick] = hash;
+      judge(person, incarnation, s, hash);
     };
   });
   party.run(6);
@@ -91,7 +91,7 @@ TEST(Confirmed, OfAPeerThatIsDeclaredGoneIsTheSessionsOnlyAsFarAsSomebodyElseHas
   party.run(4);
   for (int p = 0; p < 3; ++p) party.net().cut(3, p, false);
   ASSERT_TRUE(party.run_until(6, [&] { return party.united() && party.lag(3) < 60; }).has_value()) << party.story();
-  EXPECT_EQ(party.net().peer(3).life(), 1) << party.story();
+  EXPECT_EQ(party.net().peer(3).incarnation(), 1) << party.story();
   party.run(2);
   EXPECT_EQ(confirmed[3].at(together), confirmed[0].at(together));
   EXPECT_EQ(confirmed[1].at(alone), confirmed[0].at(alone));
@@ -106,7 +106,8 @@ TEST(HearingInBursts, NobodyIsDeclaredGone) {
     Party party(4, "delay 80ms 30ms distribution pareto loss gemodel 1% 30%", s);
     party.net().attract(Vec2{10, 7});
     party.run(120);
-    for (int p = 0; p < 4; ++p) EXPECT_EQ(party.net().peer(p).life(), 0) << "seed " << s << "\n" << party.story();
+    for (int p = 0; p < 4; ++p)
+      EXPECT_EQ(party.net().peer(p).incarnation(), 0) << "seed " << s << "\n" << party.story();
     EXPECT_EQ(party.judge().violation(), "") << "seed " << s;
   }
 }

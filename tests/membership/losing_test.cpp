@@ -135,7 +135,7 @@ TEST(Losing, AShortPauseIsOnlyAPause) {
   party.net().pause(1, false);
   party.run(3);
   EXPECT_TRUE(party.united()) << party.story();
-  EXPECT_EQ(party.net().peer(1).life(), 0) << party.story();
+  EXPECT_EQ(party.net().peer(1).incarnation(), 0) << party.story();
   EXPECT_EQ(party.judge().violation(), "");
 }
 
@@ -174,7 +174,7 @@ TEST(Losing, WhoStoodStillItselfFollowsTheHeirAtOnce) {
   party.net().pause(0, false);
   party.run(10);
   EXPECT_TRUE(party.united()) << party.story();
-  for (int p = 1; p < 4; ++p) EXPECT_EQ(party.net().peer(p).life(), 0) << party.story();
+  for (int p = 1; p < 4; ++p) EXPECT_EQ(party.net().peer(p).incarnation(), 0) << party.story();
   EXPECT_EQ(party.judge().violation(), "") << party.story();
 }
 

@@ -38,9 +38,9 @@ TEST(Partition, TheLargerSideWins) {
   party.run(8);
   party.net().divide({});
   ASSERT_TRUE(party.run_until(6, [&] { return party.united(); }).has_value()) << party.story();
-  std::vector<int> lives;
-  for (int p = 0; p < 5; ++p) lives.push_back(party.net().peer(p).life());
-  EXPECT_EQ(lives, (std::vector<int>{1, 1, 0, 0, 0})) << party.story();
+  std::vector<int> incarnations;
+  for (int p = 0; p < 5; ++p) incarnations.push_back(party.net().peer(p).incarnation());
+  EXPECT_EQ(incarnations, (std::vector<int>{1, 1, 0, 0, 0})) << party.story();
   party.run(4);
   EXPECT_EQ(party.judge().violation(), "");
 }
@@ -78,7 +78,7 @@ TEST(Partition, AShortOneIsOnlyAGap) {
   party.net().divide({});
   party.run(3);
   EXPECT_TRUE(party.united()) << party.story();
-  for (int p = 0; p < 4; ++p) EXPECT_EQ(party.net().peer(p).life(), 0);
+  for (int p = 0; p < 4; ++p) EXPECT_EQ(party.net().peer(p).incarnation(), 0);
   EXPECT_EQ(party.judge().violation(), "");
 }
 

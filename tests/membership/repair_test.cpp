@@ -12,7 +12,7 @@ lab::VirtualNetworkConfig with_fault(int person, std::uint64_t seed) {
 
 TEST(Repair, ADifferenceIsToldByTickEntityAndFieldAndMended) {
   Party party(with_fault(2, 41));
-  const auto found = party.run_until(20, [&] { return party.net().peer(2).life() > 0; });
+  const auto found = party.run_until(20, [&] { return party.net().peer(2).incarnation() > 0; });
   ASSERT_TRUE(found.has_value()) << party.story();
   const std::vector<std::string> notes = party.net().notes(2);
   const auto told = [&](const std::string& what) {
@@ -33,9 +33,11 @@ TEST(Repair, ADifferenceIsToldByTickEntityAndFieldAndMended) {
 TEST(Repair, ThePeerWithTheLowestNumberIsRight) {
   Party party(with_fault(0, 42));
   ASSERT_TRUE(
-      party.run_until(20, [&] { return party.net().peer(1).life() > 0 && party.net().peer(2).life() > 0; }).has_value())
+      party
+          .run_until(20, [&] { return party.net().peer(1).incarnation() > 0 && party.net().peer(2).incarnation() > 0; })
+          .has_value())
       << party.story();
-  EXPECT_EQ(party.net().peer(0).life(), 0);
+  EXPECT_EQ(party.net().peer(0).incarnation(), 0);
   ASSERT_TRUE(party.run_until(8, [&] { return party.united(); }).has_value()) << party.story();
 }
 

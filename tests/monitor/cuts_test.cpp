@@ -1,5 +1,5 @@
 // Links that are cut for a while.
-#include "peer/cuts.h"
+#include "peer/link_cuts.h"
 
 #include <gtest/gtest.h>
 
@@ -13,8 +13,8 @@ Endpoint at(std::uint8_t n) {
   return e;
 }
 
-TEST(Cuts, OneOrAllUntilTheirTime) {
-  peer::Cuts cuts;
+TEST(LinkCuts, OneOrAllUntilTheirTime) {
+  peer::LinkCuts cuts;
   EXPECT_FALSE(cuts.any());
   cuts.cut(PeerId{2}, at(2), 1000);
   EXPECT_TRUE(cuts.is_cut(at(2)));
@@ -30,10 +30,10 @@ TEST(Cuts, OneOrAllUntilTheirTime) {
 }
 
 // In a session with a key a peer is known by its key, and its datagrams by where they come from.
-TEST(Cuts, WhoeverIsThere) {
+TEST(LinkCuts, WhoeverIsThere) {
   Endpoint known = at(2);
   known.key[0] = 7;
-  peer::Cuts cuts;
+  peer::LinkCuts cuts;
   cuts.cut(PeerId{2}, known, 1000);
   EXPECT_TRUE(cuts.is_cut(at(2)));
   EXPECT_TRUE(cuts.is_cut(known));

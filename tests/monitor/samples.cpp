@@ -48,7 +48,7 @@ monitor::Hello any_hello(Rng& rng) {
   h.token = rng.next_u64();
   if (rng.chance(0.8)) h.at = any_endpoint(rng);
   h.slots = static_cast<int>(rng.below(kMaxPeers + 1));
-  h.life = static_cast<int>(rng.below(10));
+  h.incarnation = static_cast<int>(rng.below(10));
   h.scenario = any_text(rng, 100);
   h.scenario_seed = rng.next_u64();
   h.scene_hash = rng.next_u64();

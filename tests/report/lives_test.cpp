@@ -76,8 +76,8 @@ TEST(ReportOfLives, TwoInOneSlotHaveLinksOfTheirOwn) {
   EXPECT_GT(seen.size(), 12U);
 }
 
-// A peer that was held up goes on in another life of the same slot. Datagrams to and from the life before have numbers
-// of their own, and some of them arrive when the next one has begun.
+// A peer that was held up goes on in another incarnation of the same slot. Datagrams to and from the incarnation before
+// have numbers of their own, and some of them arrive when the next one has begun.
 TEST(ReportOfLives, LinksOfAPeerThatCameBackAreInOrder) {
   std::map<std::pair<int, int>, std::vector<std::byte>> recorded;
   lab::VirtualNetworkConfig c;
@@ -87,13 +87,13 @@ TEST(ReportOfLives, LinksOfAPeerThatCameBackAreInOrder) {
   c.seed = test::seed();
   c.slots = 3;
   c.wanted = 3;
-  c.recording = [&recorded](int person, int life) -> std::optional<node::RecordedReplica::Recording> {
+  c.recording = [&recorded](int person, int incarnation) -> std::optional<node::RecordedReplica::Recording> {
     trace::Provenance from;
     from.scenario = "arena";
     from.scenario_text = std::string(scenarios::embedded_text("arena"));
     from.scenario_seed = 1;
     from.start_unix_us = 1 + person;
-    std::vector<std::byte>& into = recorded[{person, life}];
+    std::vector<std::byte>& into = recorded[{person, incarnation}];
     return node::RecordedReplica::Recording{
         from, [&into](std::span<const std::byte> b) { into.insert(into.end(), b.begin(), b.end()); }};
   };

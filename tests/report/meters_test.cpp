@@ -80,7 +80,7 @@ TEST(TrafficMeter, EachUpdateOncePerSenderRepeatsPerReceiver) {
   EXPECT_EQ(m.per_second()[1].all_updates(), 2U);
 }
 
-report::Survey life(const std::string& name, Tick last) {
+report::Survey incarnation(const std::string& name, Tick last) {
   report::Survey s;
   s.name = name;
   s.first_step = s.came = s.confirmed_from = 0;
@@ -89,8 +89,8 @@ report::Survey life(const std::string& name, Tick last) {
 }
 
 TEST(ConfirmedTicks, CountsWhatAllWhoReachItHaveConfirmed) {
-  const std::vector<report::Survey> lives{life("0", 9), life("1", 9), life("2", 3)};
-  report::ConfirmedTicks c(lives);
+  const std::vector<report::Survey> incarnations{incarnation("0", 9), incarnation("1", 9), incarnation("2", 3)};
+  report::ConfirmedTicks c(incarnations);
   for (Tick t = 0; t <= 5; ++t) c.add(0, t, 7);
   for (Tick t = 0; t <= 4; ++t) c.add(1, t, 7);
   for (Tick t = 0; t <= 2; ++t) c.add(2, t, 7);
@@ -105,19 +105,19 @@ TEST(ConfirmedTicks, CountsWhatAllWhoReachItHaveConfirmed) {
 }
 
 TEST(ConfirmedTicks, WhoCameLaterIsAskedForWhatItBeganWith) {
-  std::vector<report::Survey> lives{life("0", 9), life("1", 9)};
-  lives[1].confirmed_from = 3;
-  report::ConfirmedTicks c(lives);
+  std::vector<report::Survey> incarnations{incarnation("0", 9), incarnation("1", 9)};
+  incarnations[1].confirmed_from = 3;
+  report::ConfirmedTicks c(incarnations);
   for (Tick t = 0; t <= 5; ++t) c.add(0, t, 7);
   for (Tick t = 3; t <= 4; ++t) c.add(1, t, 7);
   EXPECT_EQ(c.compare().ticks, 2U) << "3 and 4; tick 5 is missing, and 0 to 2 are one peer's alone";
 }
 
 TEST(ConfirmedTicks, WhatWasGivenUpIsNotHeldAgainstAnybody) {
-  std::vector<report::Survey> lives{life("0", 9), life("1.1", 4), life("1.2", 9)};
-  lives[1].superseded = true;
-  lives[2].confirmed_from = 4;
-  report::ConfirmedTicks c(lives);
+  std::vector<report::Survey> incarnations{incarnation("0", 9), incarnation("1.1", 4), incarnation("1.2", 9)};
+  incarnations[1].superseded = true;
+  incarnations[2].confirmed_from = 4;
+  report::ConfirmedTicks c(incarnations);
   for (Tick t = 0; t <= 5; ++t) c.add(0, t, 7);
   for (Tick t = 0; t <= 3; ++t) c.add(1, t, t < 2 ? 7 : 8);
   for (Tick t = 4; t <= 5; ++t) c.add(2, t, 7);

@@ -45,7 +45,7 @@ class VirtualNet {
     own_[{place(from), place(to)}] = link::parse_netem(netem);
   }
 
-  /// The session at place `n` comes to life now.
+  /// The session at place `n` begins now.
   node::Session& add(int n, const node::SessionConfig& config) {
     auto& s = sessions_[place(n)];
     s = std::make_unique<node::Session>(config, local(n));

@@ -106,16 +106,16 @@ TEST(TraceOfLives, WhatIsAskedOfANodeComesBackInOrder) {
 // Nobody has the keys any more: own signatures are in the trace, others' have been checked before it.
 TEST(TraceOfLives, SealedOnesReplayWithoutKeys) {
   const test::RecordedLives run(test::seed(), wire::SealMode::kAuth);
-  int lives = 0;
+  int incarnations = 0;
   for (const auto& [key, bytes] : run.traces) {
     trace::TraceReader reader(bytes, run.label(key));
     EXPECT_TRUE(reader.header().is_signed);
     const lab::ReplayResult r = lab::replay(reader);
     EXPECT_EQ(r.difference, "") << run.label(key);
     EXPECT_GT(r.datagrams_out, 0U) << run.label(key);
-    ++lives;
+    ++incarnations;
   }
-  EXPECT_GT(lives, 4);
+  EXPECT_GT(incarnations, 4);
 }
 
 TEST(TraceOfLives, WhatMakesNoSenseIsNamed) {

@@ -13,9 +13,9 @@
 namespace padr::test {
 
 /// A session that people join late, vanish from, are cut off from and come back to, on virtual time, with the trace of
-/// each person's every life.
+/// each person's every incarnation.
 struct RecordedLives {
-  using Key = std::pair<int, int>;  ///< person, life
+  using Key = std::pair<int, int>;  ///< person, incarnation
   std::map<Key, std::vector<std::byte>> traces;
 
   /// Persons 0, 1 and 2 begin together; 3 comes late, 1 is killed; 2 and 4 are cut off and come back; the founder
@@ -55,13 +55,13 @@ struct RecordedLives {
     c.seed = seed;
     c.slots = 6;
     c.wanted = 3;
-    c.recording = [this, seed](int person, int life) -> std::optional<node::RecordedReplica::Recording> {
+    c.recording = [this, seed](int person, int incarnation) -> std::optional<node::RecordedReplica::Recording> {
       trace::Provenance from;
       from.scenario = "arena";
       from.scenario_text = std::string(scenarios::embedded_text("arena"));
       from.scenario_seed = seed;
       from.start_unix_us = 1 + person;
-      std::vector<std::byte>& into = traces[{person, life}];
+      std::vector<std::byte>& into = traces[{person, incarnation}];
       into.clear();
       return node::RecordedReplica::Recording{
           from, [&into](std::span<const std::byte> b) { into.insert(into.end(), b.begin(), b.end()); }};

@@ -70,26 +70,26 @@ struct WorldChecks {
   std::string not_compared;  ///< why nothing could be compared beyond what all begin with; empty if something was
 };
 
-const Ledger& ledger_of(const Bookkeeper& books, std::uint16_t session) {
-  const auto found = books.ledgers().find(session);
-  if (found != books.ledgers().end() && found->second.states > 0) return found->second;
+const SessionLog& ledger_of(const Bookkeeper& books, std::uint16_t session) {
+  const auto found = books.session_logs().find(session);
+  if (found != books.session_logs().end() && found->second.states > 0) return found->second;
   const std::string all = books.sessions();
   throw UserError("compare: the traces are of session " + std::to_string(session) + ", and the capture has " +
                   (all.empty() ? "no state datagrams of PADR" : "others: " + all));
 }
 
 WorldChecks compare_worlds(const Bookkeeper& books, const std::vector<TraceStory>& traces) {
-  const Ledger& ledger = ledger_of(books, traces.front().header.session);
+  const SessionLog& session_log = ledger_of(books, traces.front().header.session);
   WorldChecks out;
-  out.not_compared = nothing_to_begin_with(ledger);
+  out.not_compared = nothing_to_begin_with(session_log);
   Setting setting = setting_of(traces);
-  if (setting.peers == 0) setting.peers = ledger.peers;
+  if (setting.peers == 0) setting.peers = session_log.peers;
   Tick until = 0;
   for (const TraceStory& t : traces)
     if (!t.confirmed.empty()) until = std::max(until, t.confirmed.rbegin()->first);
   std::map<Tick, std::uint64_t> rebuilt;
-  const Rebuilt r =
-      rebuild(ledger, setting, until, [&](const sync::FoldState& s, std::uint64_t hash) { rebuilt[s.tick] = hash; });
+  const Rebuilt r = rebuild(session_log, setting, until,
+                            [&](const sync::FoldState& s, std::uint64_t hash) { rebuilt[s.tick] = hash; });
   std::uint64_t beyond_begin = 0;
   for (const TraceStory& t : traces) {
     WorldCheck c;

@@ -54,11 +54,11 @@ void Comparison::from_trace(std::span<const std::byte> datagram, const TraceStor
     if (!sent) ++damaged_received_;
     return;
   }
-  // While a peer begins another life, the old one hears what is for the new one, too, and drops it.
+  // While a peer begins another incarnation, the old one hears what is for the new one, too, and drops it.
   if (!sent && scan.to_incarnation != story.header.incarnation) return;
   Key key;
   key.from = {o->header.sender, scan.incarnation};
-  key.to = sent ? Life{to, scan.to_incarnation} : story.life();
+  key.to = sent ? Incarnation{to, scan.to_incarnation} : story.who();
   key.content = content_of(datagram);
   Passage& p = told_[key];
   p.seq = scan.seq;
@@ -116,10 +116,10 @@ std::vector<LinkStory> Comparison::links() const {
     Tick first = std::numeric_limits<Tick>::max();
     Tick last = -1;
   };
-  std::map<std::pair<Life, Life>, Range> ranges;
+  std::map<std::pair<Incarnation, Incarnation>, Range> ranges;
   for (const Captured& c : captured_) {
     const auto found = who_.find({c.to, c.to_incarnation});
-    const Life to{found == who_.end() ? kNoPeer : found->second, c.to_incarnation};
+    const Incarnation to{found == who_.end() ? kNoPeer : found->second, c.to_incarnation};
     Passage& p = all[{c.from, to, c.content}];
     p.seq = c.seq;
     p.tick = c.tick;
@@ -128,11 +128,11 @@ std::vector<LinkStory> Comparison::links() const {
     r.first = std::min(r.first, c.tick);
     r.last = std::max(r.last, c.tick);
   }
-  const auto trace_of = [this](const Life& life) {
-    const auto found = std::find_if(traces_.begin(), traces_.end(), [&](const auto& t) { return t.life() == life; });
+  const auto trace_of = [this](const Incarnation& who) {
+    const auto found = std::find_if(traces_.begin(), traces_.end(), [&](const auto& t) { return t.who() == who; });
     return found == traces_.end() ? nullptr : &*found;
   };
-  std::map<std::pair<Life, Life>, LinkStory> links;
+  std::map<std::pair<Incarnation, Incarnation>, LinkStory> links;
   for (const auto& [key, p] : all) {
     LinkStory& l = links[{key.from, key.to}];
     l.from = key.from;

@@ -8,7 +8,7 @@
 
 #include "common/trace/events.h"
 #include "tools/capture/input.h"
-#include "tools/capture/ledger.h"
+#include "tools/capture/session_log.h"
 
 namespace padr::capture {
 
@@ -17,10 +17,10 @@ struct TraceStory {
   std::string label;
   trace::Header header;
   bool clean = false;       ///< it ends as it should
-  bool superseded = false;  ///< the peer gave this life up for another one
+  bool superseded = false;  ///< the peer gave this incarnation up for another one
   Tick last_tick = -1;      ///< of what it says it sent
   std::map<Tick, std::uint64_t> confirmed;
-  Life life() const { return {header.peer, header.incarnation}; }
+  Incarnation who() const { return {header.peer, header.incarnation}; }
 };
 
 /// One state datagram of a link, wherever it was seen.
@@ -33,7 +33,7 @@ struct Passage {
 };
 
 struct LinkStory {
-  Life from, to;
+  Incarnation from, to;
   bool sender_told = false;    ///< there is a trace of it
   bool receiver_told = false;  ///< likewise
   std::uint64_t sent = 0, captured = 0, received = 0, duplicates = 0;
@@ -60,12 +60,12 @@ class Comparison {
 
  private:
   struct Key {
-    Life from, to;
+    Incarnation from, to;
     std::uint64_t content = 0;
     friend auto operator<=>(const Key&, const Key&) = default;
   };
   struct Captured {
-    Life from;
+    Incarnation from;
     Endpoint to;
     std::uint32_t to_incarnation = 0;
     std::uint64_t content = 0;

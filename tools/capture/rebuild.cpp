@@ -4,17 +4,17 @@
 
 #include "common/sync/state_hash.h"
 #include "common/wire/transfer_codec.h"
-#include "tools/capture/chronicle.h"
+#include "tools/capture/counted_updates.h"
 
 namespace padr::capture {
 namespace {
 
 class Rebuilder {
  public:
-  Rebuilder(const Ledger& ledger, const Setting& setting, Tick until, const WorldSink& sink)
-      : ledger_(ledger), setting_(setting), until_(until), sink_(sink) {
-    for (const Ledger::Check& c : ledger.checks) checks_.emplace(c.tick, &c);
-    for (const auto& [key, pieces] : ledger.transfers) {
+  Rebuilder(const SessionLog& session_log, const Setting& setting, Tick until, const WorldSink& sink)
+      : session_log_(session_log), setting_(setting), until_(until), sink_(sink) {
+    for (const SessionLog::Check& c : session_log.checks) checks_.emplace(c.tick, &c);
+    for (const auto& [key, pieces] : session_log.transfers) {
       if (!pieces.complete()) continue;
       auto t = wire::decode_transfer(pieces.joined(), setting.scene, setting.slots);
       if (t) {
@@ -27,7 +27,7 @@ class Rebuilder {
 
   Rebuilt run() {
     Tick reached = -1;
-    Chronicle c(ledger_, setting_.scene, setting_.slots);
+    CountedUpdates c(session_log_, setting_.scene, setting_.slots);
     c.begin(setting_.peers);
     // Of a capture that begins later a transfer may know more.
     if (setting_.peers > 0 && (transfers_.empty() || begins_at_0(c))) {
@@ -36,25 +36,25 @@ class Rebuilder {
     }
     for (auto next = transfers_.upper_bound(reached); next != transfers_.end();
          next = transfers_.upper_bound(reached)) {
-      Chronicle later(ledger_, setting_.scene, setting_.slots);
+      CountedUpdates later(session_log_, setting_.scene, setting_.slots);
       later.begin(next->second);
       sync::Fold fold(setting_.scene, setting_.slots, 0, setting_.authority);
       fold.restore(next->second.state);
       reached = follow(later, fold, {next->first, true, 0, "", false});
     }
-    out_.unreached = ledger_.checks.size() - compared_;
+    out_.unreached = session_log_.checks.size() - compared_;
     return std::move(out_);
   }
 
  private:
-  bool begins_at_0(const Chronicle& c) const {
+  bool begins_at_0(const CountedUpdates& c) const {
     for (PeerId p = 0; p < setting_.peers; ++p)
       if (c.complete({p, 0}) < 0) return false;
     return true;
   }
 
   /// Folds as far as the log is known; the last tick reached.
-  Tick follow(const Chronicle& c, sync::Fold& fold, Stretch stretch) {
+  Tick follow(const CountedUpdates& c, sync::Fold& fold, Stretch stretch) {
     sync::FoldState state;
     while (true) {
       fold.save(state);
@@ -69,7 +69,7 @@ class Rebuilder {
     return state.tick;
   }
 
-  void look_at(const Chronicle& c, const sync::FoldState& state) {
+  void look_at(const CountedUpdates& c, const sync::FoldState& state) {
     const std::uint64_t hash = sync::hash_of(state);
     const auto [first, last] = checks_.equal_range(state.tick);
     for (auto it = first; it != last; ++it) {
@@ -83,26 +83,26 @@ class Rebuilder {
     sink_(state, hash);
   }
 
-  bool may_step(const Chronicle& c, const sync::FoldState& state, Stretch& stretch) const {
+  bool may_step(const CountedUpdates& c, const sync::FoldState& state, Stretch& stretch) const {
     bool anybody = false;
     for (PeerId p = 0; p < state.members.size(); ++p) {
       if (!state.members[p].present) continue;
       anybody = true;
-      const Life life{p, state.members[p].incarnation};
-      if (c.complete(life) >= state.tick) continue;
-      stretch.why = c.lacks(life, stretch.gap);
+      const Incarnation who{p, state.members[p].incarnation};
+      if (c.complete(who) >= state.tick) continue;
+      stretch.why = c.lacks(who, stretch.gap);
       return false;
     }
-    if (state.tick < std::max(ledger_.newest, until_)) return true;
+    if (state.tick < std::max(session_log_.newest, until_)) return true;
     stretch.why = anybody ? "the capture has no more" : "all peers have left";
     return false;
   }
 
-  const Ledger& ledger_;
+  const SessionLog& session_log_;
   const Setting& setting_;
   Tick until_;
   const WorldSink& sink_;
-  std::multimap<Tick, const Ledger::Check*> checks_;
+  std::multimap<Tick, const SessionLog::Check*> checks_;
   std::map<Tick, sync::Transfer> transfers_;
   std::uint64_t compared_ = 0;
   Rebuilt out_;
@@ -119,8 +119,8 @@ bool Rebuilt::got_anywhere() const {
   return std::any_of(stretches.begin(), stretches.end(), [](const Stretch& s) { return s.to > s.from; });
 }
 
-Rebuilt rebuild(const Ledger& ledger, const Setting& setting, Tick until, const WorldSink& sink) {
-  return Rebuilder(ledger, setting, until, sink).run();
+Rebuilt rebuild(const SessionLog& session_log, const Setting& setting, Tick until, const WorldSink& sink) {
+  return Rebuilder(session_log, setting, until, sink).run();
 }
 
 }  // namespace padr::capture

@@ -7,7 +7,7 @@
 
 #include "common/model/scene.h"
 #include "common/sync/fold.h"
-#include "tools/capture/ledger.h"
+#include "tools/capture/session_log.h"
 
 namespace padr::capture {
 
@@ -32,7 +32,7 @@ struct Stretch {
 
 struct Rebuilt {
   struct Hash {
-    Ledger::Check check;
+    SessionLog::Check check;
     bool agrees = false;
   };
   std::vector<Stretch> stretches;
@@ -52,6 +52,6 @@ using WorldSink = std::function<void(const sync::FoldState&, std::uint64_t hash)
 /// Folds the updates of a session into its confirmed world, as every peer does, and holds it against the hashes that
 /// they told. What is missing ends a stretch; a transfer in the capture begins another. If all have left, it goes on to
 /// tick `until` if that is later than what the capture reaches by itself.
-Rebuilt rebuild(const Ledger& ledger, const Setting& setting, Tick until, const WorldSink& sink);
+Rebuilt rebuild(const SessionLog& session_log, const Setting& setting, Tick until, const WorldSink& sink);
 
 }  // namespace padr::capture

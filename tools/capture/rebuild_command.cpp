@@ -32,27 +32,27 @@ int run_rebuild(const RebuildOptions& o, const std::vector<std::string>& command
   Captures captures(o.files, o.keylogs);
   Bookkeeper books;
   while (const Datagram* d = captures.next()) books.take(*d);
-  const Ledger& ledger = books.choose(o.setting.session());
-  if (const std::string why = nothing_to_begin_with(ledger); !why.empty()) {
+  const SessionLog& session_log = books.choose(o.setting.session());
+  if (const std::string why = nothing_to_begin_with(session_log); !why.empty()) {
     std::fprintf(stderr, "padr-capture: rebuild: %s\n", why.c_str());
     warn_incomplete(captures.troubles());
     return shell::kExitFailure;
   }
-  const Setting setting = o.setting.setting(ledger);
+  const Setting setting = o.setting.setting(session_log);
 
   std::unique_ptr<StatesCsv> csv;
   if (!o.csv.empty()) csv = std::make_unique<StatesCsv>(o.csv);
   WorldPicture picture;
   std::uint64_t last_hash = 0;
-  const Rebuilt r = rebuild(ledger, setting, 0, [&](const sync::FoldState& s, std::uint64_t hash) {
+  const Rebuilt r = rebuild(session_log, setting, 0, [&](const sync::FoldState& s, std::uint64_t hash) {
     last_hash = hash;
     if (csv) csv->add(s);
     if (!o.svg.empty()) picture.add(s);
   });
   if (csv) csv->close();
   if (!o.svg.empty()) write_text("--svg", o.svg, picture.svg(setting));
-  if (o.json != "-") write_text("", "-", rebuilt_text(setting, ledger, r, last_hash));
-  if (!o.json.empty()) write_text("--json", o.json, rebuilt_json(setting, ledger, r, last_hash, command));
+  if (o.json != "-") write_text("", "-", rebuilt_text(setting, session_log, r, last_hash));
+  if (!o.json.empty()) write_text("--json", o.json, rebuilt_json(setting, session_log, r, last_hash, command));
 
   const int read = warn_incomplete(captures.troubles());
   bool good = r.got_anywhere() && r.agreeing() == r.hashes.size();

@@ -18,9 +18,10 @@ std::string begin_of(const Stretch& s) {
 
 }  // namespace
 
-std::string rebuilt_text(const Setting& setting, const Ledger& ledger, const Rebuilt& r, std::uint64_t last_hash) {
+std::string rebuilt_text(const Setting& setting, const SessionLog& session_log, const Rebuilt& r,
+                         std::uint64_t last_hash) {
   std::string out =
-      "session " + std::to_string(ledger.session) + ": " + setting.label +
+      "session " + std::to_string(session_log.session) + ": " + setting.label +
       (setting.authority ? ", dynamic authority" : ", avatar-only") +
       (setting.checked ? ", scene taken from the Join message" : ", scene as given: the capture has no Join message") +
       "\n";
@@ -45,12 +46,14 @@ std::string rebuilt_text(const Setting& setting, const Ledger& ledger, const Reb
   return out;
 }
 
-std::string rebuilt_json(const Setting& setting, const Ledger& ledger, const Rebuilt& r, std::uint64_t last_hash,
-                         const std::vector<std::string>& command) {
+std::string rebuilt_json(const Setting& setting, const SessionLog& session_log, const Rebuilt& r,
+                         std::uint64_t last_hash, const std::vector<std::string>& command) {
   shell::Json j;
   j.begin_object().key("command").begin_array();
   for (const std::string& word : command) j.value(shell::valid_utf8(word));
-  j.end_array().field("session", static_cast<int>(ledger.session)).field("scenario", shell::valid_utf8(setting.label));
+  j.end_array()
+      .field("session", static_cast<int>(session_log.session))
+      .field("scenario", shell::valid_utf8(setting.label));
   j.field("scene_checked", setting.checked).field("authority", setting.authority).field("slots", setting.slots);
   j.key("stretches").begin_array();
   for (const Stretch& s : r.stretches) {

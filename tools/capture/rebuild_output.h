@@ -12,9 +12,10 @@
 namespace padr::capture {
 
 /// For people.
-std::string rebuilt_text(const Setting& setting, const Ledger& ledger, const Rebuilt& r, std::uint64_t last_hash);
-std::string rebuilt_json(const Setting& setting, const Ledger& ledger, const Rebuilt& r, std::uint64_t last_hash,
-                         const std::vector<std::string>& command);
+std::string rebuilt_text(const Setting& setting, const SessionLog& session_log, const Rebuilt& r,
+                         std::uint64_t last_hash);
+std::string rebuilt_json(const Setting& setting, const SessionLog& session_log, const Rebuilt& r,
+                         std::uint64_t last_hash, const std::vector<std::string>& command);
 
 /// One row per tick and entity that is there.
 class StatesCsv {

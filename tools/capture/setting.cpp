@@ -79,11 +79,11 @@ void SettingFlags::declare(CLI::App& app, const std::string& group) {
       ->group(group);
 }
 
-Setting SettingFlags::setting(const Ledger& ledger) const {
+Setting SettingFlags::setting(const SessionLog& session_log) const {
   std::string name = scenario_;
   std::uint64_t seed = 1;
   std::string told;
-  if (ledger.join && split_label(ledger.join->scenario, told, seed) && name.empty()) {
+  if (session_log.join && split_label(session_log.join->scenario, told, seed) && name.empty()) {
     if (!is_built_in(told))
       throw UserError("--scenario: the session was played in '" + told + "', which is not built in; give the file");
     name = told;
@@ -91,23 +91,23 @@ Setting SettingFlags::setting(const Ledger& ledger) const {
   if (name.empty())
     throw UserError(
         "--scenario: the capture has no Join, so say what was played: --scenario NAME|FILE --seed N" +
-        std::string(ledger.slots == 0 ? " --slots N, and if it begins with the session's start --peers N" : ""));
+        std::string(session_log.slots == 0 ? " --slots N, and if it begins with the session's start --peers N" : ""));
   const shell::LoadedScenario loaded = shell::load_scenario(name, seed_.value_or(seed));
   Setting s;
   s.scene = loaded.scene;
   s.label = loaded.label + " seed " + std::to_string(loaded.seed);
-  if (ledger.join) {
+  if (session_log.join) {
     const std::uint64_t ours = scene_hash(s.scene);
-    if (ours != ledger.join->scene_hash)
-      throw UserError("--scenario: the session was played in '" + ledger.join->scenario + "' (hash " +
-                      shell::hex(ledger.join->scene_hash) + "), and '" + s.label + "' is another here (hash " +
+    if (ours != session_log.join->scene_hash)
+      throw UserError("--scenario: the session was played in '" + session_log.join->scenario + "' (hash " +
+                      shell::hex(session_log.join->scene_hash) + "), and '" + s.label + "' is another here (hash " +
                       shell::hex(ours) + ")");
     s.checked = true;
   }
   const int most = static_cast<int>(s.scene.avatar.spawns.size());
-  s.authority = ledger.join ? ledger.join->authority : !avatar_only_;
-  s.slots = ledger.slots > 0 ? ledger.slots : slots_.value_or(most);
-  s.peers = ledger.peers > 0 ? ledger.peers : peers_.value_or(0);
+  s.authority = session_log.join ? session_log.join->authority : !avatar_only_;
+  s.slots = session_log.slots > 0 ? session_log.slots : slots_.value_or(most);
+  s.peers = session_log.peers > 0 ? session_log.peers : peers_.value_or(0);
   if (s.slots > most || s.peers > s.slots)
     throw UserError("--slots: " + std::to_string(s.slots) + " slots and " + std::to_string(s.peers) +
                     " peers at tick 0 do not go with scenario '" + s.label + "', which has " + std::to_string(most));

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/capture/ledger.h"
 #include "tools/capture/rebuild.h"
+#include "tools/capture/session_log.h"
 
 namespace padr::capture {
 
@@ -23,7 +23,7 @@ class SettingFlags {
   void declare(CLI::App& app, const std::string& group = "Session");
   const std::optional<int>& session() const { return session_; }
   /// Throws UserError if the scenario is not known, or is another than that of the capture.
-  Setting setting(const Ledger& ledger) const;
+  Setting setting(const SessionLog& session_log) const;
 
  private:
   std::string scenario_;

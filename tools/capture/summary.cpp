@@ -65,14 +65,14 @@ std::string session_text(std::uint16_t number, const SessionTally& s) {
 std::string lives_text(const Tally& t, std::uint16_t session) {
   shell::Table table({"peer", "at", "s", "dgrams", "dgrams/s", "kbit/s", "mean B", "most B", "updates/s", "threshold",
                       "begin", "end", "proxy", "body", "rest", "left"});
-  for (const auto& [key, life] : t.lives()) {
+  for (const auto& [key, who] : t.incarnations()) {
     if (key.session != session) continue;
-    const Traffic& f = life.traffic;
+    const Traffic& f = who.traffic;
     std::uint64_t updates = 0;
-    for (const std::uint64_t n : life.updates) updates += n;
+    for (const std::uint64_t n : who.updates) updates += n;
     std::vector<std::string> row{
         life_name(key),
-        to_string(life.at),
+        to_string(who.at),
         shell::fixed_or_dash(f.seconds(), 1),
         count(f.datagrams),
         shell::fixed_or_dash(per_second(f.datagrams, f.seconds()), 1),
@@ -80,8 +80,8 @@ std::string lives_text(const Tally& t, std::uint16_t session) {
         shell::fixed_or_dash(static_cast<double>(f.bytes - f.header_bytes) / static_cast<double>(f.datagrams), 0),
         count(f.most_size),
         shell::fixed_or_dash(per_second(updates, f.seconds()), 1)};
-    for (std::size_t c = 0; c < 6; ++c) row.push_back(count(life.updates[c]));
-    row.emplace_back(life.left ? "yes" : "no");
+    for (std::size_t c = 0; c < 6; ++c) row.push_back(count(who.updates[c]));
+    row.emplace_back(who.left ? "yes" : "no");
     table.row(std::move(row));
   }
   return "State datagrams; updates of entities by cause, each once; sizes of the UDP payload.\n" + table.text();
@@ -150,9 +150,9 @@ std::string bandwidth_text(const Tally& t) {
 
 }  // namespace
 
-std::string life_name(const LifeKey& life) {
-  std::string name = std::to_string(life.slot);
-  if (life.incarnation > 0) name += "." + std::to_string(life.incarnation);
+std::string life_name(const LifeKey& who) {
+  std::string name = std::to_string(who.slot);
+  if (who.incarnation > 0) name += "." + std::to_string(who.incarnation);
   return name;
 }
 

@@ -20,8 +20,8 @@ std::string summary_text(const Source& source, const Tally& tally);
 /// The same and more as JSON. `command`: this program's own.
 std::string summary_json(const Source& source, const Tally& tally, const std::vector<std::string>& command);
 
-/// "1", or "1.130" for a life that came later.
-std::string life_name(const LifeKey& life);
+/// "1", or "1.130" for an incarnation that came later.
+std::string life_name(const LifeKey& who);
 /// "0 -> 1".
 std::string link_name(const Tally& tally, const LinkKey& link);
 

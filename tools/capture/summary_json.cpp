@@ -17,13 +17,13 @@ void put(Json& j, const Traffic& t) {
   j.end_object();
 }
 
-void put(Json& j, const LifeKey& key, const LifeTally& life) {
+void put(Json& j, const LifeKey& key, const LifeTally& who) {
   j.begin_object();
   j.field("peer", static_cast<int>(key.slot)).field("incarnation", key.incarnation);
-  j.field("address", to_string(life.at)).field("left", life.left);
-  put(j, life.traffic);
+  j.field("address", to_string(who.at)).field("left", who.left);
+  put(j, who.traffic);
   j.key("updates").begin_object();
-  for (std::size_t c = 0; c < sync::kCauses; ++c) j.field(sync::kCauseNames[c], life.updates[c]);
+  for (std::size_t c = 0; c < sync::kCauses; ++c) j.field(sync::kCauseNames[c], who.updates[c]);
   j.end_object().end_object();
 }
 
@@ -71,8 +71,8 @@ void put(Json& j, const Tally& t, std::uint16_t number, const SessionTally& s) {
   j.field("first_tick", s.first_tick).field("last_tick", s.last_tick).field("hashes", s.hashes);
   j.field("delays_by", s.tick0().second ? "session clock" : "fastest datagram");
   j.key("peers").begin_array();
-  for (const auto& [key, life] : t.lives())
-    if (key.session == number) put(j, key, life);
+  for (const auto& [key, who] : t.incarnations())
+    if (key.session == number) put(j, key, who);
   j.end_array().key("links").begin_array();
   for (const auto& [key, link] : links_of(t, number)) put(j, t, key, *link, s);
   j.end_array().end_object();

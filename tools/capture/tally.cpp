@@ -88,9 +88,9 @@ void Tally::state(const Datagram& d, const wire::Opened& o) {
   }
   const LifeKey from{o.header.session, o.header.sender, scan_.incarnation};
   SessionTally* s = entry(sessions_, from.session, kMostSessions);
-  LifeTally* life = entry(lives_, from, kMostLives);
+  LifeTally* who = entry(incarnations_, from, kMostLives);
   LinkTally* link = entry(links_, {from, d.to, scan_.to_incarnation}, kMostLinks);
-  if (s == nullptr || life == nullptr || link == nullptr) {
+  if (s == nullptr || who == nullptr || link == nullptr) {
     ++beyond_;
     return;
   }
@@ -103,29 +103,29 @@ void Tally::state(const Datagram& d, const wire::Opened& o) {
   s->last_tick = std::max(s->last_tick, scan_.mark_tick);
   s->least_us = std::min(s->least_us, ahead);
   if (scan_.check_hash != 0) ++s->hashes;
-  if (life->traffic.datagrams == 0 || life->at != d.from) {
-    life->at = d.from;
+  if (who->traffic.datagrams == 0 || who->at != d.from) {
+    who->at = d.from;
     if (who_.size() < 4 * kMostLives) who_[{d.from, from.incarnation}] = from;
   }
   acknowledge(d, from);
-  state_of_life(d, *life);
+  state_of_life(d, *who);
   link->delays.add(ahead);
   const std::uint64_t repeated = state_of_link(d, *link);
   std::uint64_t updates = 0;
   for (const auto& u : scan_.updates) updates += u.bytes;
-  for (Traffic* t : {&all_, &kinds_[0], &life->traffic, &link->traffic}) {
+  for (Traffic* t : {&all_, &kinds_[0], &who->traffic, &link->traffic}) {
     t->update_bytes += updates - repeated;
     t->repeat_bytes += repeated;
     t->mark_bytes += o.payload.size() - std::min<std::uint64_t>(updates, o.payload.size());
   }
 }
 
-void Tally::state_of_life(const Datagram& d, LifeTally& life) {
-  life.traffic.add(d);
+void Tally::state_of_life(const Datagram& d, LifeTally& who) {
+  who.traffic.add(d);
   for (const auto& u : scan_.updates) {
-    if (life.told.add(u.index) == NumberWindow::Seen::kAgain) continue;
-    for (std::size_t c = 0; c < u.causes.size(); ++c) life.updates[c] += u.causes[c];
-    life.left |= u.leave;
+    if (who.told.add(u.index) == NumberWindow::Seen::kAgain) continue;
+    for (std::size_t c = 0; c < u.causes.size(); ++c) who.updates[c] += u.causes[c];
+    who.left |= u.leave;
   }
 }
 

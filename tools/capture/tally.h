@@ -16,7 +16,7 @@
 
 namespace padr::capture {
 
-/// A peer's life: session number, slot, incarnation.
+/// A peer's incarnation: session number, slot, incarnation.
 struct LifeKey {
   std::uint16_t session = 0;
   PeerId slot = kNoPeer;
@@ -50,7 +50,7 @@ struct LifeTally {
   bool left = false;
 };
 
-/// State datagrams from one life to another.
+/// State datagrams from one incarnation to another.
 struct LinkTally {
   Traffic traffic;
   NumberWindow seqs;
@@ -101,7 +101,7 @@ class Tally {
   void take(const Datagram& d);
 
   const std::map<std::uint16_t, SessionTally>& sessions() const { return sessions_; }
-  const std::map<LifeKey, LifeTally>& lives() const { return lives_; }
+  const std::map<LifeKey, LifeTally>& incarnations() const { return incarnations_; }
   const std::map<LinkKey, LinkTally>& links() const { return links_; }
   const Traffic& all() const { return all_; }
   /// By kind: state, session, membership.
@@ -116,14 +116,14 @@ class Tally {
 
  private:
   void state(const Datagram& d, const wire::Opened& o);
-  void state_of_life(const Datagram& d, LifeTally& life);
+  void state_of_life(const Datagram& d, LifeTally& who);
   std::uint64_t state_of_link(const Datagram& d, LinkTally& link);
   void acknowledge(const Datagram& d, const LifeKey& from);
   void session(const Datagram& d, const wire::Opened& o);
   void membership(const wire::Opened& o);
 
   std::map<std::uint16_t, SessionTally> sessions_;
-  std::map<LifeKey, LifeTally> lives_;
+  std::map<LifeKey, LifeTally> incarnations_;
   std::map<LinkKey, LinkTally> links_;
   Traffic all_;
   std::array<Traffic, 3> kinds_;

@@ -11,7 +11,7 @@
 #include "common/sync/packet.h"
 #include "common/wire/session_codec.h"
 #include "tools/capture/input.h"
-#include "tools/capture/ledger.h"
+#include "tools/capture/session_log.h"
 
 namespace padr::capture {
 
@@ -19,7 +19,7 @@ namespace padr::capture {
 struct Event {
   std::int64_t time_ns = 0;
   Tick tick = -1;  ///< at which it is true; -1: before the session runs
-  Life by;
+  Incarnation by;
   std::string_view what;  ///< see kEventsHelp
   int entity = -1;        ///< body, or -1
   int other = -1;         ///< another peer's slot, or -1
@@ -38,7 +38,7 @@ class Timeline {
   void state(const Datagram& d, std::uint16_t session, const sync::StatePacket& p, PeerId sender);
   void message(Event e, std::uint16_t session, const wire::SessionMessage& m);
 
-  using LinkId = std::tuple<std::uint16_t, Life, Endpoint, std::uint32_t>;
+  using LinkId = std::tuple<std::uint16_t, Incarnation, Endpoint, std::uint32_t>;
   std::map<std::uint16_t, std::vector<Event>> events_;
   /// An update, and the time and sender of its first copy.
   struct Told {
@@ -46,11 +46,11 @@ class Timeline {
     sync::Bundle update;
   };
   std::map<std::uint16_t, std::vector<Told>> updates_;
-  std::set<std::tuple<std::uint16_t, Life, std::uint32_t>> told_;
+  std::set<std::tuple<std::uint16_t, Incarnation, std::uint32_t>> told_;
   std::map<LinkId, std::set<std::uint32_t>> sent_;  ///< numbers of updates
   std::map<LinkId, std::uint32_t> seqs_;            ///< highest
   std::map<std::pair<Endpoint, std::uint32_t>, PeerId> who_;
-  std::set<std::pair<std::uint16_t, Life>> heard_;
+  std::set<std::pair<std::uint16_t, Incarnation>> heard_;
 };
 
 /// For help texts.

@@ -53,7 +53,7 @@ class Picture {
     for (const Event& e : events)
       if (e.by.slot != kNoPeer && e.tick >= 0) lanes_.emplace(e.by, 0.0);
     double y = kTop;
-    for (auto& [life, at] : lanes_) {
+    for (auto& [who, at] : lanes_) {
       at = y;
       y += kPeerLane;
     }
@@ -71,9 +71,9 @@ class Picture {
         "above the line: contact begins; below: it ends; on it: resends (grey); I comes, O leaves, X declared gone",
         {.size = 12, .colour = kGrey});
     axis(svg);
-    for (const auto& [life, y] : lanes_) {
-      svg.text(kLeft - 8, y + 20, "peer " + to_string(life), {.size = 12, .anchor = plot::Anchor::kEnd});
-      svg.line({{kLeft, y + 16}, {kWidth - kRight, y + 16}}, {.stroke = colour(life.slot), .width = 1});
+    for (const auto& [who, y] : lanes_) {
+      svg.text(kLeft - 8, y + 20, "peer " + to_string(who), {.size = 12, .anchor = plot::Anchor::kEnd});
+      svg.line({{kLeft, y + 16}, {kWidth - kRight, y + 16}}, {.stroke = colour(who.slot), .width = 1});
     }
     for (const Event& e : events_) mark(svg, e);
     bodies(svg);
@@ -113,8 +113,8 @@ class Picture {
     if (e.what == "heard") letter("I");
     if (e.what == "leave") letter("O");
     if (e.what != "removal") return;
-    for (const auto& [life, top] : lanes_)
-      if (life.slot == e.other && e.detail.starts_with("incarnation " + std::to_string(life.incarnation) + " "))
+    for (const auto& [who, top] : lanes_)
+      if (who.slot == e.other && e.detail.starts_with("incarnation " + std::to_string(who.incarnation) + " "))
         svg.text(at, top + 21, "X", {.size = 13, .colour = "#000000", .anchor = plot::Anchor::kMiddle, .bold = true});
   }
 
@@ -133,7 +133,7 @@ class Picture {
   const std::vector<Event>& events_;
   double end_;
   std::map<int, std::vector<Hold>> holds_;
-  std::map<Life, double> lanes_;  ///< upper edge
+  std::map<Incarnation, double> lanes_;  ///< upper edge
   double bodies_top_ = 0;
   double height_ = 0;
   std::string title_;

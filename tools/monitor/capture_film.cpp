@@ -51,27 +51,28 @@ Film film_captures(const std::vector<std::string>& files, const std::vector<std:
   capture::Bookkeeper books;
   while (const capture::Datagram* d = captures.next()) books.take(*d);
   for (const std::string& trouble : captures.troubles()) note(trouble);
-  const capture::Ledger& ledger = books.choose(flags.session());
-  if (const std::string why = capture::nothing_to_begin_with(ledger); !why.empty())
+  const capture::SessionLog& session_log = books.choose(flags.session());
+  if (const std::string why = capture::nothing_to_begin_with(session_log); !why.empty())
     throw UserError("--capture: " + why);
-  const capture::Setting setting = flags.setting(ledger);
+  const capture::Setting setting = flags.setting(session_log);
   const std::size_t entities = setting.scene.bodies.size() + static_cast<std::size_t>(setting.slots);
-  const Tick sample = sample_for(ledger.newest, 1, entities);
-  FilmMaker maker(std::make_unique<Session>(SessionKey{ledger.session, scene_hash(setting.scene)}, setting.scene,
+  const Tick sample = sample_for(session_log.newest, 1, entities);
+  FilmMaker maker(std::make_unique<Session>(SessionKey{session_log.session, scene_hash(setting.scene)}, setting.scene,
                                             shell::valid_utf8(setting.label), 0, setting.slots, 0),
-                  sample, ledger.newest);
+                  sample, session_log.newest);
   Reporter reporter;
-  const Origin nobody{1, ledger.session, kNoPeer, 0};
-  const capture::Rebuilt r = capture::rebuild(ledger, setting, 0, [&](const sync::FoldState& s, std::uint64_t hash) {
-    const Micros now = FilmMaker::time_of(s.tick);
-    auto events = reporter.take(s);
-    if (!events.empty()) maker.session().take({nobody, Events{std::move(events)}}, {}, now);
-    if (s.tick % sample != 0) return;
-    Agreed a;
-    Sampler::agreed(s, hash, setting.authority, a);
-    maker.session().show_agreed(a);
-    maker.take(s.tick);
-  });
+  const Origin nobody{1, session_log.session, kNoPeer, 0};
+  const capture::Rebuilt r =
+      capture::rebuild(session_log, setting, 0, [&](const sync::FoldState& s, std::uint64_t hash) {
+        const Micros now = FilmMaker::time_of(s.tick);
+        auto events = reporter.take(s);
+        if (!events.empty()) maker.session().take({nobody, Events{std::move(events)}}, {}, now);
+        if (s.tick % sample != 0) return;
+        Agreed a;
+        Sampler::agreed(s, hash, setting.authority, a);
+        maker.session().show_agreed(a);
+        maker.take(s.tick);
+      });
   if (r.stretches.empty()) throw UserError("--capture: nothing of the session's world follows from the packets");
   for (const capture::Stretch& s : r.stretches)
     note("rebuilt from tick " + std::to_string(s.from) + " to " + std::to_string(s.to) +

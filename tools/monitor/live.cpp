@@ -22,7 +22,7 @@ std::vector<SessionEvent> newest(const std::deque<SessionEvent>& events, std::si
 
 Live::Live(const Options& options, std::string source, std::uint64_t issuer, OrderDesk::Sender send,
            std::function<void(const std::string&)> note)
-    : FrontDesk(options, "live", std::move(source)), orders_(issuer, std::move(send)), note_(std::move(note)) {}
+    : PageServer(options, "live", std::move(source)), orders_(issuer, std::move(send)), note_(std::move(note)) {}
 
 void Live::receive(const Endpoint& from, std::span<const std::byte> datagram, Micros now) {
   set_now(now);

@@ -6,14 +6,14 @@
 #include <string>
 
 #include "tools/monitor/drivers.h"
-#include "tools/monitor/front_desk.h"
 #include "tools/monitor/order_desk.h"
+#include "tools/monitor/page_server.h"
 #include "tools/monitor/sessions.h"
 
 namespace padr::monitor {
 
 /// Peers that play now: what they tell goes to the pages, what pages want goes to them.
-class Live : public FrontDesk {
+class Live : public PageServer {
  public:
   /// `issuer`: as OrderDesk's. `note`: takes lines for the log.
   Live(const Options& options, std::string source, std::uint64_t issuer, OrderDesk::Sender send,

@@ -8,7 +8,7 @@
 
 namespace padr::monitor {
 
-Lobby::Lobby(const Options& options, std::unique_ptr<FrontDesk> main) : options_(options), main_(std::move(main)) {}
+Lobby::Lobby(const Options& options, std::unique_ptr<PageServer> main) : options_(options), main_(std::move(main)) {}
 
 void Lobby::connect(WebServer* web) {
   web_ = web;
@@ -22,7 +22,7 @@ void Lobby::advance(Micros now) {
   for (const auto& [name, projector] : samples_) projector->advance(now);
 }
 
-FrontDesk& Lobby::desk(std::string_view query) {
+PageServer& Lobby::desk(std::string_view query) {
   const Sample* sample = find_sample(query_field(query, "sample").value_or(""));
   if (sample == nullptr) return *main_;
   std::unique_ptr<Projector>& projector = samples_[std::string(sample->name)];
@@ -40,7 +40,7 @@ Reply Lobby::get(std::string_view path, std::string_view query) {
 }
 
 void Lobby::came(ViewerId viewer, bool local, std::string_view query) {
-  FrontDesk& where = desk(query);
+  PageServer& where = desk(query);
   const bool first = std::none_of(where_.begin(), where_.end(), [&where](const auto& w) { return w.second == &where; });
   where_[viewer] = &where;
   // Telling may dismiss the viewer: nothing of it is touched afterwards.
@@ -56,7 +56,7 @@ void Lobby::said(ViewerId viewer, std::string_view text) {
 void Lobby::left(ViewerId viewer) {
   const auto found = where_.find(viewer);
   if (found == where_.end()) return;
-  FrontDesk& where = *found->second;
+  PageServer& where = *found->second;
   where_.erase(found);
   where.left(viewer);
 }

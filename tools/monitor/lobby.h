@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "tools/monitor/front_desk.h"
+#include "tools/monitor/page_server.h"
 #include "tools/monitor/projector.h"
 
 namespace padr::monitor {
@@ -14,7 +14,7 @@ namespace padr::monitor {
 /// sample: it is made when the first page asks for it, and kept. All pages that look at a sample share its position.
 class Lobby : public Site {
  public:
-  Lobby(const Options& options, std::unique_ptr<FrontDesk> main);
+  Lobby(const Options& options, std::unique_ptr<PageServer> main);
 
   /// Where messages go; null: nowhere.
   void connect(WebServer* web);
@@ -28,14 +28,14 @@ class Lobby : public Site {
 
  private:
   /// For a query: what was asked for, else the main one.
-  FrontDesk& desk(std::string_view query);
+  PageServer& desk(std::string_view query);
 
   const Options& options_;
   WebServer* web_ = nullptr;
   Micros now_ = 0;
-  std::unique_ptr<FrontDesk> main_;
+  std::unique_ptr<PageServer> main_;
   std::map<std::string, std::unique_ptr<Projector>, std::less<>> samples_;
-  std::map<ViewerId, FrontDesk*> where_;
+  std::map<ViewerId, PageServer*> where_;
 };
 
 }  // namespace padr::monitor

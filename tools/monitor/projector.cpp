@@ -13,7 +13,7 @@ constexpr Micros kTimelineEvery = kMicrosPerSecond / 10;
 }  // namespace
 
 Projector::Projector(const Options& options, std::string mode, std::string source, Film film, std::string sample)
-    : FrontDesk(options, std::move(mode), std::move(source), std::move(sample)),
+    : PageServer(options, std::move(mode), std::move(source), std::move(sample)),
       film_(std::move(film)),
       screen_(film_),
       position_(film_.first()) {

@@ -1,12 +1,12 @@
 #pragma once
 
 #include "tools/monitor/film.h"
-#include "tools/monitor/front_desk.h"
+#include "tools/monitor/page_server.h"
 
 namespace padr::monitor {
 
 /// Shows a film: one position for all pages.
-class Projector : public FrontDesk {
+class Projector : public PageServer {
  public:
   Projector(const Options& options, std::string mode, std::string source, Film film, std::string sample = "");
 

@@ -40,9 +40,9 @@ void Sessions::take_part(const ScenarioPart& part, Micros now) {
       ++stats_.crowded;
       return;
     }
-    draft = drafts_.emplace(part.scene_hash, Draft{}).first;
+    draft = drafts_.emplace(part.scene_hash, SceneDraft{}).first;
   }
-  Draft& d = draft->second;
+  SceneDraft& d = draft->second;
   if (d.text.size() != part.total) {
     d = {};
     d.text.assign(part.total, '\0');

@@ -44,7 +44,7 @@ class Sessions {
 
  private:
   /// A scenario's text on its way here.
-  struct Draft {
+  struct SceneDraft {
     std::string text;
     std::vector<char> has;
     std::size_t missing = 0;
@@ -55,7 +55,7 @@ class Sessions {
   void found(const Told& told, Micros now);
   void choose(Micros now);
 
-  std::map<std::uint64_t, Draft> drafts_;  ///< by the scene's hash
+  std::map<std::uint64_t, SceneDraft> drafts_;  ///< by the scene's hash
   std::map<SessionKey, std::unique_ptr<Session>> sessions_;
   std::map<std::uint64_t, SessionKey> key_of_;  ///< by process, from its Hello
   Session* shown_ = nullptr;

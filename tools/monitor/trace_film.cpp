@@ -36,7 +36,7 @@ std::vector<std::string> traces_in(const std::vector<std::string>& paths) {
   return files;
 }
 
-/// One life of one peer, played again.
+/// One incarnation of one peer, played again.
 class Actor {
  public:
   Actor(std::uint64_t process, NamedTrace trace)

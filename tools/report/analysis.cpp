@@ -42,13 +42,14 @@ std::optional<Scene> scene_of(const trace::Header& h) {
 
 /// One trace on its way to its end.
 struct Cursor {
-  Cursor(const TraceBytes& t, std::size_t number, const Survey& s) : reader(t.bytes, t.label), life(number), about(s) {
+  Cursor(const TraceBytes& t, std::size_t number, const Survey& s)
+      : reader(t.bytes, t.label), incarnation(number), about(s) {
     peer.came = s.came;
     peer.first_tick = s.first_step;
     peer.last_tick = s.first_step - 1;
   }
   trace::TraceReader reader;
-  std::size_t life;
+  std::size_t incarnation;
   const Survey& about;
   Technique technique = reader.header().technique;  ///< as it plays now
   Peer peer;
@@ -61,20 +62,20 @@ struct Cursor {
 class Analysis {
  public:
   /// As many of both, by slot and incarnation.
-  Analysis(const std::vector<const TraceBytes*>& traces, std::vector<Survey> lives)
-      : lives_(std::move(lives)),
-        session_(lives_[0].header),
-        meter_(slots_of(lives_), session_.bodies),
+  Analysis(const std::vector<const TraceBytes*>& traces, std::vector<Survey> incarnations)
+      : incarnations_(std::move(incarnations)),
+        session_(incarnations_[0].header),
+        meter_(slots_of(incarnations_), session_.bodies),
         flips_(session_.bodies),
-        confirmed_(lives_),
+        confirmed_(incarnations_),
         owner_(static_cast<std::size_t>(session_.bodies), kNoPeer) {
-    for (std::size_t i = 0; i < lives_.size(); ++i) {
-      cursors_.push_back(std::make_unique<Cursor>(*traces[i], i, lives_[i]));
-      meter_.came(i, lives_[i].came);
+    for (std::size_t i = 0; i < incarnations_.size(); ++i) {
+      cursors_.push_back(std::make_unique<Cursor>(*traces[i], i, incarnations_[i]));
+      meter_.came(i, incarnations_[i].came);
     }
     if (const auto scene = scene_of(session_))
-      fidelity_ = std::make_unique<trace::FidelityMeter>(*scene, session_.slots, slots_of(lives_));
-    views_.resize(lives_.size());
+      fidelity_ = std::make_unique<trace::FidelityMeter>(*scene, session_.slots, slots_of(incarnations_));
+    views_.resize(incarnations_.size());
   }
 
   Report run() {
@@ -87,10 +88,10 @@ class Analysis {
   }
 
  private:
-  static std::vector<PeerId> slots_of(const std::vector<Survey>& lives) {
+  static std::vector<PeerId> slots_of(const std::vector<Survey>& incarnations) {
     std::vector<PeerId> slots;
-    slots.reserve(lives.size());
-    for (const Survey& s : lives) slots.push_back(s.header.peer);
+    slots.reserve(incarnations.size());
+    for (const Survey& s : incarnations) slots.push_back(s.header.peer);
     return slots;
   }
 
@@ -99,7 +100,7 @@ class Analysis {
       const auto event = c.reader.next();
       if (!event) {
         c.ended = true;
-        meter_.gone(c.life, c.peer.last_tick + 1);
+        meter_.gone(c.incarnation, c.peer.last_tick + 1);
         return;
       }
       std::visit([&](const auto& e) { take(c, e); }, *event);
@@ -108,7 +109,7 @@ class Analysis {
 
   void measure_fidelity(Tick t) {
     for (const auto& c : cursors_) {
-      trace::PlayerView& v = views_[c->life];
+      trace::PlayerView& v = views_[c->incarnation];
       v = {!c->ended && c->peer.last_tick == t && t >= c->about.came && c->peer.left_at < 0, c->reader.live().states,
            c->target};
       v.there = v.there && trace::can_be_stepped(v);
@@ -127,7 +128,7 @@ class Analysis {
     p.snap_m = s.snap_m;
     if (s.leaving && p.left_at < 0) {
       p.left_at = s.tick;
-      meter_.gone(c.life, s.tick);
+      meter_.gone(c.incarnation, s.tick);
     }
     if (p.left_at >= 0 || s.tick < c.about.came) return;
     c.threshold_sum += static_cast<double>(s.threshold);
@@ -135,7 +136,7 @@ class Analysis {
     for (const BodyState& state : c.reader.live().states) v.live.push_back(state.position);
     v.shown = c.reader.live().shown;
     v.unowned_alone = plays_unowned_alone(c.technique);
-    meter_.view(c.life, s.tick, v);
+    meter_.view(c.incarnation, s.tick, v);
   }
 
   void take(Cursor& c, const trace::Received& r) {
@@ -145,12 +146,12 @@ class Analysis {
       return;
     }
     heard_.insert(packet->first);
-    // What is for the life before, or comes from it, has numbers of its own; it may still arrive when the next one has
-    // begun.
+    // What is for the incarnation before, or comes from it, has numbers of its own; it may still arrive when the next
+    // one has begun.
     const sync::StatePacket& p = packet->second;
     if (p.to_incarnation != c.reader.header().incarnation) return;
-    const auto from = life_at(lives_, packet->first, p.incarnation, p.mark_tick);
-    if (from) links_[{*from, c.life}].received(p.seq, p.mark_tick, r.at);
+    const auto from = life_at(incarnations_, packet->first, p.incarnation, p.mark_tick);
+    if (from) links_[{*from, c.incarnation}].received(p.seq, p.mark_tick, r.at);
   }
 
   void take(Cursor& c, const trace::Sent& s) {
@@ -158,15 +159,15 @@ class Analysis {
     if (!packet || s.to >= session_.slots)
       throw UserError(c.reader.label() + ": the datagram sent at tick " + std::to_string(s.tick) + " to peer " +
                       std::to_string(s.to) + " makes no sense");
-    const auto to = life_at(lives_, s.to, packet->second.to_incarnation, s.tick);
-    if (to) links_[{c.life, *to}].sent(packet->second.seq, s.tick);
+    const auto to = life_at(incarnations_, s.to, packet->second.to_incarnation, s.tick);
+    if (to) links_[{c.incarnation, *to}].sent(packet->second.seq, s.tick);
     if (c.peer.left_at < 0 || s.tick <= c.peer.left_at)
       c.traffic.sent(s.to, s.tick, packet->second, s.datagram.size() + node::kIpUdpBytes);
   }
 
   void take(Cursor& c, const trace::Confirmed& t) {
     c.peer.last_confirmed = t.tick;
-    confirmed_.add(c.life, t.tick, t.hash);
+    confirmed_.add(c.incarnation, t.tick, t.hash);
     if (c.about.superseded) return;  // others may have agreed on something else meanwhile
     // The first trace to know a tick speaks for all: they are the same, or their hashes say so.
     if (t.tick < next_truth_) return;
@@ -219,8 +220,8 @@ class Analysis {
       p.label = c->reader.label();
       p.header = c->reader.header();
       p.clean = c->reader.clean();
-      p.inconsistency = meter_.result(c->life);
-      p.series = meter_.series(c->life);
+      p.inconsistency = meter_.result(c->incarnation);
+      p.series = meter_.series(c->incarnation);
       if (fidelity_) take_fidelity(*c);
       p.traffic = c->traffic.total();
       p.per_second = c->traffic.per_second();
@@ -241,28 +242,28 @@ class Analysis {
   }
 
   void take_fidelity(Cursor& c) const {
-    c.peer.fidelity_series = fidelity_->series(c.life);
-    c.peer.fidelity = fidelity_->result(c.life);
-    c.peer.deeds = fidelity_->deeds(c.life);
-    c.peer.pcc_series = fidelity_->pcc().series(c.life);
-    c.peer.pcc = fidelity_->pcc().result(c.life);
+    c.peer.fidelity_series = fidelity_->series(c.incarnation);
+    c.peer.fidelity = fidelity_->result(c.incarnation);
+    c.peer.deeds = fidelity_->deeds(c.incarnation);
+    c.peer.pcc_series = fidelity_->pcc().series(c.incarnation);
+    c.peer.pcc = fidelity_->pcc().result(c.incarnation);
   }
 
   Link link(std::size_t from, std::size_t to, const LinkMeter& meter) const {
-    Link l = meter.result(lives_[from].header.peer, lives_[to].header.peer, lives_[to].last_tick);
-    l.from_name = lives_[from].name;
-    l.to_name = lives_[to].name;
+    Link l = meter.result(incarnations_[from].header.peer, incarnations_[to].header.peer, incarnations_[to].last_tick);
+    l.from_name = incarnations_[from].name;
+    l.to_name = incarnations_[to].name;
     return l;
   }
 
-  std::vector<Survey> lives_;
+  std::vector<Survey> incarnations_;
   trace::Header session_;
   trace::InconsistencyMeter meter_;
   trace::FlipMeter flips_;
   std::unique_ptr<trace::FidelityMeter> fidelity_;  ///< null: the scene is not known
-  std::vector<trace::PlayerView> views_;            ///< by life
+  std::vector<trace::PlayerView> views_;            ///< by incarnation
   std::vector<std::unique_ptr<Cursor>> cursors_;
-  std::map<std::pair<std::size_t, std::size_t>, LinkMeter> links_;  ///< by lives
+  std::map<std::pair<std::size_t, std::size_t>, LinkMeter> links_;  ///< by incarnations
   std::set<PeerId> heard_;
   ConfirmedTicks confirmed_;
   Tick next_truth_ = 0;
@@ -283,18 +284,18 @@ Report analyse(const std::vector<TraceBytes>& traces) {
   std::vector<std::string> outside;
   for (std::size_t i = 0; i < traces.size(); ++i) surveys[i] = survey(traces[i]);
   std::vector<const TraceBytes*> ordered;
-  std::vector<Survey> lives;
+  std::vector<Survey> incarnations;
   for (const std::size_t i : in_order(surveys)) {
     if (surveys[i].came < 0) {
       outside.push_back(traces[i].label);
       continue;
     }
     ordered.push_back(&traces[i]);
-    lives.push_back(std::move(surveys[i]));
+    incarnations.push_back(std::move(surveys[i]));
   }
-  if (lives.empty()) throw UserError(traces[0].label + ": its peer was never a part of the session");
-  give_names(lives);
-  Report r = Analysis(ordered, std::move(lives)).run();
+  if (incarnations.empty()) throw UserError(traces[0].label + ": its peer was never a part of the session");
+  give_names(incarnations);
+  Report r = Analysis(ordered, std::move(incarnations)).run();
   for (const std::string& label : outside)
     r.notes.push_back(label + ": its peer never became a part of the session, and is left out");
   return r;

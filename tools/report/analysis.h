@@ -10,8 +10,8 @@
 namespace padr::report {
 
 /// Aligns the traces of one session's peers on the session tick and measures. Who came late, vanished or came back has
-/// a trace of each of its lives. Throws UserError if a trace is damaged, if they are not of one session, each of
-/// another life, or if none of them was ever a part of it.
+/// a trace of each of its incarnations. Throws UserError if a trace is damaged, if they are not of one session, each of
+/// another incarnation, or if none of them was ever a part of it.
 Report analyse(const std::vector<TraceBytes>& traces);
 
 }  // namespace padr::report

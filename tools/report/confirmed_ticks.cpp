@@ -10,26 +10,26 @@ namespace padr::report {
 /// "peers 0 2 against peer 1"
 std::string ConfirmedTicks::sides(const std::vector<Entry>& entries) const {
   std::map<std::uint64_t, std::vector<std::size_t>> by_hash;
-  for (const Entry& e : entries) by_hash[e.hash].push_back(e.life);
+  for (const Entry& e : entries) by_hash[e.hash].push_back(e.incarnation);
   std::vector<std::vector<std::size_t>> sides;
-  for (auto& [hash, lives] : by_hash) {
-    std::sort(lives.begin(), lives.end());
-    sides.push_back(std::move(lives));
+  for (auto& [hash, incarnations] : by_hash) {
+    std::sort(incarnations.begin(), incarnations.end());
+    sides.push_back(std::move(incarnations));
   }
   std::sort(sides.begin(), sides.end());
   std::string text;
-  for (const std::vector<std::size_t>& lives : sides) {
+  for (const std::vector<std::size_t>& incarnations : sides) {
     if (!text.empty()) text += " against ";
-    text += lives.size() > 1 ? "peers" : "peer";
-    for (const std::size_t life : lives) text += ' ' + lives_[life].name;
+    text += incarnations.size() > 1 ? "peers" : "peer";
+    for (const std::size_t incarnation : incarnations) text += ' ' + incarnations_[incarnation].name;
   }
   return text;
 }
 
-void ConfirmedTicks::add(std::size_t life, Tick tick, std::uint64_t hash) {
+void ConfirmedTicks::add(std::size_t incarnation, Tick tick, std::uint64_t hash) {
   const auto at = static_cast<std::size_t>(tick);
   if (at >= ticks_.size()) ticks_.resize(at + 1);
-  ticks_[at].push_back({life, hash});
+  ticks_[at].push_back({incarnation, hash});
 }
 
 void ConfirmedTicks::judge_given_up(const std::vector<Entry>& given_up, const std::vector<Entry>& others,
@@ -47,10 +47,10 @@ ConfirmedCheck ConfirmedTicks::compare() const {
     const auto t = static_cast<Tick>(i);
     std::vector<Entry> entries;
     std::vector<Entry> given_up;
-    for (const Entry& e : ticks_[i]) (lives_[e.life].superseded ? given_up : entries).push_back(e);
+    for (const Entry& e : ticks_[i]) (incarnations_[e.incarnation].superseded ? given_up : entries).push_back(e);
     judge_given_up(given_up, entries, check);
     if (entries.size() < 2) continue;
-    const auto reaching = std::count_if(lives_.begin(), lives_.end(), [t](const Survey& s) {
+    const auto reaching = std::count_if(incarnations_.begin(), incarnations_.end(), [t](const Survey& s) {
       return !s.superseded && s.confirmed_from >= 0 && t >= s.confirmed_from && t <= s.last_tick;
     });
     if (static_cast<std::ptrdiff_t>(entries.size()) >= reaching) ++check.ticks;

@@ -12,21 +12,21 @@ namespace padr::report {
 /// Whether all peers confirmed the same worlds.
 class ConfirmedTicks {
  public:
-  /// `lives` must outlive it.
-  explicit ConfirmedTicks(const std::vector<Survey>& lives) : lives_(lives) {}
-  void add(std::size_t life, Tick tick, std::uint64_t hash);
+  /// `incarnations` must outlive it.
+  explicit ConfirmedTicks(const std::vector<Survey>& incarnations) : incarnations_(incarnations) {}
+  void add(std::size_t incarnation, Tick tick, std::uint64_t hash);
   ConfirmedCheck compare() const;
 
  private:
   struct Entry {
-    std::size_t life;
+    std::size_t incarnation;
     std::uint64_t hash;
   };
   std::string sides(const std::vector<Entry>& entries) const;
   void judge_given_up(const std::vector<Entry>& given_up, const std::vector<Entry>& others,
                       ConfirmedCheck& check) const;
 
-  const std::vector<Survey>& lives_;
+  const std::vector<Survey>& incarnations_;
   std::vector<std::vector<Entry>> ticks_;
 };
 

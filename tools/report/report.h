@@ -50,21 +50,21 @@ struct Link {
   double reordered_percent() const;
 };
 
-/// What a peer did not take of whoever sat in a slot, all over its life.
+/// What a peer did not take of whoever sat in a slot, all over its incarnation.
 struct Drops {
   PeerId of = kNoPeer;
   std::vector<std::uint64_t> by_reason;  ///< as in sync::DropReason
   std::uint64_t cut_offs = 0;            ///< how often it stopped listening to it, for good or for a while
 };
 
-/// One life of a peer, from its coming until it says goodbye: what it sees and sends while it makes sure that everybody
-/// has its last updates is left out of inconsistency and traffic.
+/// One incarnation of a peer, from its coming until it says goodbye: what it sees and sends while it makes sure that
+/// everybody has its last updates is left out of inconsistency and traffic.
 struct Peer {
   std::string label;  ///< the trace's file
   std::string name;   ///< its number; "3.2" is the second of whom there is a trace in slot 3
   trace::Header header;
   bool clean = false;       ///< the trace ends as it should
-  bool superseded = false;  ///< the peer went on in another life
+  bool superseded = false;  ///< the peer went on in another incarnation
   Tick first_tick = 0;      ///< of the trace: who comes later watches first
   Tick came = 0;            ///< since when its avatar has been there
   Tick last_tick = 0;       ///< of the trace
@@ -120,8 +120,8 @@ struct ConfirmedCheck {
   std::uint64_t mismatches = 0;
   Tick first_mismatch = -1;
   std::string who;  ///< at the first mismatch: which peers say what
-  // Of lives that were given up for another one, as after a partition:
-  std::uint64_t given_up = 0;         ///< ticks that such a life had confirmed, and others too
+  // Of incarnations that were given up for another one, as after a partition:
+  std::uint64_t given_up = 0;         ///< ticks that such an incarnation had confirmed, and others too
   std::uint64_t given_up_unlike = 0;  ///< of those, others had confirmed another world
 };
 

@@ -90,7 +90,7 @@ std::string ChaosCommand::json(const std::vector<std::string>& command,
   j.key("runs").begin_array();
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     const ChaosOutcome& o = outcomes[i];
-    j.begin_object().field("seed", seed_ + i).field("peers", o.peers).field("lives", o.lives);
+    j.begin_object().field("seed", seed_ + i).field("peers", o.peers).field("lives", o.incarnations);
     j.field("hashes_compared", o.compared).field("slowest_join_s", o.slowest_join);
     j.field("violation", o.violation).end_object();
   }
@@ -102,7 +102,7 @@ void ChaosCommand::print(std::size_t i, const ChaosOutcome& o) const {
   const ChaosScript script = script_of(i);
   const bool held = o.violation.empty();
   if (story_ || runs_ <= kMostLines || !held)
-    std::cout << "seed " << script.seed << ": " << o.peers << " peers, " << o.lives << " lives, " << o.compared
+    std::cout << "seed " << script.seed << ": " << o.peers << " peers, " << o.incarnations << " lives, " << o.compared
               << " hashes compared, slowest join " << seconds(o.slowest_join)
               << " s: " << (held ? "held" : "VIOLATED " + o.violation) << '\n';
   if (story_) {

@@ -20,8 +20,8 @@ std::string name(int person) {
 }  // namespace
 
 Judge::Judge(VirtualNetwork& network) : network_(network) {
-  network_.on_confirmed = [this](int person, int life, const sync::FoldState& s, std::uint64_t hash) {
-    confirmed(person, life, s, hash);
+  network_.on_confirmed = [this](int person, int incarnation, const sync::FoldState& s, std::uint64_t hash) {
+    confirmed(person, incarnation, s, hash);
   };
   network_.on_turn = [this](int person) { turn(person); };
 }
@@ -31,8 +31,8 @@ void Judge::blame(const std::string& what) {
     violation_ = "at " + std::to_string(static_cast<double>(network_.now()) / 1e6) + " s: " + what;
 }
 
-void Judge::confirmed(int person, int life, const sync::FoldState& s, std::uint64_t hash) {
-  heard_.push_back({person, life, s.tick, hash});
+void Judge::confirmed(int person, int incarnation, const sync::FoldState& s, std::uint64_t hash) {
+  heard_.push_back({person, incarnation, s.tick, hash});
   for (const world::Kinematics& k : s.world.entities)
     if (!is_finite(k.position) || !is_finite(k.velocity) || !std::isfinite(k.angle) || !std::isfinite(k.spin))
       blame(name(person) + " has confirmed a state that is not finite");
@@ -63,7 +63,7 @@ void Judge::turn(int person) {
     for (PeerId q = 0; q < n.config().slots; ++q)
       if (q != n.self() && n.other(q).there()) r.others.emplace_back(q, n.other(q).incarnation);
     for (const Heard& h : heard_) {
-      if (h.life != p.life()) continue;
+      if (h.incarnation != p.incarnation()) continue;
       r.hash = h.hash;
       compare(h.tick, r);
     }

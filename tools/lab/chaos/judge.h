@@ -38,11 +38,11 @@ class Judge {
   };
   struct Heard {
     int person;
-    int life;
+    int incarnation;
     Tick tick;
     std::uint64_t hash;
   };
-  void confirmed(int person, int life, const sync::FoldState& s, std::uint64_t hash);
+  void confirmed(int person, int incarnation, const sync::FoldState& s, std::uint64_t hash);
   void turn(int person);
   void check_drops(int person);
   void compare(Tick t, Record r);

@@ -91,7 +91,7 @@ class Stage {
 void fill_outcome(const VirtualNetwork& g, const ChaosPlay& how, int founders, ChaosOutcome& out) {
   out.peers = g.persons();
   for (int p = 0; p < g.persons(); ++p) {
-    out.lives += g.peer(p).life() + 1;
+    out.incarnations += g.peer(p).incarnation() + 1;
     if (p >= founders) out.slowest_join = std::max(out.slowest_join, static_cast<double>(g.took(p)) / 1e6);
     if (!how.story) continue;
     for (const std::string& n : g.notes(p)) out.story.push_back(n + "  (person " + std::to_string(p) + ")");

@@ -13,7 +13,7 @@ struct ChaosOutcome {
   std::string violation;           ///< empty: none
   std::uint64_t compared = 0;      ///< confirmed hashes, in pairs
   int peers = 0;                   ///< that ever started
-  int lives = 0;                   ///< begun by them, returns included
+  int incarnations = 0;            ///< begun by them, returns included
   double slowest_join = 0;         ///< s, from the start of a process to its first tick
   std::vector<std::string> story;  ///< notes of all peers, if asked for
 };

@@ -53,9 +53,9 @@ int VirtualNetwork::start(std::optional<int> by, bool over_loopback) {
   c.session.secret = derive_seed(config_.seed, 0xC00C1E, static_cast<std::uint64_t>(n));
   c.replica.technique = config_.technique;
   if (config_.fault) c.replica.fault = config_.fault(n);
-  if (config_.recording) c.recording = [this, n](int life) { return config_.recording(n, life); };
-  c.on_confirmed = [this, n](int life, const sync::FoldState& s, std::uint64_t hash) {
-    if (on_confirmed) on_confirmed(n, life, s, hash);
+  if (config_.recording) c.recording = [this, n](int incarnation) { return config_.recording(n, incarnation); };
+  c.on_confirmed = [this, n](int incarnation, const sync::FoldState& s, std::uint64_t hash) {
+    if (on_confirmed) on_confirmed(n, incarnation, s, hash);
   };
   if (config_.seal != wire::SealMode::kNone) c.channels = channels_of(n, rng);
   if (on_tamper) c.tamper = on_tamper(n);
@@ -76,7 +76,7 @@ node::ChannelConfig VirtualNetwork::channels_of(int person, Rng& rng) const {
 
 bool VirtualNetwork::knocks_in_vain(int person) const {
   const Person& p = persons_[at(person)];
-  return p.by && !runs(*p.by) && p.peer->life() < 0 && p.peer->session().phase() == node::SessionPhase::kJoining;
+  return p.by && !runs(*p.by) && p.peer->incarnation() < 0 && p.peer->session().phase() == node::SessionPhase::kJoining;
 }
 
 void VirtualNetwork::leave(int person) {

@@ -33,8 +33,8 @@ struct VirtualNetworkConfig {
   /// The machine a person runs on. Who is on the same one can be reached at its loopback address, too. Empty: everybody
   /// has a machine of their own.
   std::function<int(int person)> host;
-  /// Where a person's life 0, 1, ... is recorded to.
-  std::function<std::optional<node::RecordedReplica::Recording>(int person, int life)> recording;
+  /// Where a person's incarnation 0, 1, ... is recorded to.
+  std::function<std::optional<node::RecordedReplica::Recording>(int person, int incarnation)> recording;
 };
 
 /// Whole peers that come and go, on one virtual clock and network. Persons are numbered in the order they start, and
@@ -82,8 +82,8 @@ class VirtualNetwork {
   double rate(int person) const { return persons_[at(person)].rate; }
   std::vector<std::string> notes(int person) const { return persons_[at(person)].notes; }
 
-  /// A tick has become final in a life of a person's.
-  std::function<void(int person, int life, const sync::FoldState&, std::uint64_t hash)> on_confirmed;
+  /// A tick has become final in an incarnation of a person's.
+  std::function<void(int person, int incarnation, const sync::FoldState&, std::uint64_t hash)> on_confirmed;
   /// Somebody is about to get this way to the network; it may be spoilt.
   std::function<void(int person, node::ChannelConfig&)> on_gate;
   /// What becomes of what somebody who is about to start sends, before it is sealed; nothing: nothing does.

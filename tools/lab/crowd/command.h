@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "shell/technique_flags.h"
-#include "tools/lab/crowd/inventory.h"
+#include "tools/lab/crowd/body_positions.h"
 
 namespace padr::lab {
 
@@ -33,7 +33,7 @@ struct CrowdRow {
   double late = 0;       ///< share of ticks with the avatar in a region that it is not in yet
   std::uint64_t failed = 0;
   std::uint64_t bodies_over = 0;  ///< entries said
-  Inventory bodies;               ///< at the end
+  BodyPositions bodies;           ///< at the end
   std::uint64_t compared = 0;
   std::uint64_t different = 0;
   std::uint64_t confirmed = 0;  ///< ticks of regions

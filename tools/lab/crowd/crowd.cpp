@@ -50,7 +50,7 @@ CrowdRun::CrowdRun(CrowdRunConfig config)
     : config_(std::move(config)),
       stride_(stride_of(config_.netem)),
       persons_(static_cast<std::size_t>(config_.peers)),
-      gang_(config_.threads) {
+      workers_(config_.threads) {
   for (int i = 0; i < config_.peers; ++i) place(i);
 }
 
@@ -108,7 +108,7 @@ void CrowdRun::stop_input() {
 
 void CrowdRun::advance() {
   deliver(time_of(now_ + stride_));
-  gang_.run(persons_.size(), [this](std::size_t i) { work(i); });
+  workers_.run(persons_.size(), [this](std::size_t i) { work(i); });
   now_ += stride_;
   compare();
   note_members();

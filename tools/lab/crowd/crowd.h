@@ -12,7 +12,7 @@
 #include "common/crowd/crowd_peer.h"
 #include "common/link/shim.h"
 #include "common/scenarios/input.h"
-#include "tools/lab/crowd/gang.h"
+#include "tools/lab/crowd/worker_group.h"
 
 namespace padr::lab {
 
@@ -123,7 +123,7 @@ class CrowdRun {
   std::uint64_t compared_ = 0;
   std::uint64_t different_ = 0;
   bool standing_ = false;
-  Gang gang_;
+  WorkerGroup workers_;
 };
 
 }  // namespace padr::lab

@@ -16,7 +16,7 @@ namespace padr::sync {
 std::vector<float> reaches(const Scene& scene, int slots);
 
 /// A box around some entities with all that is theirs, m.
-class ReachBox {
+class BoundingBox {
  public:
   void clear() { *this = {}; }
   void enclose(Vec2 at, float reach) {

@@ -1,4 +1,4 @@
-#include "tools/capture/ledger.h"
+#include "tools/capture/session_log.h"
 
 #include <algorithm>
 
@@ -12,14 +12,14 @@ constexpr std::size_t kMostJoins = 4096;
 constexpr std::size_t kMostNamed = 8;  ///< sessions in a message
 
 /// Of who was there at tick 0: how many of its updates are known from the first on without a gap.
-std::uint32_t known_from_start(const Ledger::Voice& v) {
+std::uint32_t known_from_start(const SessionLog::Voice& v) {
   std::uint32_t have = 0;
   while (v.updates.contains(have)) ++have;
   return have;
 }
 
 /// For messages: its number and what tells it from others.
-std::string named(const Ledger& l) {
+std::string named(const SessionLog& l) {
   std::string text = std::to_string(l.session) + " (";
   if (l.join) text += l.join->scenario + ", ";
   return text + "ticks " + std::to_string(l.oldest) + " to " + std::to_string(l.newest) + ", " +
@@ -28,7 +28,7 @@ std::string named(const Ledger& l) {
 }
 
 /// An update passed on is one of its own slot's log, and may pass on another one.
-void retell(const sync::Bundle& b, Ledger& l) {
+void retell(const sync::Bundle& b, SessionLog& l) {
   for (const sync::Bundle& lost : b.passed_on) {
     l.retold.try_emplace({lost.peer, lost.index}, lost);
     retell(lost, l);
@@ -37,17 +37,17 @@ void retell(const sync::Bundle& b, Ledger& l) {
 
 }  // namespace
 
-std::string to_string(const Life& life) {
-  std::string s = std::to_string(life.slot);
-  if (life.incarnation > 0) s += "." + std::to_string(life.incarnation);
+std::string to_string(const Incarnation& who) {
+  std::string s = std::to_string(who.slot);
+  if (who.incarnation > 0) s += "." + std::to_string(who.incarnation);
   return s;
 }
 
-bool Ledger::Pieces::complete() const {
+bool SessionLog::Pieces::complete() const {
   return !parts.empty() && std::none_of(parts.begin(), parts.end(), [](const wire::Bytes& b) { return b.empty(); });
 }
 
-wire::Bytes Ledger::Pieces::joined() const {
+wire::Bytes SessionLog::Pieces::joined() const {
   wire::Bytes all;
   for (const wire::Bytes& b : parts) all.insert(all.end(), b.begin(), b.end());
   return all;
@@ -60,7 +60,7 @@ void Bookkeeper::take(const Datagram& d) {
     ++unreadable_;
     return;
   }
-  Ledger& l = ledgers_[o->header.session];
+  SessionLog& l = ledgers_[o->header.session];
   l.session = o->header.session;
   if (l.first_ns == 0) l.first_ns = d.time_ns;
   bool good = false;
@@ -80,10 +80,10 @@ void Bookkeeper::take(const Datagram& d) {
   if (!good) ++unreadable_;
 }
 
-void Bookkeeper::state(const Datagram& d, const sync::StatePacket& p, PeerId sender, Ledger& l) {
+void Bookkeeper::state(const Datagram& d, const sync::StatePacket& p, PeerId sender, SessionLog& l) {
   ++l.states;
-  const Life life{sender, p.incarnation};
-  Ledger::Voice& v = l.voices[life];
+  const Incarnation who{sender, p.incarnation};
+  SessionLog::Voice& v = l.voices[who];
   v.at = d.from;
   v.last_ns = d.time_ns;
   v.last_tick = std::max(v.last_tick, p.mark_tick);
@@ -95,11 +95,11 @@ void Bookkeeper::state(const Datagram& d, const sync::StatePacket& p, PeerId sen
   }
   Tick& mark = v.marks[p.mark_count];
   mark = std::max(mark, p.mark_tick);
-  if (p.check_tick >= 0 && checked_.emplace(l.session, p.check_tick, life).second)
-    l.checks.push_back({p.check_tick, p.check_hash, life, d.packet});
+  if (p.check_tick >= 0 && checked_.emplace(l.session, p.check_tick, who).second)
+    l.checks.push_back({p.check_tick, p.check_hash, who, d.packet});
 }
 
-void Bookkeeper::session(const wire::SessionMessage& m, Ledger& l) {
+void Bookkeeper::session(const wire::SessionMessage& m, SessionLog& l) {
   if (const auto* join = std::get_if<wire::Join>(&m)) {
     if (joins_.size() < kMostJoins) joins_[join->nonce] = *join;
   } else if (const auto* welcome = std::get_if<wire::Welcome>(&m)) {
@@ -112,9 +112,9 @@ void Bookkeeper::session(const wire::SessionMessage& m, Ledger& l) {
   }
 }
 
-void Bookkeeper::membership(const Datagram& d, const wire::MembershipMessage& m, Ledger& l) {
+void Bookkeeper::membership(const Datagram& d, const wire::MembershipMessage& m, SessionLog& l) {
   if (const auto* piece = std::get_if<wire::Piece>(&m)) {
-    Ledger::Pieces& p = l.transfers[{d.to, piece->nonce}];
+    SessionLog::Pieces& p = l.transfers[{d.to, piece->nonce}];
     if (p.parts.empty()) p.parts.resize(piece->count);
     if (piece->count == p.parts.size()) p.parts[piece->index] = piece->bytes;
   } else if (const auto* fetched = std::get_if<wire::Fetched>(&m)) {
@@ -127,18 +127,19 @@ void Bookkeeper::membership(const Datagram& d, const wire::MembershipMessage& m,
 }
 
 std::string Bookkeeper::sessions() const {
-  std::vector<const Ledger*> all;
+  std::vector<const SessionLog*> all;
   for (const auto& [number, l] : ledgers_)
     if (l.states > 0) all.push_back(&l);
-  std::stable_sort(all.begin(), all.end(), [](const Ledger* a, const Ledger* b) { return a->states > b->states; });
+  std::stable_sort(all.begin(), all.end(),
+                   [](const SessionLog* a, const SessionLog* b) { return a->states > b->states; });
   std::string text;
   for (std::size_t i = 0; i < std::min(all.size(), kMostNamed); ++i) text += (i == 0 ? "" : "; ") + named(*all[i]);
   if (all.size() > kMostNamed) text += "; and " + std::to_string(all.size() - kMostNamed) + " with fewer datagrams";
   return text;
 }
 
-const Ledger& Bookkeeper::choose(std::optional<int> session) const {
-  const Ledger* chosen = nullptr;
+const SessionLog& Bookkeeper::choose(std::optional<int> session) const {
+  const SessionLog* chosen = nullptr;
   std::size_t candidates = 0;
   for (const auto& [number, l] : ledgers_) {
     if (l.states == 0 || (session && *session != number)) continue;
@@ -155,22 +156,22 @@ const Ledger& Bookkeeper::choose(std::optional<int> session) const {
                   std::string(unreadable_ > 0 ? " that are whole and undamaged" : ""));
 }
 
-std::string nothing_to_begin_with(const Ledger& ledger) {
+std::string nothing_to_begin_with(const SessionLog& session_log) {
   const auto whole = [](const auto& t) { return t.second.complete(); };
-  if (std::any_of(ledger.transfers.begin(), ledger.transfers.end(), whole)) return "";
+  if (std::any_of(session_log.transfers.begin(), session_log.transfers.end(), whole)) return "";
   std::string lacks;
   bool anybody = false;
-  for (const auto& [life, voice] : ledger.voices) {
-    if (life.incarnation > 0) continue;
+  for (const auto& [who, voice] : session_log.voices) {
+    if (who.incarnation > 0) continue;
     anybody = true;
     const std::uint32_t have = known_from_start(voice);
     if (!lacks.empty() || voice.marks.begin()->first <= have) continue;
-    lacks = "update " + std::to_string(have) + " of peer " + to_string(life) + " is not in it";
+    lacks = "update " + std::to_string(have) + " of peer " + to_string(who) + " is not in it";
   }
   if (!anybody) lacks = "it has nothing of those who were there at tick 0";
   if (lacks.empty()) return "";
-  return "session " + std::to_string(ledger.session) + " had begun when the capture did, at tick " +
-         std::to_string(ledger.oldest) + ": " + lacks +
+  return "session " + std::to_string(session_log.session) + " had begun when the capture did, at tick " +
+         std::to_string(session_log.oldest) + ": " + lacks +
          ", and no whole transfer to a newcomer is. Without one of the two the confirmed world cannot be rebuilt; "
          "capture from before the first peer starts, or let a peer join while you capture. summary, timeline, export "
          "and follow do without";

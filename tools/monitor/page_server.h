@@ -18,10 +18,10 @@ namespace padr::monitor {
 
 /// What all modes have in common: the files of the page, who looks at it and what they may, and views for each at the
 /// rate that it asked for. What there is to see is for who derives from it.
-class FrontDesk : public Site {
+class PageServer : public Site {
  public:
   /// `sample`: the name of the sample that is shown; empty if it is none.
-  FrontDesk(const Options& options, std::string mode, std::string source, std::string sample = "");
+  PageServer(const Options& options, std::string mode, std::string source, std::string sample = "");
 
   /// Where messages go; null: nowhere.
   void connect(WebServer* web) { web_ = web; }

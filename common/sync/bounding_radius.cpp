@@ -1,4 +1,4 @@
-#include "common/sync/reach.h"
+#include "common/sync/bounding_radius.h"
 
 #include <algorithm>
 

@@ -1,9 +1,9 @@
-#include "common/trace/pcc.h"
+#include "common/trace/physics_consistency_cost.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "common/sync/reach.h"
+#include "common/sync/bounding_radius.h"
 #include "common/trace/metrics.h"
 
 namespace padr::trace {

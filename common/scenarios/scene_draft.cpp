@@ -1,4 +1,4 @@
-#include "common/scenarios/draft.h"
+#include "common/scenarios/scene_draft.h"
 
 #include "common/scenarios/numbers.h"
 #include "common/scenarios/shapes.h"
@@ -52,7 +52,7 @@ AvatarDef avatar_of(const proto::Avatar& from) {
 }
 
 /// The horizontal two span the corners, so that nothing can slip through where walls meet.
-void add_walls(Draft& draft, const proto::Walls& walls, const Origin& origin) {
+void add_walls(SceneDraft& draft, const proto::Walls& walls, const Origin& origin) {
   const Vec2 lower = draft.scene.lower;
   const Vec2 upper = draft.scene.upper;
   const Vec2 middle = (lower + upper) * 0.5F;
@@ -75,7 +75,7 @@ void add_walls(Draft& draft, const proto::Walls& walls, const Origin& origin) {
   add({upper.x + away, middle.y}, {half, inner.y});
 }
 
-void add_statics(Draft& draft, const Document& document) {
+void add_statics(SceneDraft& draft, const Document& document) {
   const proto::Scenario& from = document.scenario();
   if (from.has_walls()) add_walls(draft, from.walls(), document.origin("walls"));
   for (int i = 0; i < from.obstacle_size(); ++i) {
@@ -88,7 +88,7 @@ void add_statics(Draft& draft, const Document& document) {
   }
 }
 
-void add_bodies(Draft& draft, const Document& document) {
+void add_bodies(SceneDraft& draft, const Document& document) {
   const proto::Scenario& from = document.scenario();
   for (int i = 0; i < from.body_size(); ++i) {
     const Origin origin = document.origin("body[" + std::to_string(i) + "]");
@@ -121,10 +121,10 @@ void check_body_count(const Document& document) {
 
 }  // namespace
 
-Draft draft_of(const Document& document) {
+SceneDraft draft_of(const Document& document) {
   const proto::Scenario& from = document.scenario();
   check_body_count(document);
-  Draft draft;
+  SceneDraft draft;
   Scene& scene = draft.scene;
   scene.name = from.name();
   scene.title = from.title();

@@ -16,15 +16,15 @@
 namespace padr::capture {
 
 /// Who said something: a slot and which of those who sat there in turn.
-struct Life {
+struct Incarnation {
   PeerId slot = kNoPeer;
   std::uint32_t incarnation = 0;
-  friend auto operator<=>(const Life&, const Life&) = default;
+  friend auto operator<=>(const Incarnation&, const Incarnation&) = default;
 };
-std::string to_string(const Life& life);
+std::string to_string(const Incarnation& who);
 
 /// What a session's datagrams tell, sorted by who says it; grows with the session's updates.
-struct Ledger {
+struct SessionLog {
   struct Voice {
     Endpoint at;
     std::int64_t last_ns = 0;                       ///< when it was heard last
@@ -35,7 +35,7 @@ struct Ledger {
   struct Check {
     Tick tick = 0;
     std::uint32_t hash = 0;
-    Life by;
+    Incarnation by;
     std::uint64_t packet = 0;  ///< the first that tells it
   };
   struct Pieces {
@@ -50,10 +50,10 @@ struct Ledger {
   std::optional<wire::Join> join;
   int slots = 0;  ///< 0: not told
   int peers = 0;  ///< at tick 0; 0: not told
-  std::map<Life, Voice> voices;
+  std::map<Incarnation, Voice> voices;
   /// Updates that others tell of a slot's log: passed on, fetched.
   std::map<std::pair<PeerId, std::uint32_t>, sync::Bundle> retold;
-  std::vector<Check> checks;                                       ///< each of (tick, life) once
+  std::vector<Check> checks;                                       ///< each of (tick, incarnation) once
   std::map<std::pair<Endpoint, std::uint64_t>, Pieces> transfers;  ///< by receiver and nonce
   Tick oldest = -1;                                                ///< the first mark of anybody; -1: none
   Tick newest = 0;                                                 ///< the latest mark of anybody
@@ -62,16 +62,16 @@ struct Ledger {
 /// Why no tick of the session's confirmed world beyond its beginning follows from its packets, for people; empty if one
 /// may. The world begins with the session's start, for which every update of those who were there is needed, or with a
 /// whole transfer to a newcomer.
-std::string nothing_to_begin_with(const Ledger& ledger);
+std::string nothing_to_begin_with(const SessionLog& session_log);
 
-/// Reads sessions into ledgers.
+/// Reads sessions into session_logs.
 class Bookkeeper {
  public:
   void take(const Datagram& d);
-  const std::map<std::uint16_t, Ledger>& ledgers() const { return ledgers_; }
+  const std::map<std::uint16_t, SessionLog>& session_logs() const { return ledgers_; }
   /// The session of that number, or, with none given, the only one. Throws UserError that lists the sessions if there
   /// is no such session, or are several and none is given.
-  const Ledger& choose(std::optional<int> session) const;
+  const SessionLog& choose(std::optional<int> session) const;
   /// State, session and membership datagrams that did not decode or had been damaged on the way.
   std::uint64_t unreadable() const { return unreadable_; }
 
@@ -79,13 +79,13 @@ class Bookkeeper {
   std::string sessions() const;
 
  private:
-  void state(const Datagram& d, const sync::StatePacket& p, PeerId sender, Ledger& l);
-  void session(const wire::SessionMessage& m, Ledger& l);
-  void membership(const Datagram& d, const wire::MembershipMessage& m, Ledger& l);
+  void state(const Datagram& d, const sync::StatePacket& p, PeerId sender, SessionLog& l);
+  void session(const wire::SessionMessage& m, SessionLog& l);
+  void membership(const Datagram& d, const wire::MembershipMessage& m, SessionLog& l);
 
-  std::map<std::uint16_t, Ledger> ledgers_;
+  std::map<std::uint16_t, SessionLog> ledgers_;
   std::map<std::uint64_t, wire::Join> joins_;  ///< by nonce: a newcomer does not know the session's number yet
-  std::set<std::tuple<std::uint16_t, Tick, Life>> checked_;
+  std::set<std::tuple<std::uint16_t, Tick, Incarnation>> checked_;
   std::uint64_t unreadable_ = 0;
 };
 

@@ -1,4 +1,4 @@
-#include "tools/monitor/front_desk.h"
+#include "tools/monitor/page_server.h"
 
 #include <algorithm>
 #include <charconv>
@@ -25,10 +25,10 @@ Reply error(unsigned status, const std::string& why) {
 
 }  // namespace
 
-FrontDesk::FrontDesk(const Options& options, std::string mode, std::string source, std::string sample)
+PageServer::PageServer(const Options& options, std::string mode, std::string source, std::string sample)
     : options_(options), mode_(std::move(mode)), source_(std::move(source)), sample_(std::move(sample)) {}
 
-Reply FrontDesk::get(std::string_view path, std::string_view query) {
+Reply PageServer::get(std::string_view path, std::string_view query) {
   if (path == "/api/session") return json(session_json());
   if (path == "/metrics") return {200, "text/plain; version=0.0.4; charset=utf-8", metrics(), ""};
   if (path == "/api/path") return path_reply(query);
@@ -38,7 +38,7 @@ Reply FrontDesk::get(std::string_view path, std::string_view query) {
   return error(404, "not here");
 }
 
-Reply FrontDesk::path_reply(std::string_view query) {
+Reply PageServer::path_reply(std::string_view query) {
   const std::string_view text = query_field(query, "peer").value_or("");
   int slot = -1;
   const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), slot);
@@ -49,7 +49,7 @@ Reply FrontDesk::path_reply(std::string_view query) {
   return {200, "text/csv; charset=utf-8", std::move(csv), ""};
 }
 
-std::string FrontDesk::greeting(const Viewer& viewer) const {
+std::string PageServer::greeting(const Viewer& viewer) const {
   HelloWords h;
   h.mode = mode_;
   h.control = viewer.control;
@@ -59,7 +59,7 @@ std::string FrontDesk::greeting(const Viewer& viewer) const {
   return hello_text(h);
 }
 
-void FrontDesk::came(ViewerId id, bool local, std::string_view) {
+void PageServer::came(ViewerId id, bool local, std::string_view) {
   Viewer& v = viewers_[id];
   v.local = local;
   v.control = local && !options_.view_only;
@@ -67,12 +67,12 @@ void FrontDesk::came(ViewerId id, bool local, std::string_view) {
   introduce(id);
 }
 
-void FrontDesk::left(ViewerId viewer) {
+void PageServer::left(ViewerId viewer) {
   viewers_.erase(viewer);
   gone(viewer);
 }
 
-void FrontDesk::said(ViewerId id, std::string_view text) {
+void PageServer::said(ViewerId id, std::string_view text) {
   const auto found = viewers_.find(id);
   if (found == viewers_.end()) return;
   Viewer& v = found->second;
@@ -94,7 +94,7 @@ void FrontDesk::said(ViewerId id, std::string_view text) {
 }
 
 // Telling a viewer may dismiss it: nothing of it is touched afterwards.
-void FrontDesk::take_token(ViewerId id, Viewer& viewer, const Asked& asked) {
+void PageServer::take_token(ViewerId id, Viewer& viewer, const Asked& asked) {
   const std::string& token = std::get<GiveToken>(*asked.request).token;
   const bool right = !options_.view_only && !options_.token.empty() && same_secret(token, options_.token);
   viewer.control = viewer.control || right;
@@ -106,15 +106,15 @@ void FrontDesk::take_token(ViewerId id, Viewer& viewer, const Asked& asked) {
   if (guesses && web_ != nullptr) web_->dismiss(id, "too many wrong tokens");
 }
 
-void FrontDesk::answer(ViewerId viewer, const Asked& asked, bool ok, std::string_view text) {
+void PageServer::answer(ViewerId viewer, const Asked& asked, bool ok, std::string_view text) {
   if (asked.id || !ok) tell(viewer, answer_text(asked.id, ok, text, asked.about));
 }
 
-void FrontDesk::tell(ViewerId viewer, const std::string& text, bool may_miss) {
+void PageServer::tell(ViewerId viewer, const std::string& text, bool may_miss) {
   if (web_ != nullptr) web_->tell(viewer, std::make_shared<const std::string>(text), may_miss);
 }
 
-void FrontDesk::tell_all(const std::string& text, bool may_miss) {
+void PageServer::tell_all(const std::string& text, bool may_miss) {
   if (web_ == nullptr) return;
   const auto shared = std::make_shared<const std::string>(text);
   // Telling may dismiss one of them.
@@ -122,16 +122,16 @@ void FrontDesk::tell_all(const std::string& text, bool may_miss) {
   for (const auto& [id, viewer] : viewers) web_->tell(id, shared, may_miss);
 }
 
-void FrontDesk::introduce_all() {
+void PageServer::introduce_all() {
   const auto viewers = viewers_;
   for (const auto& [id, viewer] : viewers) introduce(id);
 }
 
-void FrontDesk::forget_shown() {
+void PageServer::forget_shown() {
   for (auto& [id, v] : viewers_) v.serial = 0;
 }
 
-void FrontDesk::show(ViewSource& source) {
+void PageServer::show(ViewSource& source) {
   if (web_ == nullptr) return;
   // Most viewers want the same and have the same.
   std::map<std::pair<unsigned, std::uint64_t>, Shared> made;

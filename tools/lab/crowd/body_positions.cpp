@@ -1,12 +1,12 @@
-#include "tools/lab/crowd/inventory.h"
+#include "tools/lab/crowd/body_positions.h"
 
 #include <map>
 #include <set>
 
 namespace padr::lab {
 
-Inventory inventory_of(const CrowdRun& run, const crowd::Plane& plane) {
-  Inventory inv;
+BodyPositions inventory_of(const CrowdRun& run, const crowd::Plane& plane) {
+  BodyPositions inv;
   std::map<sync::BodyName, int> found;
   std::set<std::uint32_t> ours;
   for (const auto& [region, members] : run.members()) {

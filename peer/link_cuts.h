@@ -10,7 +10,7 @@
 namespace padr::peer {
 
 /// Links that are cut for a while: with one peer, or with everybody.
-class Cuts {
+class LinkCuts {
  public:
   /// `peer` absent: all. `at`: where that peer is. Until `until`, microseconds; whole again at once if that is past.
   void cut(std::optional<PeerId> peer, const Endpoint& at, Micros until) {

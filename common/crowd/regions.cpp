@@ -1,4 +1,4 @@
-#include "common/crowd/plane.h"
+#include "common/crowd/regions.h"
 
 #include <algorithm>
 #include <array>

@@ -10,13 +10,13 @@ namespace padr::lab {
 
 /// Threads that do the same thing again and again, each time to other ones of n items, and wait for one another after
 /// each time. Which thread does which items is always the same.
-class Gang {
+class WorkerGroup {
  public:
   /// `threads` >= 1, the caller's included.
-  explicit Gang(int threads);
-  ~Gang();
-  Gang(const Gang&) = delete;
-  Gang& operator=(const Gang&) = delete;
+  explicit WorkerGroup(int threads);
+  ~WorkerGroup();
+  WorkerGroup(const WorkerGroup&) = delete;
+  WorkerGroup& operator=(const WorkerGroup&) = delete;
 
   /// Calls job(0) .. job(n - 1), and returns when all have ended. Jobs must not touch what others change, nor throw.
   void run(std::size_t n, const std::function<void(std::size_t)>& job);

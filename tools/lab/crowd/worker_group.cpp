@@ -1,10 +1,10 @@
-#include "tools/lab/crowd/gang.h"
+#include "tools/lab/crowd/worker_group.h"
 
 #include "tools/lab/parallel.h"
 
 namespace padr::lab {
 
-Gang::Gang(int threads) : threads_(static_cast<std::size_t>(threads)), start_(threads), end_(threads) {
+WorkerGroup::WorkerGroup(int threads) : threads_(static_cast<std::size_t>(threads)), start_(threads), end_(threads) {
   before_threads();
   for (std::size_t t = 1; t < threads_; ++t)
     others_.emplace_back([this, t] {
@@ -17,12 +17,12 @@ Gang::Gang(int threads) : threads_(static_cast<std::size_t>(threads)), start_(th
     });
 }
 
-Gang::~Gang() {
+WorkerGroup::~WorkerGroup() {
   over_ = true;
   start_.arrive_and_wait();
 }
 
-void Gang::run(std::size_t n, const std::function<void(std::size_t)>& job) {
+void WorkerGroup::run(std::size_t n, const std::function<void(std::size_t)>& job) {
   n_ = n;
   job_ = &job;
   start_.arrive_and_wait();
@@ -30,7 +30,7 @@ void Gang::run(std::size_t n, const std::function<void(std::size_t)>& job) {
   end_.arrive_and_wait();
 }
 
-void Gang::work(std::size_t self) {
+void WorkerGroup::work(std::size_t self) {
   for (std::size_t i = self; i < n_; i += threads_) (*job_)(i);
 }
 
