@@ -26,13 +26,13 @@ void History::confirm(int incarnation, Tick tick, std::uint64_t hash) {
   if (into.size() > kCheckpointsKept) into.erase(into.begin());
 }
 
-void History::play(int incarnation, PeerId peer, std::uint32_t incarnation, Tick tick) {
-  Incarnation& l = incarnations_[static_cast<std::size_t>(incarnation)];
+void History::play(int which, PeerId peer, std::uint32_t incarnation, Tick tick) {
+  Incarnation& l = incarnations_[static_cast<std::size_t>(which)];
   l.peer = peer;
   l.incarnation = incarnation;
   l.came = tick;
   checkpoints_.erase(checkpoints_.lower_bound(l.confirmed_from), checkpoints_.end());
-  checkpoints_.merge(pending_[static_cast<std::size_t>(incarnation)]);
+  checkpoints_.merge(pending_[static_cast<std::size_t>(which)]);
 }
 
 void History::change(const node::MemberChange& c) {

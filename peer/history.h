@@ -29,7 +29,7 @@ class History {
   void begin(int incarnation);
   void confirm(int incarnation, Tick tick, std::uint64_t hash);
   /// The incarnation plays from this tick on.
-  void play(int incarnation, PeerId peer, std::uint32_t incarnation, Tick tick);
+  void play(int which, PeerId peer, std::uint32_t incarnation, Tick tick);
   void change(const node::MemberChange& c);
 
   const std::vector<Incarnation>& incarnations() const { return incarnations_; }

@@ -33,7 +33,8 @@ class Sampler {
   void frame(const node::Replica& replica, Vec2 target, Frame& out) const;
   /// Of a confirmed state, as a replica hands it to its sink.
   static void agreed(const sync::FoldState& confirmed, std::uint64_t hash, bool authority, Agreed& out);
-  /// All that a replica knows; what only the caller knows is left as it is. Counters are the replica's, of this life.
+  /// All that a replica knows; what only the caller knows is left as it is. Counters are the replica's, of this
+  /// incarnation.
   static Status status(const node::Replica& replica);
 
   int rate() const { return rate_; }

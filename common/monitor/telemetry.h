@@ -38,7 +38,7 @@ struct Hello {
   std::uint64_t token = 0;  ///< to be in every order
   Endpoint at;              ///< where it plays, as far as it knows
   int slots = 0;            ///< of the session
-  int life = 0;             ///< counted from 0
+  int incarnation = 0;      ///< counted from 0
   std::string scenario;     ///< name or file, for people
   std::uint64_t scenario_seed = 0;
   std::uint64_t scene_hash = 0;
@@ -131,7 +131,8 @@ struct LinkStatus {
   bool cut_out = false;         ///< cut by an order: nothing goes there
   bool cut_in = false;          ///< nothing is taken from there
   std::string netem;            ///< what the link out suffers; empty: nothing
-  /// Datagrams from there that were not taken, by reason; of whoever has sat in the slot in this life of the teller's.
+  /// Datagrams from there that were not taken, by reason; of whoever has sat in the slot in this incarnation of the
+  /// teller's.
   std::array<std::uint64_t, sync::kDropReasons> dropped{};
   std::uint32_t cut_offs = 0;  ///< how often who sits there now was given a deaf ear, for good or for a while
   friend bool operator==(const LinkStatus&, const LinkStatus&) = default;
@@ -156,7 +157,7 @@ struct Status {
   std::int64_t worst_late_us = 0;  ///< of any
   std::int64_t clock_lead_us = 0;  ///< of this peer's session clock before the lowest other peer's
   float own_error_m = 0;           ///< live against predicted, over what it owns
-  std::uint32_t snaps = 0;         ///< jumps of shown positions, of this life
+  std::uint32_t snaps = 0;         ///< jumps of shown positions, of this incarnation
   double snap_m = 0;               ///< their sum
   int present = 0;                 ///< peers that are there, this one included
   bool paused = false;
@@ -174,7 +175,7 @@ enum class EventKind : std::uint8_t {
   kJoined,        ///< `peer` came in
   kLeft,          ///< `peer` said goodbye
   kRemoved,       ///< `peer` was declared gone
-  kLife,          ///< this peer begins to play; again if it is not its first life
+  kLife,          ///< this peer begins to play; again if it is not its first incarnation
   kEnd,           ///< this peer has ended; `text`: why
   kMismatch,      ///< confirmed worlds differ
   kDrive,         ///< an order drives the avatar from now on

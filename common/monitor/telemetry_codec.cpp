@@ -40,7 +40,7 @@ void put(const Hello& h, file::Hello& out) {
   out.set_token(h.token);
   if (h.at.is_set()) wire::put_endpoint(h.at, *out.mutable_at());
   out.set_slots(static_cast<std::uint32_t>(h.slots));
-  out.set_life(static_cast<std::uint32_t>(h.life));
+  out.set_life(static_cast<std::uint32_t>(h.incarnation));
   out.set_scenario_seed(h.scenario_seed);
   out.set_scene_hash(h.scene_hash);
   out.set_scenario_bytes(h.scenario_bytes);
@@ -61,7 +61,7 @@ bool take(const file::Hello& in, Hello& h) {
   h.control = in.control();
   h.token = in.token();
   h.slots = static_cast<int>(in.slots());
-  h.life = static_cast<int>(in.life());
+  h.incarnation = static_cast<int>(in.life());
   h.scenario_seed = in.scenario_seed();
   h.scene_hash = in.scene_hash();
   h.scenario_bytes = in.scenario_bytes();
