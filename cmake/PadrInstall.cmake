@@ -16,7 +16,7 @@ install(DIRECTORY common/scenarios/ DESTINATION "${data}/scenarios" FILES_MATCHI
 install(DIRECTORY tools/wireshark/ DESTINATION "${PADR_WIRESHARK_PLUGINS}" FILES_MATCHING PATTERN "*.lua")
 install(FILES proto/wire.proto DESTINATION "${CMAKE_INSTALL_DATADIR}/wireshark/protobuf")
 install(FILES tools/wireshark/colorfilters DESTINATION "${data}/wireshark")
-install(FILES proto/WIRE.md proto/wire.proto proto/scenario.proto DESTINATION "${CMAKE_INSTALL_DOCDIR}/proto")
+install(FILES proto/WIRE.md proto/VECTORS.md proto/wire.proto proto/scenario.proto DESTINATION "${CMAKE_INSTALL_DOCDIR}/proto")
 install(FILES README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md CITATION.cff TYPE DOC)
 install(DIRECTORY docs DESTINATION "${CMAKE_INSTALL_DOCDIR}"
   FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png" PATTERN "*.csv")

@@ -14,9 +14,11 @@ VECTOR = re.compile(r"```(?:hex|bytes)\n([^`]*)```\s+```(?:fields|reading)\n([^`
 ANNOTATED = re.compile(r"```annotated\n([^`]*)```")
 
 
-def vectors(path):
-    with open(path, encoding="utf-8") as file:
-        text = file.read()
+def vectors(paths):
+    text = ""
+    for path in paths:
+        with open(path, encoding="utf-8") as file:
+            text += file.read()
     found = [(from_hex(hex), fields.splitlines()) for hex, fields in VECTOR.findall(text)]
     assert len(found) >= 20 and len(found) == len(re.findall(r"^```(?:hex|bytes)$", text, re.M)), f"{len(found)} test vectors"
     for hex in ANNOTATED.findall(text):
@@ -85,9 +87,9 @@ def check_mutated(datagram):
     return reasons
 
 
-def main(path):
+def main(*paths):
     assert zlib.crc32(b"123456789") == 0xCBF43926
-    found = vectors(path)
+    found = vectors(paths)
     reasons = Counter()
     for datagram, fields in found:
         if fields[0].startswith("drop = "):

@@ -1,4 +1,4 @@
-// proto/WIRE.md against the code. Every vector in it, in both directions: what it lists is what our decoder reads, and
+// proto/WIRE.md and proto/VECTORS.md against the code. Every vector in it, in both directions: what it lists is what our decoder reads, and
 // what our encoder writes for that are its bytes. Some vectors are also built here, so that they cannot be lost from
 // the document. Constants and lots likewise.
 #include <gtest/gtest.h>
@@ -170,7 +170,7 @@ void expect_in_document(Kind kind, const Bytes& payload, const std::string& line
   const Header h{kind, sender, 0x1234};
   const Bytes datagram = seal(h, payload);
   const std::string vector = fenced("hex", test::hex(datagram)) + "\n" + fenced("fields", test::list(h) + lines);
-  EXPECT_NE(document().find(vector), std::string::npos) << "proto/WIRE.md lacks this vector:\n" << vector;
+  EXPECT_NE(document().find(vector), std::string::npos) << "proto/VECTORS.md lacks this vector:\n" << vector;
   EXPECT_EQ(test::read(datagram).again, datagram);
 }
 

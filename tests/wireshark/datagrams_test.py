@@ -1,4 +1,4 @@
-"""tshark with the plugin against the second decoder, without a network: WIRE.md's test vectors, messages of every kind drawn at
+"""tshark with the plugin against the second decoder, without a network: the test vectors, messages of every kind drawn at
 random, damaged ones, what a capture has cut off, and other protocols' datagrams.
 
 Usage: datagrams_test.py WIRE_SAMPLES WIRE_MD
@@ -135,9 +135,9 @@ def check_others(path):
     return len(sent)
 
 
-def main(program, wire_md):
+def main(program, vectors_md):
     rng = random.Random(9)
-    written = [datagram for datagram in vectors(wire_md) if datagram]
+    written = [datagram for datagram in vectors(vectors_md) if datagram]
     drawn = samples(program)
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "samples.pcap")

@@ -113,7 +113,7 @@ def main(repository):
             os.mkdir(home)
         scripted, everything = os.path.join(folder, "scripted.pcap"), os.path.join(folder, "everything.pcap")
         pcap.write(scripted, history_test.all_packets())
-        written = vectors(os.path.join(repository, "proto", "WIRE.md"))
+        written = vectors(os.path.join(repository, "proto", "VECTORS.md"))
         pcap.write(everything, history_test.all_packets() + [pcap.udp(each) for each in written if each[:2] == b"Pd"])
         installed = Installed(homes[0], repository)
         installed.shell(install)
