@@ -7,7 +7,7 @@
 #include "common/scenarios/scenarios.h"
 #include "common/wire/seal.h"
 #include "shell/scenario_flags.h"
-#include "tools/lab/alternatives/session.h"
+#include "tools/lab/alternatives/alternative_run.h"
 #include "tools/lab/compare/contestant.h"
 
 namespace padr::lab::alternatives {
@@ -40,7 +40,7 @@ struct Played {
       config.inputs.push_back(inputs.back().get());
     }
     bodies = static_cast<EntityId>(config.scene.bodies.size());
-    session = std::make_unique<Session>(std::move(config));
+    session = std::make_unique<AlternativeRun>(std::move(config));
   }
   void run(Tick ticks) const {
     for (Tick t = 0; t < ticks; ++t) session->step();
@@ -56,7 +56,7 @@ struct Played {
         EXPECT_EQ(session->peer(p).claim(b).owner, session->owner(b)) << who << ", body " << b << ", peer " << int{p};
   }
   std::vector<std::unique_ptr<scenarios::InputSource>> inputs;
-  std::unique_ptr<Session> session;
+  std::unique_ptr<AlternativeRun> session;
   EntityId bodies = 0;
 };
 

@@ -1,4 +1,4 @@
-#include "tools/monitor/session.h"
+#include "tools/monitor/observed_session.h"
 
 #include <gtest/gtest.h>
 
@@ -50,12 +50,12 @@ struct Heard {
 
   Rng rng;
   test::WatchedSession told;
-  Session session;
+  ObservedSession session;
   std::vector<Bytes> pending;
   Micros now = 0;
 };
 
-TEST(Session, PutsTogetherWhatPeersTell) {
+TEST(ObservedSession, PutsTogetherWhatPeersTell) {
   Heard h(3, 900, 0);
   EXPECT_EQ(h.session.peers().size(), 3U);
   EXPECT_EQ(h.session.tick(), 900);
@@ -73,7 +73,7 @@ TEST(Session, PutsTogetherWhatPeersTell) {
   EXPECT_FALSE(h.session.events().empty());
 }
 
-TEST(Session, LossDoublesAndReorderingAreBorne) {
+TEST(ObservedSession, LossDoublesAndReorderingAreBorne) {
   Heard h(3, 900, 0.05);
   EXPECT_EQ(h.session.agreement().all(), Agreement::Verdict::kIdentical);
   for (PeerId p = 0; p < 3; ++p) {
@@ -84,7 +84,7 @@ TEST(Session, LossDoublesAndReorderingAreBorne) {
   }
 }
 
-TEST(Session, ViewsAreOfTheNewestTickAndHaveTheBytesPromised) {
+TEST(ObservedSession, ViewsAreOfTheNewestTickAndHaveTheBytesPromised) {
   Heard h(2, 300, 0);
   const auto all = h.session.views(31, 0);
   EXPECT_EQ(all.size(), 2U * 4U + 1U) << "four of each peer, and the authority's";
@@ -104,7 +104,7 @@ TEST(Session, ViewsAreOfTheNewestTickAndHaveTheBytesPromised) {
   EXPECT_EQ(h.session.views(1, 0).size(), 2U);
 }
 
-TEST(Session, ANewLifeInASlotReplacesTheOld) {
+TEST(ObservedSession, ANewLifeInASlotReplacesTheOld) {
   Heard h(2, 300, 0);
   const Origin again{999, 7, 1, 3};
   h.session.take({again, h.told.hello()}, {}, h.now);
@@ -114,7 +114,7 @@ TEST(Session, ANewLifeInASlotReplacesTheOld) {
   EXPECT_EQ(h.session.peer(1)->origin.process, 999U) << "the older incarnation does not get it back";
 }
 
-TEST(Session, WhoFallsSilentIsGoneAndThenForgotten) {
+TEST(ObservedSession, WhoFallsSilentIsGoneAndThenForgotten) {
   Heard h(2, 300, 0);
   using Presence = PeerRecord::Presence;
   const Micros end = h.now;
@@ -126,11 +126,11 @@ TEST(Session, WhoFallsSilentIsGoneAndThenForgotten) {
   EXPECT_EQ(h.session.peer(1)->presence(later), Presence::kGone);
   EXPECT_EQ(h.session.peers().size(), 2U) << "still in the table";
   EXPECT_TRUE(h.session.alive(later));
-  h.session.advance(end + 2 * Session::kForgetAfter);
+  h.session.advance(end + 2 * ObservedSession::kForgetAfter);
   EXPECT_TRUE(h.session.peers().empty());
 }
 
-TEST(Session, ProcessesAreBounded) {
+TEST(ObservedSession, ProcessesAreBounded) {
   Heard h(2, 30, 0);
   for (std::uint64_t process = 1000; process < 5000; ++process)
     h.session.take({{process, 7, kNoPeer, 0}, h.told.hello()}, {}, h.now);
@@ -138,7 +138,7 @@ TEST(Session, ProcessesAreBounded) {
   EXPECT_EQ(h.session.peers().size(), 2U);
 }
 
-TEST(Session, WordsAreJsonOfThePromisedShape) {
+TEST(ObservedSession, WordsAreJsonOfThePromisedShape) {
   Heard h(2, 600, 0);
   const json peers = json::parse(peers_text(
       h.session, 1, [](PeerId p) { return p == 0 ? "you" : "no"; }, h.now));
@@ -168,7 +168,7 @@ TEST(Session, WordsAreJsonOfThePromisedShape) {
   EXPECT_EQ(hello["knobs"][0]["name"], "threshold");
 }
 
-TEST(Session, TextsOfPeersCannotBreakAMessage) {
+TEST(ObservedSession, TextsOfPeersCannotBreakAMessage) {
   Heard h(2, 30, 0);
   Hello hello = h.told.hello();
   hello.technique = "a\"b\\ --threshold \xff<script> --x";
@@ -179,7 +179,7 @@ TEST(Session, TextsOfPeersCannotBreakAMessage) {
   EXPECT_EQ(peers["peers"][0]["technique"], "a\"b\\");
 }
 
-TEST(Session, MetricsAreInPrometheusForm) {
+TEST(ObservedSession, MetricsAreInPrometheusForm) {
   Heard h(2, 600, 0);
   const std::string text = metrics_text(&h.session, {}, nullptr, h.now);
   EXPECT_NE(text.find("\npadr_peer_up{peer=\"0\",incarnation=\"0\"} 1\n"), std::string::npos) << text;
@@ -193,7 +193,7 @@ TEST(Session, MetricsAreInPrometheusForm) {
   EXPECT_NE(text.find("\npadr_link_lost_total{from=\"1\",peer=\"0\"} 0\n"), std::string::npos);
 }
 
-TEST(Session, WhatIsDroppedOfWhomAndWhoIsCutOffIsInTheWordsAndTheMetrics) {
+TEST(ObservedSession, WhatIsDroppedOfWhomAndWhoIsCutOffIsInTheWordsAndTheMetrics) {
   Heard h(3, 30, 0);
   Status told;
   told.tick = 31;

@@ -57,9 +57,10 @@ Film film_captures(const std::vector<std::string>& files, const std::vector<std:
   const capture::Setting setting = flags.setting(session_log);
   const std::size_t entities = setting.scene.bodies.size() + static_cast<std::size_t>(setting.slots);
   const Tick sample = sample_for(session_log.newest, 1, entities);
-  FilmMaker maker(std::make_unique<Session>(SessionKey{session_log.session, scene_hash(setting.scene)}, setting.scene,
-                                            shell::valid_utf8(setting.label), 0, setting.slots, 0),
-                  sample, session_log.newest);
+  FilmMaker maker(
+      std::make_unique<ObservedSession>(SessionKey{session_log.session, scene_hash(setting.scene)}, setting.scene,
+                                        shell::valid_utf8(setting.label), 0, setting.slots, 0),
+      sample, session_log.newest);
   Reporter reporter;
   const Origin nobody{1, session_log.session, kNoPeer, 0};
   const capture::Rebuilt r =

@@ -24,7 +24,7 @@ Tick sample_for(Tick ticks, std::size_t views, std::size_t entities) {
   return kSamples.back();
 }
 
-FilmMaker::FilmMaker(std::unique_ptr<Session> session, Tick sample, Tick ticks)
+FilmMaker::FilmMaker(std::unique_ptr<ObservedSession> session, Tick sample, Tick ticks)
     : table_every_(std::max(kTableEvery, ticks / kTables)) {
   film_.session = std::move(session);
   film_.sample = sample;
@@ -32,7 +32,7 @@ FilmMaker::FilmMaker(std::unique_ptr<Session> session, Tick sample, Tick ticks)
 }
 
 void FilmMaker::take(Tick tick) {
-  Session& s = *film_.session;
+  ObservedSession& s = *film_.session;
   const Micros now = time_of(tick);
   s.advance(now);
   Film::Moment m{tick, {}};

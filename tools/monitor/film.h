@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/monitor/session.h"
+#include "tools/monitor/observed_session.h"
 #include "tools/monitor/view_source.h"
 
 namespace padr::monitor {
@@ -30,10 +30,10 @@ struct Film {
     std::string series;  ///< likewise; empty: none
   };
 
-  std::unique_ptr<Session> session;  ///< as it was in the end
-  std::string scene;                 ///< the message
-  std::vector<Moment> moments;       ///< by ascending tick
-  std::vector<Table> tables;         ///< likewise
+  std::unique_ptr<ObservedSession> session;  ///< as it was in the end
+  std::string scene;                         ///< the message
+  std::vector<Moment> moments;               ///< by ascending tick
+  std::vector<Table> tables;                 ///< likewise
   std::deque<SeriesPoint> series;
   Tick sample = 1;  ///< ticks between moments
 
@@ -48,9 +48,9 @@ Tick sample_for(Tick ticks, std::size_t views, std::size_t entities);
 /// Follows a session and makes the film of it.
 class FilmMaker {
  public:
-  FilmMaker(std::unique_ptr<Session> session, Tick sample, Tick ticks);
+  FilmMaker(std::unique_ptr<ObservedSession> session, Tick sample, Tick ticks);
 
-  Session& session() { return *film_.session; }
+  ObservedSession& session() { return *film_.session; }
   /// All has been told of the tick: it becomes a moment if it is one.
   void take(Tick tick);
   Film finish();

@@ -42,7 +42,7 @@ void Live::advance(Micros now) {
   orders_.advance(now);
   for (const OrderDesk::Outcome& o : orders_.take_outcomes())
     if (o.ticket.id || !o.ok) tell(o.ticket.viewer, answer_text(o.ticket.id, o.ok, o.text, o.ticket.about));
-  Session* s = sessions_.shown();
+  ObservedSession* s = sessions_.shown();
   if (s == nullptr) return;
   pass_events();
   follow_frames();
@@ -62,7 +62,7 @@ void Live::advance(Micros now) {
 
 /// Another session is shown than before.
 void Live::watch_session() {
-  Session* s = sessions_.shown();
+  ObservedSession* s = sessions_.shown();
   if (s == known_ || s == nullptr) return;
   known_ = s;
   drivers_.clear();
@@ -76,7 +76,7 @@ void Live::watch_session() {
 }
 
 void Live::introduce(ViewerId viewer) {
-  const Session* s = sessions_.shown();
+  const ObservedSession* s = sessions_.shown();
   if (s == nullptr) return;
   tell(viewer, scene_text(*s));
   tell(viewer, history_text(s->series().points()));
@@ -85,7 +85,7 @@ void Live::introduce(ViewerId viewer) {
 }
 
 void Live::pass_events() {
-  const Session& s = *sessions_.shown();
+  const ObservedSession& s = *sessions_.shown();
   const std::uint64_t fresh = s.events_ever() - passed_;
   if (fresh == 0) return;
   passed_ = s.events_ever();
@@ -95,7 +95,7 @@ void Live::pass_events() {
 }
 
 void Live::follow_frames() {
-  const Session& s = *sessions_.shown();
+  const ObservedSession& s = *sessions_.shown();
   if (s.serial() == serial_) return;
   serial_ = s.serial();
   for (const PeerRecord* p : s.peers())
@@ -116,7 +116,7 @@ std::uint64_t Live::fingerprint() const {
 }
 
 std::string Live::peers_for(ViewerId viewer) {
-  const Session& s = *sessions_.shown();
+  const ObservedSession& s = *sessions_.shown();
   return peers_text(
       s, sessions_.others(now()),
       [&](PeerId slot) {
@@ -133,7 +133,7 @@ void Live::tell_peers() {
 }
 
 std::vector<const PeerRecord*> Live::meant(const Command& c, std::string& why) const {
-  const Session* s = sessions_.shown();
+  const ObservedSession* s = sessions_.shown();
   std::vector<const PeerRecord*> out;
   if (s == nullptr) {
     why = "there is no session";
@@ -185,7 +185,7 @@ void Live::drive(ViewerId viewer, const Asked& asked, PeerId slot, const Drive& 
 }
 
 void Live::release(const std::vector<PeerId>& slots) {
-  Session* s = sessions_.shown();
+  ObservedSession* s = sessions_.shown();
   for (const PeerId slot : slots) {
     const PeerRecord* p = s == nullptr ? nullptr : s->peer(slot);
     if (p != nullptr) orders_.drive(*p, {});
@@ -197,7 +197,7 @@ void Live::gone(ViewerId viewer) {
 }
 
 std::string Live::session_json() {
-  Session* s = sessions_.shown();
+  ObservedSession* s = sessions_.shown();
   const std::string hello = greeting({});
   if (s == nullptr) return session_text(hello, "", "", "");
   const auto& points = s->series().points();

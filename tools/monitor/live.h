@@ -6,9 +6,9 @@
 #include <string>
 
 #include "tools/monitor/drivers.h"
+#include "tools/monitor/observed_sessions.h"
 #include "tools/monitor/order_desk.h"
 #include "tools/monitor/page_server.h"
-#include "tools/monitor/sessions.h"
 
 namespace padr::monitor {
 
@@ -43,12 +43,12 @@ class Live : public PageServer {
   /// Changes when the table should be told at once.
   std::uint64_t fingerprint() const;
 
-  Sessions sessions_;
+  ObservedSessions sessions_;
   OrderDesk orders_;
   std::function<void(const std::string&)> note_;
   Drivers drivers_;
   DrivenPaths paths_;
-  const Session* known_ = nullptr;
+  const ObservedSession* known_ = nullptr;
   std::uint64_t passed_ = 0;  ///< events of the session that is shown
   Tick sampled_ = -1;
   Micros next_sample_ = 0;

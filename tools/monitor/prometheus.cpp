@@ -160,7 +160,7 @@ constexpr std::array<LinkMetric, 9> kLinkMetrics{{
      [](const LinkStatus& l) { return std::optional(l.cut_in || l.cut_out ? 1.0 : 0.0); }},
 }};
 
-void inconsistency(Writer& w, const Session& s) {
+void inconsistency(Writer& w, const ObservedSession& s) {
   w.metric("padr_peer_inconsistency_metres", "gauge",
            "Distance to where the authority has entities, summed over them, at the newest confirmed tick measured");
   for (const PeerRecord* p : s.peers()) {
@@ -175,7 +175,7 @@ void inconsistency(Writer& w, const Session& s) {
 }
 
 /// Of those who have left, too: what they sent is no less dropped.
-void drops(Writer& w, const Session& s) {
+void drops(Writer& w, const ObservedSession& s) {
   w.metric("padr_peer_dropped_total", "counter", "Datagrams from the member in slot `from` that `peer` did not take");
   for (const PeerRecord* p : s.peers())
     for (const auto& [from, link] : p->links)
@@ -191,7 +191,7 @@ void drops(Writer& w, const Session& s) {
         w.value(of(*p) + "," + label("from", std::to_string(from)), static_cast<double>(link.cut_offs));
 }
 
-void peers(Writer& w, const Session& s, Micros now) {
+void peers(Writer& w, const ObservedSession& s, Micros now) {
   w.metric("padr_peer_up", "gauge", "1 if the peer has told something in the last second");
   for (const PeerRecord* p : s.peers())
     w.value(of(*p) + "," + label("incarnation", std::to_string(p->origin.incarnation)),
@@ -250,7 +250,7 @@ void own(Writer& w, const HeardStats& heard, const WebStats& web) {
 
 }  // namespace
 
-std::string metrics_text(const Session* session, const HeardStats& heard, const WebStats* web, Micros now) {
+std::string metrics_text(const ObservedSession* session, const HeardStats& heard, const WebStats* web, Micros now) {
   Writer w;
   w.metric("padr_monitor_build_info", "gauge", "Of this program");
   w.value(label("version", shell::version()) + "," + label("revision", shell::revision()), 1);

@@ -2,12 +2,12 @@
 
 #include <string>
 
-#include "tools/monitor/sessions.h"
+#include "tools/monitor/observed_sessions.h"
 #include "tools/monitor/web_server.h"
 
 namespace padr::monitor {
 
 /// In the text format of Prometheus 0.0.4: base units, counters end in _total. `session` and `web` may be null.
-std::string metrics_text(const Session* session, const HeardStats& heard, const WebStats* web, Micros now);
+std::string metrics_text(const ObservedSession* session, const HeardStats& heard, const WebStats* web, Micros now);
 
 }  // namespace padr::monitor

@@ -70,7 +70,7 @@ class Actor {
   const Scene& scene() const { return replay_->scene(); }
 
   /// As far as the step to `tick`, and says to the session what there is to say.
-  void advance(Tick tick, Session& session) {
+  void advance(Tick tick, ObservedSession& session) {
     while (!over_ && at_ < tick) {
       const auto event = replay_->next();
       if (!event) {
@@ -109,16 +109,16 @@ class Actor {
   std::string difference() const { return replay_->result().difference; }
 
  private:
-  void tell(Session& session, Message message) {
+  void tell(ObservedSession& session, Message message) {
     session.take({origin_, std::move(message)}, {}, FilmMaker::time_of(std::max(at_, Tick{0})));
   }
 
-  void tell_events(Session& session) {
+  void tell_events(ObservedSession& session) {
     auto events = sampler_->take_events();
     if (!events.empty()) tell(session, Events{std::move(events)});
   }
 
-  void say_hello(const Technique& technique, Session& session) {
+  void say_hello(const Technique& technique, ObservedSession& session) {
     const trace::Header& h = header();
     Hello hello;
     hello.version = h.program + " " + h.revision;
@@ -133,7 +133,7 @@ class Actor {
     tell(session, hello);
   }
 
-  void retuned(const Technique& technique, Session& session) {
+  void retuned(const Technique& technique, ObservedSession& session) {
     say_hello(technique, session);
     sampler_->say({0, at_, EventKind::kKnob, kNoEntity, origin_.slot, 0, describe(technique)});
   }
@@ -143,7 +143,7 @@ class Actor {
       if (kEventNames[k] == r.kind) sampler_->say({0, at_, static_cast<EventKind>(k), kNoEntity, r.peer, 0, r.text});
   }
 
-  void stepped(const trace::Step& step, Session& session) {
+  void stepped(const trace::Step& step, ObservedSession& session) {
     const bool first = at_ < 0;
     at_ = step.tick;
     target_ = step.target;
@@ -199,7 +199,7 @@ class Deeds {
   explicit Deeds(const Cast& actors)
       : actors_(actors), meter_(actors.front()->scene(), actors.front()->header().slots, slots_of(actors)) {}
 
-  void tick(Tick t, Session& session) {
+  void tick(Tick t, ObservedSession& session) {
     views_.clear();
     for (const auto& a : actors_) views_.push_back(a->view(t));
     meter_.tick(t, views_);
@@ -254,8 +254,8 @@ Film film_traces(std::vector<NamedTrace> traces, const Note& note) {
   const trace::Header& h = actors.front()->header();
   const Tick sample = sample_for(last - first, 4 * actors.size() + 1, static_cast<std::size_t>(h.entities()));
   for (const auto& a : actors) a->begin(kTicksPerSecond / sample);
-  FilmMaker maker(std::make_unique<Session>(SessionKey{h.session, h.scene_hash}, actors.front()->scene(),
-                                            shell::valid_utf8(h.scenario), h.scenario_seed, h.slots, 0),
+  FilmMaker maker(std::make_unique<ObservedSession>(SessionKey{h.session, h.scene_hash}, actors.front()->scene(),
+                                                    shell::valid_utf8(h.scenario), h.scenario_seed, h.slots, 0),
                   sample, last - first);
   Deeds deeds(actors);
   for (Tick t = first; t <= last; ++t) {

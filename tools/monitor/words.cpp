@@ -250,7 +250,7 @@ std::string hello_text(const HelloWords& h) {
   return j.text();
 }
 
-std::string scene_text(const Session& s) {
+std::string scene_text(const ObservedSession& s) {
   const Scene& scene = s.scene();
   std::array<char, 8> number{};
   std::snprintf(number.data(), number.size(), "%04x", unsigned{s.key().number});
@@ -286,7 +286,7 @@ std::string scene_text(const Session& s) {
   return j.text();
 }
 
-std::string peers_text(const Session& s, int other_sessions, const Driven& driven, Micros now) {
+std::string peers_text(const ObservedSession& s, int other_sessions, const Driven& driven, Micros now) {
   std::array<char, 8> number{};
   std::snprintf(number.data(), number.size(), "%04x", unsigned{s.key().number});
   Json j = message("peers");

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/monitor/session.h"
+#include "tools/monitor/observed_session.h"
 
 namespace padr::monitor {
 
@@ -23,11 +23,11 @@ struct HelloWords {
 };
 std::string hello_text(const HelloWords& h);
 
-std::string scene_text(const Session& s);
+std::string scene_text(const ObservedSession& s);
 
 /// Who drives a slot, as one viewer sees it: "no", "you" or "other".
 using Driven = std::function<std::string_view(PeerId slot)>;
-std::string peers_text(const Session& s, int other_sessions, const Driven& driven, Micros now);
+std::string peers_text(const ObservedSession& s, int other_sessions, const Driven& driven, Micros now);
 
 std::string series_text(const SeriesPoint& p);
 std::string history_text(const std::deque<SeriesPoint>& points);

@@ -5,7 +5,7 @@
 
 #include "common/model/user_error.h"
 #include "shell/scenario_flags.h"
-#include "tools/lab/alternatives/session.h"
+#include "tools/lab/alternatives/alternative_run.h"
 #include "tools/lab/rates.h"
 #include "tools/lab/simulation.h"
 
@@ -58,7 +58,7 @@ Score run_alternative(const alternatives::Spec& spec, const Network& network, co
   config.netem = network.spec;
   config.netem_seed = seed;
   for (const auto& i : inputs) config.inputs.push_back(i.get());
-  alternatives::Session s(std::move(config));
+  alternatives::AlternativeRun s(std::move(config));
   while (s.now() < setting.ticks) s.step();
   Score score;
   score.off = s.meter().overall();

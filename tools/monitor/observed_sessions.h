@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/monitor/codec.h"
-#include "tools/monitor/session.h"
+#include "tools/monitor/observed_session.h"
 
 namespace padr::monitor {
 
@@ -23,15 +23,15 @@ struct HeardStats {
 
 /// Sorts what peers tell into sessions, and picks the one to look at: the one that began last of those that live; when
 /// none does, the last that did.
-class Sessions {
+class ObservedSessions {
  public:
   void take(std::span<const std::byte> datagram, const Endpoint& from, Micros now);
   /// Forgets what has been gone for long.
   void advance(Micros now);
 
   /// Null as long as there is none.
-  Session* shown() { return shown_; }
-  const Session* shown() const { return shown_; }
+  ObservedSession* shown() { return shown_; }
+  const ObservedSession* shown() const { return shown_; }
   /// Living ones besides.
   int others(Micros now) const;
   const HeardStats& stats() const { return stats_; }
@@ -56,9 +56,9 @@ class Sessions {
   void choose(Micros now);
 
   std::map<std::uint64_t, SceneDraft> drafts_;  ///< by the scene's hash
-  std::map<SessionKey, std::unique_ptr<Session>> sessions_;
+  std::map<SessionKey, std::unique_ptr<ObservedSession>> sessions_;
   std::map<std::uint64_t, SessionKey> key_of_;  ///< by process, from its Hello
-  Session* shown_ = nullptr;
+  ObservedSession* shown_ = nullptr;
   HeardStats stats_;
   std::vector<std::string> notes_;
 };

@@ -35,9 +35,9 @@ struct SessionEvent {
 
 /// A session as its peers tell it: the newest of each, and what follows from putting them side by side. Has no clock:
 /// `now` is microseconds of whatever clock the caller keeps.
-class Session : public ViewSource {
+class ObservedSession : public ViewSource {
  public:
-  Session(SessionKey key, Scene scene, std::string scenario, std::uint64_t seed, int slots, Micros now);
+  ObservedSession(SessionKey key, Scene scene, std::string scenario, std::uint64_t seed, int slots, Micros now);
 
   /// Something that a peer of this session has told. `from`: where it came from.
   void take(const Told& told, const Endpoint& from, Micros now);

@@ -25,9 +25,9 @@ struct SessionConfig {
 ///
 /// The truth, as for our techniques: the authority of record of a body at a tick is the best of all claims that have
 /// been made by then, whoever has heard of them, which only the lab can know; the truth is where that peer has it.
-class Session {
+class AlternativeRun {
  public:
-  explicit Session(SessionConfig config);
+  explicit AlternativeRun(SessionConfig config);
 
   void step();
   Tick now() const { return now_; }

@@ -1,4 +1,4 @@
-#include "tools/monitor/sessions.h"
+#include "tools/monitor/observed_sessions.h"
 
 #include <algorithm>
 
@@ -14,7 +14,7 @@ constexpr Micros kDraftAge = 30 * kMicrosPerSecond;
 
 }  // namespace
 
-void Sessions::take(std::span<const std::byte> datagram, const Endpoint& from, Micros now) {
+void ObservedSessions::take(std::span<const std::byte> datagram, const Endpoint& from, Micros now) {
   ++stats_.datagrams;
   stats_.bytes += datagram.size();
   const auto told = decode_told(datagram);
@@ -33,7 +33,7 @@ void Sessions::take(std::span<const std::byte> datagram, const Endpoint& from, M
   session->second->take(*told, from, now);
 }
 
-void Sessions::take_part(const ScenarioPart& part, Micros now) {
+void ObservedSessions::take_part(const ScenarioPart& part, Micros now) {
   auto draft = drafts_.find(part.scene_hash);
   if (draft == drafts_.end()) {
     if (drafts_.size() >= kScenes) {
@@ -58,7 +58,7 @@ void Sessions::take_part(const ScenarioPart& part, Micros now) {
   }
 }
 
-void Sessions::found(const Told& told, Micros now) {
+void ObservedSessions::found(const Told& told, Micros now) {
   const auto& hello = std::get<Hello>(told.message);
   const SessionKey key{told.from.session, hello.scene_hash};  // of one that does not play yet, of no session
   if (sessions_.contains(key)) {
@@ -78,8 +78,8 @@ void Sessions::found(const Told& told, Micros now) {
     Scene scene = scenarios::load(draft->second.text, "scenario", hello.scenario_seed);
     if (scene_hash(scene) != key.scene_hash) throw UserError("its scenario makes another scene here");
     if (hello.slots < 1 || hello.slots > kMaxPeers) throw UserError("it has no avatar slots");
-    auto session = std::make_unique<Session>(key, std::move(scene), shell::valid_utf8(hello.scenario),
-                                             hello.scenario_seed, hello.slots, now);
+    auto session = std::make_unique<ObservedSession>(key, std::move(scene), shell::valid_utf8(hello.scenario),
+                                                     hello.scenario_seed, hello.slots, now);
     key_of_[told.from.process] = key;
     sessions_.emplace(key, std::move(session));
     choose(now);
@@ -90,7 +90,7 @@ void Sessions::found(const Told& told, Micros now) {
   }
 }
 
-void Sessions::advance(Micros now) {
+void ObservedSessions::advance(Micros now) {
   for (auto& [key, session] : sessions_) session->advance(now);
   for (auto it = sessions_.begin(); it != sessions_.end();) {
     const bool over = !it->second->alive(now) && it->second.get() != shown_;
@@ -101,7 +101,7 @@ void Sessions::advance(Micros now) {
   choose(now);
 }
 
-void Sessions::choose(Micros now) {
+void ObservedSessions::choose(Micros now) {
   for (auto& [key, session] : sessions_) {
     if (!session->alive(now) && session->began() != now) continue;
     if (shown_ == nullptr || session->began() > shown_->began() || (!shown_->alive(now) && shown_->began() != now))
@@ -109,7 +109,7 @@ void Sessions::choose(Micros now) {
   }
 }
 
-int Sessions::others(Micros now) const {
+int ObservedSessions::others(Micros now) const {
   return static_cast<int>(std::count_if(sessions_.begin(), sessions_.end(), [&](const auto& s) {
     return s.second.get() != shown_ && s.second->alive(now);
   }));

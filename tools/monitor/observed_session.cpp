@@ -1,4 +1,4 @@
-#include "tools/monitor/session.h"
+#include "tools/monitor/observed_session.h"
 
 #include <algorithm>
 #include <limits>
@@ -14,7 +14,7 @@ constexpr Vec2 kNowhere{std::numeric_limits<float>::quiet_NaN(), std::numeric_li
 
 }  // namespace
 
-Session::Session(SessionKey key, Scene scene, std::string scenario, std::uint64_t seed, int slots, Micros now)
+ObservedSession::Session(SessionKey key, Scene scene, std::string scenario, std::uint64_t seed, int slots, Micros now)
     : key_(key),
       scene_(std::move(scene)),
       scenario_(std::move(scenario)),
@@ -24,7 +24,7 @@ Session::Session(SessionKey key, Scene scene, std::string scenario, std::uint64_
       began_(now),
       gauge_(static_cast<int>(scene_.bodies.size())) {}
 
-void Session::take(const Told& told, const Endpoint& from, Micros now) {
+void ObservedSession::take(const Told& told, const Endpoint& from, Micros now) {
   PeerRecord* p = record_of(told.from, now);
   if (p == nullptr) return;
   p->heard = now;
@@ -32,7 +32,7 @@ void Session::take(const Told& told, const Endpoint& from, Micros now) {
   std::visit([&](const auto& message) { take(*p, message, now); }, told.message);
 }
 
-PeerRecord* Session::record_of(const Origin& origin, Micros now) {
+PeerRecord* ObservedSession::record_of(const Origin& origin, Micros now) {
   auto found = peers_.find(origin.process);
   if (found == peers_.end()) {
     if (peers_.size() >= kProcesses) return nullptr;
@@ -62,12 +62,12 @@ PeerRecord* Session::record_of(const Origin& origin, Micros now) {
   return &p;
 }
 
-bool Session::holds_slot(const PeerRecord& p) const {
+bool ObservedSession::holds_slot(const PeerRecord& p) const {
   const auto sits = sits_.find(p.origin.slot);
   return sits != sits_.end() && sits->second == p.origin.process;
 }
 
-void Session::leave_slot(PeerId slot) {
+void ObservedSession::leave_slot(PeerId slot) {
   sits_.erase(slot);
   agreement_.forget(slot);
   gauge_.forget(slot);
@@ -76,12 +76,12 @@ void Session::leave_slot(PeerId slot) {
   for (auto& [tick, frames] : recent_) frames.erase(slot);
 }
 
-void Session::take(PeerRecord& p, const Hello& h, Micros) {
+void ObservedSession::take(PeerRecord& p, const Hello& h, Micros) {
   p.hello = h;
   p.ended_at = -1;
 }
 
-void Session::take(PeerRecord& p, const Frame& piece, Micros now) {
+void ObservedSession::take(PeerRecord& p, const Frame& piece, Micros now) {
   if (piece.total != entities_ || !holds_slot(p)) return;
   const auto whole = p.frame_pieces.add(piece);
   if (!whole) return;
@@ -98,7 +98,7 @@ void Session::take(PeerRecord& p, const Frame& piece, Micros now) {
   gather(p, now);
 }
 
-void Session::take(PeerRecord& p, const Agreed& piece, Micros) {
+void ObservedSession::take(PeerRecord& p, const Agreed& piece, Micros) {
   if (piece.total != entities_ || !holds_slot(p)) return;
   const auto whole = p.agreed_pieces.add(piece);
   if (!whole || whole->at.size() != entities_) return;
@@ -113,7 +113,7 @@ void Session::take(PeerRecord& p, const Agreed& piece, Micros) {
   if (shown == views_.end() || shown->second.head.tick < head.tick) put(head, nullptr, whole);
 }
 
-void Session::show_agreed(const Agreed& agreed) {
+void ObservedSession::show_agreed(const Agreed& agreed) {
   tick_ = std::max(tick_, agreed.tick);
   Block head;
   head.which = Which::kConfirmed;
@@ -122,7 +122,7 @@ void Session::show_agreed(const Agreed& agreed) {
   put(head, nullptr, std::make_shared<Agreed>(agreed));
 }
 
-void Session::take(PeerRecord& p, const Status& s, Micros) {
+void ObservedSession::take(PeerRecord& p, const Status& s, Micros) {
   for (const LinkStatus& l : s.links) p.links[l.to] = l;
   if (p.status && s.tick < p.status->tick && s.steps < p.status->steps) return;  // an older one, late
   if (s.confirmed >= 0 && holds_slot(p)) agreement_.note(p.origin.slot, s.confirmed, s.hash);
@@ -136,7 +136,7 @@ void Session::take(PeerRecord& p, const Status& s, Micros) {
   if (p.newest && p.paused() != paused) put_frame(p);
 }
 
-void Session::take(PeerRecord& p, const Events& e, Micros now) {
+void ObservedSession::take(PeerRecord& p, const Events& e, Micros now) {
   for (const Event& event : e.events) {
     if (event.number <= p.last_event) continue;
     p.last_event = event.number;
@@ -147,7 +147,7 @@ void Session::take(PeerRecord& p, const Events& e, Micros now) {
   }
 }
 
-void Session::advance(Micros now) {
+void ObservedSession::advance(Micros now) {
   for (auto it = peers_.begin(); it != peers_.end();) {
     const PeerRecord& p = it->second;
     const bool gone = p.presence(now) == PeerRecord::Presence::kGone;
@@ -167,32 +167,32 @@ void Session::advance(Micros now) {
   }
 }
 
-std::vector<const PeerRecord*> Session::peers() const {
+std::vector<const PeerRecord*> ObservedSession::peers() const {
   std::vector<const PeerRecord*> out;
   for (const auto& [slot, process] : sits_) out.push_back(&peers_.at(process));
   return out;
 }
 
-const PeerRecord* Session::peer(PeerId slot) const {
+const PeerRecord* ObservedSession::peer(PeerId slot) const {
   const auto sits = sits_.find(slot);
   return sits == sits_.end() ? nullptr : &peers_.at(sits->second);
 }
 
-const PeerRecord* Session::process(std::uint64_t process) const {
+const PeerRecord* ObservedSession::process(std::uint64_t process) const {
   const auto found = peers_.find(process);
   return found == peers_.end() ? nullptr : &found->second;
 }
 
-bool Session::alive(Micros now) const {
+bool ObservedSession::alive(Micros now) const {
   return std::any_of(peers_.begin(), peers_.end(),
                      [now](const auto& p) { return p.second.presence(now) != PeerRecord::Presence::kGone; });
 }
 
-void Session::put(const Block& head, std::shared_ptr<const Frame> frame, std::shared_ptr<const Agreed> agreed) {
+void ObservedSession::put(const Block& head, std::shared_ptr<const Frame> frame, std::shared_ptr<const Agreed> agreed) {
   views_[{head.slot, head.which}] = {++serial_, head, std::move(frame), std::move(agreed), nullptr};
 }
 
-void Session::put_frame(const PeerRecord& p) {
+void ObservedSession::put_frame(const PeerRecord& p) {
   const Frame& f = *p.newest;
   Block head;
   head.slot = p.origin.slot;
@@ -211,7 +211,7 @@ void Session::put_frame(const PeerRecord& p) {
 }
 
 /// The authority's view of a tick is made when everybody's frame of it is there, or will not come any more.
-void Session::gather(const PeerRecord& p, Micros now) {
+void ObservedSession::gather(const PeerRecord& p, Micros now) {
   const Tick tick = p.newest->tick;
   if (tick <= authority_at_) return;
   recent_[tick][p.origin.slot] = p.newest;
@@ -229,7 +229,7 @@ void Session::gather(const PeerRecord& p, Micros now) {
   }
 }
 
-void Session::put_authority(Tick tick) {
+void ObservedSession::put_authority(Tick tick) {
   const auto& frames = recent_[tick];
   if (tick <= authority_at_ || frames.empty()) return;
   authority_at_ = tick;
@@ -257,14 +257,14 @@ void Session::put_authority(Tick tick) {
   put(head, nullptr, world);
 }
 
-std::string Session::encode(const Newest& n) {
+std::string ObservedSession::encode(const Newest& n) {
   if (n.agreed) return encode_block(n.head, n.agreed->flags, n.agreed->at);
   const Frame& f = *n.frame;
   const auto& places = n.head.which == Which::kShown ? f.shown : (n.head.which == Which::kLive ? f.live : f.predicted);
   return encode_block(n.head, f.flags, places);
 }
 
-std::vector<ViewSource::View> Session::views(unsigned views, std::uint64_t since) {
+std::vector<ViewSource::View> ObservedSession::views(unsigned views, std::uint64_t since) {
   std::vector<View> out;
   for (auto& [what, newest] : views_) {
     if ((views & 1U << static_cast<unsigned>(what.second)) == 0 || newest.serial <= since) continue;
@@ -274,20 +274,20 @@ std::vector<ViewSource::View> Session::views(unsigned views, std::uint64_t since
   return out;
 }
 
-std::optional<trace::InconsistencyPoint> Session::inconsistency(PeerId slot) const {
+std::optional<trace::InconsistencyPoint> ObservedSession::inconsistency(PeerId slot) const {
   const auto found = measured_.find(slot);
   if (found == measured_.end() || found->second.last.tick == 0) return std::nullopt;
   return found->second.last;
 }
 
-void Session::measured(PeerId slot, float fidelity_m, float pcc_m) {
+void ObservedSession::measured(PeerId slot, float fidelity_m, float pcc_m) {
   Deeds& d = deeds_[slot];
   ++d.n;
   d.fidelity_m += fidelity_m;
   d.pcc_m += pcc_m;
 }
 
-const SeriesPoint& Session::sample(Micros now) {
+const SeriesPoint& ObservedSession::sample(Micros now) {
   for (const auto& [slot, point] : gauge_.take()) {
     Sum& s = measured_[slot];
     ++s.n;

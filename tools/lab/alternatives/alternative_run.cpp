@@ -1,4 +1,4 @@
-#include "tools/lab/alternatives/session.h"
+#include "tools/lab/alternatives/alternative_run.h"
 
 #include <algorithm>
 #include <numeric>
@@ -18,7 +18,7 @@ std::vector<PeerId> all_of(int peers) {
 
 }  // namespace
 
-Session::Session(SessionConfig config)
+AlternativeRun::Session(SessionConfig config)
     : config_(std::move(config)),
       meter_(config_.peers, static_cast<int>(config_.scene.bodies.size())),
       fidelity_(config_.scene, config_.peers, all_of(config_.peers)),
@@ -35,7 +35,7 @@ Session::Session(SessionConfig config)
   sample();
 }
 
-void Session::step() {
+void AlternativeRun::step() {
   ++now_;
   for (PeerId from = 0; from < peers_.size(); ++from)
     for (PeerId to = 0; to < peers_.size(); ++to)
@@ -48,14 +48,14 @@ void Session::step() {
   sample();
 }
 
-PeerId Session::owner(EntityId body) const {
+PeerId AlternativeRun::owner(EntityId body) const {
   const Claim* best = &peers_[0]->claim(body);
   for (const auto& p : peers_)
     if (beats(p->claim(body), *best, body)) best = &p->claim(body);
   return best->owner;
 }
 
-void Session::sample() {
+void AlternativeRun::sample() {
   Past past;
   const world::World& any = peers_[0]->world();
   for (EntityId e = 0; e < any.entities(); ++e)
@@ -77,7 +77,7 @@ void Session::sample() {
   measure_delayed();
 }
 
-void Session::measure_fidelity() {
+void AlternativeRun::measure_fidelity() {
   std::vector<trace::PlayerView> views;
   for (PeerId p = 0; p < peers_.size(); ++p) {
     const world::World& w = peers_[p]->world();
@@ -88,7 +88,7 @@ void Session::measure_fidelity() {
   fidelity_.tick(now_, views);
 }
 
-void Session::measure_delayed() {
+void AlternativeRun::measure_delayed() {
   const Past& here = past_.back();
   for (PeerId viewer = 0; viewer < peers_.size(); ++viewer) {
     double sum = 0;
@@ -109,11 +109,11 @@ void Session::measure_delayed() {
   }
 }
 
-double Session::delayed_mean_m() const {
+double AlternativeRun::delayed_mean_m() const {
   return delayed_sum_ / static_cast<double>(delayed_views_);
 }
 
-double Session::delay_s() const {
+double AlternativeRun::delay_s() const {
   return delays_ == 0 ? 0 : delay_sum_ / static_cast<double>(delays_);
 }
 
