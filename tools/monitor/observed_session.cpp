@@ -14,7 +14,8 @@ constexpr Vec2 kNowhere{std::numeric_limits<float>::quiet_NaN(), std::numeric_li
 
 }  // namespace
 
-ObservedSession::Session(SessionKey key, Scene scene, std::string scenario, std::uint64_t seed, int slots, Micros now)
+ObservedSession::ObservedSession(SessionKey key, Scene scene, std::string scenario, std::uint64_t seed, int slots,
+                                 Micros now)
     : key_(key),
       scene_(std::move(scene)),
       scenario_(std::move(scenario)),

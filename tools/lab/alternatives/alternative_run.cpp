@@ -18,7 +18,7 @@ std::vector<PeerId> all_of(int peers) {
 
 }  // namespace
 
-AlternativeRun::Session(SessionConfig config)
+AlternativeRun::AlternativeRun(SessionConfig config)
     : config_(std::move(config)),
       meter_(config_.peers, static_cast<int>(config_.scene.bodies.size())),
       fidelity_(config_.scene, config_.peers, all_of(config_.peers)),
