@@ -1,6 +1,6 @@
-// proto/WIRE.md and proto/VECTORS.md against the code. Every vector in it, in both directions: what it lists is what our decoder reads, and
-// what our encoder writes for that are its bytes. Some vectors are also built here, so that they cannot be lost from
-// the document. Constants and lots likewise.
+// proto/WIRE.md and proto/VECTORS.md against the code. Every vector in it, in both directions: what it lists is what
+// our decoder reads, and what our encoder writes for that are its bytes. Some vectors are also built here, so that they
+// cannot be lost from the document. Constants and lots likewise.
 #include <gtest/gtest.h>
 
 #include <algorithm>
