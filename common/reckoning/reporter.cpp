@@ -12,22 +12,9 @@ namespace {
 // What is pushed is touched and let go of many times a second; a link is over after this long. The paper reports every
 // end at once.
 constexpr Tick kPatience = 6;
-// A claim by proxy is made when the predicted world misses a collision or has it clearly differently. Lower, and whole
-// piles are claimed for differences that nobody sees; higher, and what the avatar pushes over goes where its model
-// would have pushed it, for everybody alike, but not where the player's did (`padr-lab examples`, proxy, "untrue").
-constexpr float kProxyShift = 0.01F;  // m, by one step
-constexpr float kProxySpeed = 0.3F;   // m/s
-// An update takes along what its avatar or its held bodies are off by more than Box2D's own slop.
-constexpr float kAlongMetres = 0.005F;
-// Box2D's own limits of sleep. It cannot be left to Box2D here: what touches a sleeping body of somebody else's is
-// woken by it every tick.
-constexpr float kStillSpeed = 0.01F;                       // m/s
-constexpr float kStillSpin = 2.0F / 180.0F * 3.14159265F;  // rad/s
-constexpr Tick kStillTicks = 30;
-constexpr Tick kSettledTicks = 30;
-// Overwriting a body starts its sleep timer anew, in a pile everybody's: leave the others' view time to fall asleep.
-constexpr Tick kRestAgainTicks = 4 * kStillTicks;
 constexpr float kMisdriven = 0.001F;  // m
+// Below this the avatar counts as standing.
+constexpr float kStandingSpeed = 0.01F;  // m/s
 
 Tick patience_of(const Technique& t) {
   return t.update_every_contact ? 0 : kPatience;
@@ -161,10 +148,8 @@ void Reporter::report_contacts(const Situation& s) {
     if (chain_.touching_now(b, s.predicted->tick) && may_claim(s, b)) claim(s, b, Cause::kContactBegin);
   for (const EntityId b : changes_->ended) {
     entry(b, Cause::kContactEnd);
-    if (!technique_.end_update) continue;
-    if (owns(s, b) && (technique_.update_every_contact || error_of(s, b).ahead_metres > kAlongMetres))
-      tell_state(s, b, Cause::kContactEnd);
-    if (technique_.update_every_contact) tell_avatar(s, Cause::kContactEnd);
+    if (owns(s, b) && tells_end_state(technique_, error_of(s, b).ahead_metres)) tell_state(s, b, Cause::kContactEnd);
+    if (technique_.end_update && technique_.update_every_contact) tell_avatar(s, Cause::kContactEnd);
   }
 }
 
@@ -205,9 +190,8 @@ void Reporter::report_proxies(const Situation& s) {
   reach(live.contacts(), live.bodies(), reached_, found_);
   for (const EntityId b : found_) {
     if (collected(b) != nullptr || !may_claim(s, b)) continue;
-    const world::Kinematics& believed = s.predicted->world.entities[b];
-    const bool shifted = distance(live.position(b), believed.position) > kProxyShift;
-    if (shifted || distance(live.velocity(b), believed.velocity) > kProxySpeed) claim(s, b, Cause::kProxy);
+    if (is_missed_collision(live.position(b), live.velocity(b), s.predicted->world.entities[b]))
+      claim(s, b, Cause::kProxy);
   }
 }
 
@@ -218,32 +202,22 @@ EntityError Reporter::error_of(const Situation& s, EntityId e) const {
 
 bool Reporter::at_rest(const Situation& s, EntityId b) {
   const BodyState now = s.live->world().state(b);
-  const bool still = !now.awake || (length(now.velocity) < kStillSpeed && std::abs(now.spin) < kStillSpin);
-  if (!still) still_since_[b] = s.predicted->tick;
+  if (now.awake && !is_still(now)) still_since_[b] = s.predicted->tick;
   return !now.awake || s.predicted->tick - still_since_[b] >= kStillTicks;
 }
 
-void Reporter::report_rest(const Situation& s, EntityId b, bool differs) {
-  if (!chain_.held(b)) {
-    if (differs && technique_.rest_state) tell_state(s, b, Cause::kAtRest);
-    entry(b, Cause::kAtRest).release = true;
-  } else if (differs && technique_.rest_state && s.predicted->tick - rest_told_[b] >= kRestAgainTicks) {
-    tell_state(s, b, Cause::kAtRest);
-    rest_told_[b] = s.predicted->tick;
-  }
-}
-
 void Reporter::report_bodies(const Situation& s) {
+  const Tick now = s.predicted->tick;
   for (const EntityId b : mine_) {
-    const bool rests = at_rest(s, b);
     const EntityError e = error_of(s, b);
-    const bool always = technique_.every_tick && s.live->world().state(b).awake;
-    const bool off = technique_.body_threshold > 0 && std::max(e.metres, e.ahead_metres) > technique_.body_threshold;
-    if (!always && rests && s.everyone_has >= claim_told_[b]) {
-      report_rest(s, b, e.differs);
-    } else if (always || off) {
-      tell_state(s, b, Cause::kBodyThreshold);
-    }
+    const OwnedBody body{e.metres,       e.ahead_metres,
+                         e.differs,      s.live->world().state(b).awake,
+                         at_rest(s, b),  s.everyone_has >= claim_told_[b],
+                         chain_.held(b), now - rest_told_[b]};
+    const BodyReason reason = reason_of(body, technique_);
+    if (reason.state) tell_state(s, b, *reason.state);
+    if (reason.release) entry(b, Cause::kAtRest).release = true;
+    if (reason.state == Cause::kAtRest && body.held) rest_told_[b] = now;
   }
 }
 
@@ -273,34 +247,9 @@ void Reporter::follow_avatar(const Situation& s, const BodyState& truth) {
     last_target_ = s.target;
     target_since_ = now;
   }
-  if (length(truth.velocity) > kStillSpeed) avatar_moved_ = now;
+  if (length(truth.velocity) > kStandingSpeed) avatar_moved_ = now;
   const bool still = !truth.awake || world::has_arrived(truth.position, truth.velocity, s.target);
   if (!still) avatar_driven_ = now;
-}
-
-bool Reporter::has_settled(Tick now) const {
-  const bool steady = now - target_since_ >= kSettledTicks;
-  const bool stands = now - avatar_moved_ >= kSettledTicks;
-  return (steady || stands) && now - settled_told_ >= kSettledTicks;
-}
-
-bool Reporter::ends_exactly(const Situation& s) const {
-  const Tick now = s.predicted->tick;
-  const bool steady = now - target_since_ >= kSettledTicks;
-  const bool stands = now - avatar_moved_ >= kSettledTicks;
-  return steady && stands && now - settled_told_ >= kRestAgainTicks && anything_differs(s);
-}
-
-// Small errors that would last: the input has stopped changing, or the avatar stands, and the model is still off within
-// its threshold, or still drives towards something else. One exact word, of the bodies it owns too, ends that: from
-// then on live and predicted are the same and, the input being steady, stay so.
-bool Reporter::settled_but_wrong(const Situation& s, const BodyState& truth) const {
-  if (!has_settled(s.predicted->tick)) return false;
-  const world::Kinematics& believed = s.predicted->world.entities[s.live->avatar()];
-  const AvatarModel& model = s.predicted->avatars[self_];
-  const bool misdriven = model.kind == Model::kInput && distance(model.control, s.target) > kMisdriven;
-  const bool misplaced = distance(truth.position, believed.position) > kMisdriven;
-  return misdriven || misplaced || ends_exactly(s);
 }
 
 bool Reporter::anything_differs(const Situation& s) const {
@@ -308,11 +257,6 @@ bool Reporter::anything_differs(const Situation& s) const {
   for (const EntityId b : mine_)
     if (error_of(s, b).differs) return true;
   return false;
-}
-
-bool Reporter::avatar_rests(const Situation& s, const BodyState& truth) const {
-  if (s.predicted->tick - avatar_rest_told_ < kRestAgainTicks) return false;
-  return !truth.awake || s.predicted->tick - avatar_driven_ >= kStillTicks;
 }
 
 void Reporter::watch_avatar(const Situation& s) {
@@ -324,24 +268,41 @@ void Reporter::watch_avatar(const Situation& s) {
   model_error_.add(shift, ahead ? s.live->world().velocity(avatar) - believed.velocity : Vec2{});
 }
 
+OwnAvatar Reporter::own_avatar(const Situation& s, const BodyState& truth) const {
+  const Tick now = s.predicted->tick;
+  const world::Kinematics& believed = s.predicted->world.entities[s.live->avatar()];
+  const AvatarModel& model = s.predicted->avatars[self_];
+  OwnAvatar a;
+  a.present = model.present;
+  a.off = model_error_.exceeds(s.threshold);
+  a.awake = truth.awake;
+  a.steady = now - target_since_;
+  a.stands = now - avatar_moved_;
+  a.undriven = now - avatar_driven_;
+  a.since_settled = now - settled_told_;
+  a.since_rest = now - avatar_rest_told_;
+  a.misdriven = model.kind == Model::kInput && distance(model.control, s.target) > kMisdriven;
+  a.misplaced = distance(truth.position, believed.position) > kMisdriven;
+  a.differs = truth.position != believed.position || believed.awake;
+  a.any_differs = may_end_exactly(a) && anything_differs(s);
+  return a;
+}
+
 void Reporter::report_avatar(const Situation& s) {
   const BodyState truth = s.live->world().state(s.live->avatar());
   follow_avatar(s, truth);
-  // Nobody sees it before it is told of.
-  if (!s.predicted->avatars[self_].present) return tell_avatar(s, Cause::kThreshold);
-  const world::Kinematics& believed = s.predicted->world.entities[s.live->avatar()];
-  if (model_error_.exceeds(s.threshold) || (technique_.every_tick && truth.awake)) {
-    tell_avatar(s, Cause::kThreshold);
-  } else if (technique_.model == Model::kInput && settled_but_wrong(s, truth)) {
-    exact_ = ends_exactly(s);
+  const AvatarReason reason = reason_of(own_avatar(s, truth), technique_);
+  if (!reason.cause) return;
+  tell_avatar(s, *reason.cause);
+  if (*reason.cause != Cause::kAtRest) return;
+  exact_ = reason.exact;
+  if (!reason.asleep) {
     settled_told_ = s.predicted->tick;
-    tell_avatar(s, Cause::kAtRest);
-  } else if (avatar_rests(s, truth) && (truth.awake || truth.position != believed.position || believed.awake)) {
-    tell_avatar(s, Cause::kAtRest);
-    avatar_rest_told_ = s.predicted->tick;
-    avatar_->awake = false;
-    avatar_->velocity = {};
+    return;
   }
+  avatar_rest_told_ = s.predicted->tick;
+  avatar_->awake = false;
+  avatar_->velocity = {};
 }
 
 // Every entity may be within its own threshold and all of them together too far off. They never are by more than the

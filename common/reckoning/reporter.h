@@ -8,12 +8,14 @@
 #include "common/reckoning/entity_error.h"
 #include "common/reckoning/live_world.h"
 #include "common/reckoning/model_error.h"
+#include "common/reckoning/reasons.h"
 #include "common/sync/fold.h"
 
 namespace padr::sync {
 
-/// Decides, tick by tick, what the others must be told: the difference between the live world, which is the truth for
-/// what this peer owns, and the predicted one, which is what the others believe.
+/// Collects, tick by tick, what the others must be told: the difference between the live world, which is the truth for
+/// what this peer owns, and the predicted one, which is what the others believe. Whether something is due, and why, the
+/// rules in reasons.h say; the timers that they ask for are kept here.
 class Reporter {
  public:
   Reporter(const Scene& scene, PeerId self, const Technique& technique);
@@ -62,16 +64,10 @@ class Reporter {
   void report_pushes(const Situation& s);
   void report_proxies(const Situation& s);
   void report_bodies(const Situation& s);
-  void report_rest(const Situation& s, EntityId b, bool differs);
   void report_avatar(const Situation& s);
   /// What the avatar and its input did this tick, whatever is told of it.
   void follow_avatar(const Situation& s, const BodyState& truth);
-  bool avatar_rests(const Situation& s, const BodyState& truth) const;
-  /// Input or avatar have been the same for long enough to be told exactly.
-  bool has_settled(Tick now) const;
-  bool settled_but_wrong(const Situation& s, const BodyState& truth) const;
-  /// The same, and nothing at all is going on: everything is told that differs in any bit.
-  bool ends_exactly(const Situation& s) const;
+  OwnAvatar own_avatar(const Situation& s, const BodyState& truth) const;
   bool anything_differs(const Situation& s) const;
   void bound_the_sum(const Situation& s);
   void complete_cluster(const Situation& s);
