@@ -6,7 +6,7 @@
 #include <deque>
 #include <memory>
 
-#include "common/link/shim.h"
+#include "common/link/link_mesh.h"
 #include "common/model/precision.h"
 #include "common/scenarios/scenarios.h"
 #include "tests/seed.h"
@@ -19,16 +19,14 @@ class Mesh {
  public:
   Mesh(int peers, const char* netem, std::uint64_t seed, const Technique& technique = {},
        const char* scenario = "arena")
-      : scene_(scenarios::load_embedded(scenario, 1)) {
+      : scene_(scenarios::load_embedded(scenario, 1)),
+        links_(static_cast<std::size_t>(peers), link::parse_netem(netem), seed) {
     for (PeerId p = 0; p < peers; ++p) {
       ReplicaConfig c;
       c.self = p;
       c.peers = c.slots = peers;
       c.technique = technique;
       nodes_.push_back(std::make_unique<Replica>(scene_, c));
-      shims_.emplace_back();
-      for (PeerId q = 0; q < peers; ++q)
-        shims_.back().push_back(std::make_unique<link::Shim>(link::parse_netem(netem), derive_seed(seed, p, q)));
     }
   }
 
@@ -39,15 +37,14 @@ class Mesh {
   void step(const std::vector<bool>& running) {
     ++now_;
     const Micros t = tick_start(now_);
-    for (PeerId p = 0; p < nodes_.size(); ++p)
-      for (PeerId q = 0; q < nodes_.size(); ++q)
-        while (auto datagram = shims_[p][q]->release(t))
-          if (running[q]) nodes_[q]->receive(*datagram, t);
+    links_.deliver(t, [&](PeerId to, std::span<const std::byte> datagram) {
+      if (running[to]) nodes_[to]->receive(datagram, t);
+    });
     for (PeerId p = 0; p < nodes_.size(); ++p) {
       if (!running[p]) continue;
       const Tick move = still_ ? 0 : now_ / 40;
       nodes_[p]->step({10.0F + 4.0F * static_cast<float>((move + p) % 3), 7.0F + static_cast<float>(p)});
-      for (const Outgoing& o : nodes_[p]->outgoing()) shims_[p][o.to]->accept(t, o.bytes);
+      for (const Outgoing& o : nodes_[p]->outgoing()) links_.send(p, o.to, t, o.bytes);
     }
   }
   Replica& operator[](PeerId p) { return *nodes_[p]; }
@@ -57,7 +54,7 @@ class Mesh {
  private:
   Scene scene_;
   std::vector<std::unique_ptr<Replica>> nodes_;
-  std::vector<std::vector<std::unique_ptr<link::Shim>>> shims_;
+  link::LinkMesh links_;
   Tick now_ = 0;
   bool still_ = false;
 };

@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/link/link_seed.h"
-#include "common/link/shim.h"
+#include "common/link/link_mesh.h"
 #include "common/replica/recorded_replica.h"
 #include "common/scenarios/input.h"
 #include "common/scenarios/scenarios.h"
@@ -37,11 +36,10 @@ struct RecordedRun {
   explicit RecordedRun(const RunConfig& c, bool finish = true)
       : traces(static_cast<std::size_t>(c.peers)),
         scene_(scenarios::load_embedded(c.scenario, c.seed)),
-        inputs_(inputs_of(c, scene_)) {
+        inputs_(inputs_of(c, scene_)),
+        links_(static_cast<std::size_t>(c.peers), link::parse_netem(c.netem), c.seed) {
     for (PeerId p = 0; p < c.peers; ++p) {
       nodes.push_back(std::make_unique<node::RecordedReplica>(scene_, config_of(c, p), recording_of(c, p)));
-      for (PeerId q = 0; q < c.peers; ++q)
-        shims_.push_back(std::make_unique<link::Shim>(link::parse_netem(c.netem), link::link_seed(c.seed, p, q)));
     }
     for (Tick t = 1; t <= c.ticks; ++t) {
       if (t == c.leave_at) nodes.back()->leave();
@@ -85,19 +83,17 @@ struct RecordedRun {
   }
 
   void step(Tick t) {
-    const std::size_t n = nodes.size();
-    for (std::size_t from = 0; from < n; ++from)
-      for (std::size_t to = 0; to < n; ++to)
-        while (auto d = shims_[from * n + to]->release(tick_start(t))) nodes[to]->receive(*d, tick_start(t));
-    for (std::size_t p = 0; p < n; ++p) {
+    links_.deliver(tick_start(t),
+                   [&](PeerId to, std::span<const std::byte> d) { nodes[to]->receive(d, tick_start(t)); });
+    for (PeerId p = 0; p < nodes.size(); ++p) {
       nodes[p]->step(inputs_[p]->target(t), 100 * t);
-      for (const node::Outgoing& o : nodes[p]->outgoing()) shims_[p * n + o.to]->accept(tick_start(t), o.bytes);
+      for (const node::Outgoing& o : nodes[p]->outgoing()) links_.send(p, o.to, tick_start(t), o.bytes);
     }
   }
 
   Scene scene_;
   std::vector<std::unique_ptr<scenarios::InputSource>> inputs_;
-  std::vector<std::unique_ptr<link::Shim>> shims_;
+  link::LinkMesh links_;
 };
 
 }  // namespace padr::test

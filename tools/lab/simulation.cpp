@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <numeric>
 
-#include "common/link/link_seed.h"
 #include "common/trace/truth.h"
 
 namespace padr::lab {
 Simulation::Simulation(SimulationConfig config)
     : config_(std::move(config)),
+      links_(static_cast<std::size_t>(config_.peers), config_.netem, config_.netem_seed),
       meter_(config_.peers, static_cast<int>(config_.scene.bodies.size())),
       flips_(static_cast<int>(config_.scene.bodies.size())) {
   const auto n = static_cast<std::size_t>(config_.peers);
@@ -18,7 +18,6 @@ Simulation::Simulation(SimulationConfig config)
   targets_.resize(n);
   states_.resize(n);
   player_views_.resize(n);
-  shims_.resize(n);
   if (config_.fidelity) {
     std::vector<PeerId> viewers(n);
     std::iota(viewers.begin(), viewers.end(), PeerId{0});
@@ -44,8 +43,6 @@ Simulation::Simulation(SimulationConfig config)
           meter_.truth(s.tick, truth_);
           if (config_.settle_ticks > 0) agreed_hashes_.push_back(node::state_hash(s));
         }));
-    for (PeerId q = 0; q < n; ++q)
-      shims_[p].push_back(std::make_unique<link::Shim>(config_.netem, link::link_seed(config_.netem_seed, p, q)));
   }
   sample_views();
 }
@@ -61,9 +58,7 @@ void Simulation::run(const std::function<void(Tick)>& on_tick) {
 
 void Simulation::deliver() {
   const Micros now = tick_start(now_);
-  for (PeerId from = 0; from < nodes_.size(); ++from)
-    for (PeerId to = 0; to < nodes_.size(); ++to)
-      while (auto datagram = shims_[from][to]->release(now)) nodes_[to]->receive(*datagram, now);
+  links_.deliver(now, [&](PeerId to, std::span<const std::byte> datagram) { nodes_[to]->receive(datagram, now); });
 }
 
 void Simulation::step() {
@@ -72,7 +67,7 @@ void Simulation::step() {
   for (PeerId p = 0; p < nodes_.size(); ++p) {
     targets_[p] = target_of(p);
     nodes_[p]->step(targets_[p]);
-    for (const node::Outgoing& o : nodes_[p]->outgoing()) shims_[p][o.to]->accept(tick_start(now_), o.bytes);
+    for (const node::Outgoing& o : nodes_[p]->outgoing()) links_.send(p, o.to, tick_start(now_), o.bytes);
   }
   sample_views();
   compare_confirmed();

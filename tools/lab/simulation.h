@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/link/shim.h"
+#include "common/link/link_mesh.h"
 #include "common/replica/recorded_replica.h"
 #include "common/scenarios/input.h"
 #include "common/trace/fidelity.h"
@@ -54,7 +54,7 @@ class Simulation {
   Tick now() const { return now_; }
   int peers() const { return config_.peers; }
   const node::Replica& replica(PeerId p) const { return nodes_[p]->replica(); }
-  const link::Shim& shim(PeerId from, PeerId to) const { return *shims_[from][to]; }
+  const link::Shim& shim(PeerId from, PeerId to) const { return links_.link(from, to); }
   const trace::InconsistencyMeter& meter() const { return meter_; }
   /// What this peer alone has seen, at the ticks with input alone.
   trace::InconsistencySeries seen_with_input(PeerId p) const;
@@ -87,7 +87,7 @@ class Simulation {
   Tick now_ = 0;
   std::vector<std::unique_ptr<node::RecordedReplica>> nodes_;
   std::vector<std::optional<Vec2>> stands_;  ///< by peer: where its avatar stopped after the end of input
-  std::vector<std::vector<std::unique_ptr<link::Shim>>> shims_;
+  link::LinkMesh links_;
   std::vector<std::vector<std::uint64_t>> hashes_;  ///< by peer: of every confirmed tick
   trace::View view_;                                ///< these two: memory that is used again
   trace::Truth truth_;

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "common/link/link_seed.h"
-
 namespace padr::lab::alternatives {
 namespace {
 
@@ -20,30 +18,27 @@ std::vector<PeerId> all_of(int peers) {
 
 AlternativeRun::AlternativeRun(SessionConfig config)
     : config_(std::move(config)),
+      links_(static_cast<std::size_t>(config_.peers), config_.netem, config_.netem_seed),
       meter_(config_.peers, static_cast<int>(config_.scene.bodies.size())),
       fidelity_(config_.scene, config_.peers, all_of(config_.peers)),
       targets_(static_cast<std::size_t>(config_.peers)),
       states_(static_cast<std::size_t>(config_.peers)) {
   const auto n = static_cast<std::size_t>(config_.peers);
-  shims_.resize(n);
   for (PeerId p = 0; p < n; ++p) {
     peers_.push_back(
         make_alternative(config_.scene, {.self = p, .peers = config_.peers, .session = 1, .spec = config_.spec}));
-    for (PeerId q = 0; q < n; ++q)
-      shims_[p].push_back(std::make_unique<link::Shim>(config_.netem, link::link_seed(config_.netem_seed, p, q)));
   }
   sample();
 }
 
 void AlternativeRun::step() {
   ++now_;
-  for (PeerId from = 0; from < peers_.size(); ++from)
-    for (PeerId to = 0; to < peers_.size(); ++to)
-      while (auto datagram = shims_[from][to]->release(tick_start(now_))) peers_[to]->receive(*datagram);
+  links_.deliver(tick_start(now_),
+                 [&](PeerId to, std::span<const std::byte> datagram) { peers_[to]->receive(datagram); });
   for (PeerId p = 0; p < peers_.size(); ++p) {
     targets_[p] = config_.inputs[p]->target(now_);
     peers_[p]->step(targets_[p]);
-    for (const node::Outgoing& o : peers_[p]->outgoing()) shims_[p][o.to]->accept(tick_start(now_), o.bytes);
+    for (const node::Outgoing& o : peers_[p]->outgoing()) links_.send(p, o.to, tick_start(now_), o.bytes);
   }
   sample();
 }

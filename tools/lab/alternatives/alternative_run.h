@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "common/link/shim.h"
+#include "common/link/link_mesh.h"
 #include "common/scenarios/input.h"
 #include "common/trace/fidelity.h"
 #include "common/trace/metrics.h"
@@ -54,7 +54,7 @@ class AlternativeRun {
   SessionConfig config_;
   Tick now_ = 0;
   std::vector<std::unique_ptr<Alternative>> peers_;
-  std::vector<std::vector<std::unique_ptr<link::Shim>>> shims_;
+  link::LinkMesh links_;
   trace::InconsistencyMeter meter_;
   trace::FidelityMeter fidelity_;
   std::vector<Vec2> targets_;                   ///< by peer, of the last step
