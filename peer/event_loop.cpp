@@ -109,7 +109,7 @@ void EventLoop::stop(const std::string& signal, Micros now) {
   if (player_->playing()) {
     if (!player_->leaving()) player_->leave(signal, false, now);
   } else {
-    player_->give_up();
+    player_->give_up(now);
     send_out(now);
     end(shell::kExitFailure, signal + " before the session started");
   }

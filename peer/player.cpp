@@ -10,8 +10,6 @@
 namespace padr::peer {
 namespace {
 
-/// When all peers are stopped at once, this many leave in one tick, because every peer answers every goodbye.
-constexpr int kFarewells = 4;
 /// Steps in one go at most when late: datagrams must get their turn, or catching up makes everything worse.
 constexpr int kStepsPerTurn = 8;
 constexpr Micros kTickLength = kMicrosPerSecond / kTicksPerSecond;
@@ -52,6 +50,7 @@ node::ParticipantConfig Player::config(const node::SessionConfig& session,
   c.session = session;
   c.channels = std::move(channels);
   c.replica.technique = options_.technique;
+  c.linger = in_micros(options_.linger);
   c.recording = [this](int incarnation) {
     history_.begin(incarnation);
     return recordings_.of(incarnation);
@@ -141,8 +140,7 @@ void Player::begin_incarnation(Micros now) {
 
 void Player::step(Micros now) {
   watch_clock(now);
-  if (!leaving_ && replica().now() >= last_input_) leave("the time to play is over", true, now);
-  if (farewell_ && replica().now() >= *farewell_) say_goodbye();
+  if (!leaving() && replica().now() >= last_input_) leave("the time to play is over", true, now);
   // A path begins where its player does.
   const Tick of_input = std::min(replica().now() + 1, last_input_) - first_tick();
   const world::View& live = replica().live().world();
@@ -193,30 +191,8 @@ void Player::leave(const std::string& why, bool stay, Micros now) {
   log_.session->info("leaving at tick {}: {}", replica().now(), why);
   if (paused()) go_on(now);
   steering_.take({}, now);  // nobody drives it any more
-  leaving_ = true;
-  stay_ = stay;
-  left_at_ = now;
   last_input_ = std::min(last_input_, replica().now());
-  farewell_ = replica().now() + self() / kFarewells;
-}
-
-void Player::say_goodbye() {
-  participant_.leave();
-  farewell_.reset();
-}
-
-// Who vanished will acknowledge nothing, but is declared gone before long.
-bool Player::done(Micros now) const {
-  if (!leaving_) return false;
-  if (nobody_to_tell()) return now > left_at_;
-  if (farewell_) return false;
-  return now - left_at_ >= in_micros(options_.linger) || (replica().delivered() && !(stay_ && present() > 1));
-}
-
-bool Player::nobody_to_tell() const {
-  for (PeerId p = 0; p < replica().config().slots; ++p)
-    if (p != self() && replica().other(p).reachable()) return false;
-  return true;
+  participant_.leave(now, stay);
 }
 
 int Player::present() const {

@@ -71,10 +71,10 @@ class Player {
   /// Only when playing.
   void leave(const std::string& why, bool stay, Micros now);
   /// Gives up coming in. Only before playing.
-  void give_up() { participant_.leave(); }
-  bool leaving() const { return leaving_; }
+  void give_up(Micros now) { participant_.leave(now); }
+  bool leaving() const { return participant_.leaving(); }
   /// Nothing is left to do, or the time for it is over.
-  bool done(Micros now) const;
+  bool done(Micros now) const { return participant_.done(now); }
   /// Ends the trace. Nothing may be called afterwards but the getters.
   void finish() { participant_.finish(); }
 
@@ -121,9 +121,7 @@ class Player {
   void begin_incarnation(Micros now);
   void watch_clock(Micros now);
   void watch_hashes();
-  void say_goodbye();
   void tell();
-  bool nobody_to_tell() const;
 
   const Options& options_;
   Log& log_;
@@ -145,10 +143,6 @@ class Player {
   Micros stepped_at_ = -1;
   int known_incarnation_ = -1;
   bool mismatch_told_ = false;
-  bool leaving_ = false;
-  bool stay_ = false;
-  std::optional<Tick> farewell_;  ///< when to say goodbye; absent: it is said, or not to be yet
-  Micros left_at_ = 0;
 };
 
 }  // namespace padr::peer

@@ -90,7 +90,7 @@ Standing CrowdPeer::standing(bool with_fellows, Micros local) const {
   if (home_) s.clock = places_.at(*home_).peer->session().session_now(local);
   for (const auto& [region, place] : places_) {
     const bool member = place.peer->playing() && place.peer->replica().member();
-    const bool in = member && !place.leaving;
+    const bool in = member && !place.peer->leaving();
     const bool founding = !place.by && !place.peer->playing();
     if (member && with_fellows) add_fellows(region, *place.peer, s.fellows);
     if (founding || (in && !only_waits_to_leave(place.peer->replica()))) s.in.push_back(region);
@@ -116,6 +116,7 @@ void CrowdPeer::find(Micros local) {
 
 void CrowdPeer::enter(Region r, const std::optional<Endpoint>& member, Micros local) {
   node::ParticipantConfig c;
+  c.linger = kLinger;
   c.steers = false;  // a peer has one clock for all its regions
   const Scene scene = scene_of(config_.plane, r);
   c.session.join = member;
@@ -194,11 +195,8 @@ void CrowdPeer::note_life(Place& place) {
 void CrowdPeer::leave(Micros local) {
   leaving_ = true;
   std::erase_if(places_, [](const auto& p) { return !p.second.peer->playing(); });
-  for (auto& [region, place] : places_) {
-    if (!place.leaving) place.left = local;
-    if (!place.leaving) place.peer->leave();
-    place.leaving = true;
-  }
+  for (auto& [region, place] : places_)
+    if (!place.peer->leaving()) place.peer->leave(local);
 }
 
 // Every region ends by itself, home too: the avatar stands where it is.
@@ -263,8 +261,8 @@ void CrowdPeer::go_home() {
   const Region r = region_at(config_.plane, avatar_.position);
   if (r == *home_ || inside(config_.plane, r, avatar_.position) < config_.plane.threshold) return;
   const auto it = places_.find(r);
-  const bool in = it != places_.end() && !it->second.leaving && it->second.peer->playing() && drives(it->second) &&
-                  it->second.peer->replica().now() == now();
+  const bool in = it != places_.end() && !it->second.peer->leaving() && it->second.peer->playing() &&
+                  drives(it->second) && it->second.peer->replica().now() == now();
   if (!in) {
     ++stats_.late;
     return;
@@ -284,14 +282,12 @@ void CrowdPeer::reconsider(Micros local) {
     if (!contains(wanted_, r)) wanted_.push_back(r);
   for (auto& [region, place] : places_) {
     // Who is coming in may have been admitted already, and would be waited for: it leaves when it is in.
-    if (place.leaving || !place.peer->playing() || !place.peer->replica().member()) continue;
+    if (place.peer->leaving() || !place.peer->playing() || !place.peer->replica().member()) continue;
     const bool near = outside(plane, region, avatar_.position) <= plane.reach + plane.linger;
     const bool go = !near && !contains(wanted_, region);
     say_whether_going(place, go);
     if (!go || !may_leave(place)) continue;
-    place.peer->leave();
-    place.leaving = true;
-    place.left = local;
+    place.peer->leave(local);
   }
   if (config_.relevance) adapt_thresholds();
 }
@@ -339,7 +335,7 @@ void CrowdPeer::end_places(Micros local) {
   for (auto it = places_.begin(); it != places_.end();) {
     Place& p = it->second;
     const bool failed = p.peer->failed();
-    const bool gone = p.leaving && (p.peer->replica().delivered() || local - p.left > kLinger);
+    const bool gone = p.peer->done(local);
     if (!failed && !gone) {
       ++it;
       continue;
@@ -374,7 +370,7 @@ std::vector<std::pair<Region, node::SessionNote>> CrowdPeer::take_notes() {
 std::vector<Post> CrowdPeer::posts() const {
   std::vector<Post> all;
   for (const auto& [region, place] : places_)
-    if (place.peer->playing() && !place.leaving && place.peer->replica().member())
+    if (place.peer->playing() && !place.peer->leaving() && place.peer->replica().member())
       all.push_back({region, place.peer.get()});
   return all;
 }

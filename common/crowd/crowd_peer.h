@@ -81,9 +81,7 @@ class CrowdPeer {
   struct Place {
     std::unique_ptr<node::Participant> peer;
     std::optional<Endpoint> by{};  ///< whom it has asked to be let in; absent: it has founded the region
-    bool leaving = false;
-    Tick said = -1;  ///< its last word on whether it is going is of this tick or an earlier one; -1: not said yet
-    Micros left = 0;
+    Tick said = -1;        ///< its last word on whether it is going is of this tick or an earlier one; -1: not said yet
     int incarnation = -1;  ///< of the participant, when it was looked at last
   };
   void note_life(Place& place);

@@ -26,6 +26,8 @@ constexpr Tick kMostBehind = 120 * kTicksPerSecond;
 constexpr Tick kSteerEvery = kTicksPerSecond / 2;
 /// A newcomer steps so many ticks in one call at most: datagrams must get their turn.
 constexpr Tick kAtOnce = kTicksPerSecond;
+/// When all peers are stopped at once, this many leave in one tick, because every peer answers every goodbye.
+constexpr int kFarewells = 4;
 /// Between two attempts to come back.
 constexpr Micros kTryAgain = 500'000;
 constexpr Micros kReturnPatience = 6 * kMicrosPerSecond;
@@ -329,6 +331,7 @@ void Participant::step_led(const BodyState& from, const BodyState& to, Vec2 targ
 
 Micros Participant::before_step(Micros local) {
   local_ = local;
+  if (farewell_ && replica().now() >= *farewell_) say_goodbye();
   const Micros lateness = current_.session->session_now(local) - tick_start(replica().now() + 1);
   if (lateness > kHeldUp) current_.replica->excuse_silence();
   return lateness;
@@ -362,14 +365,37 @@ void Participant::knock(const Endpoint& at) {
   if (current_.membership) current_.membership->knock(at);
 }
 
-void Participant::leave() {
-  if (current_.replica) {
-    current_.replica->leave();
-    next_ = {};
-  } else {
-    next_.session->leave();
-    collect(next_);
+void Participant::leave(Micros local, bool stay) {
+  left_at_ = local;
+  stays_ = stay;
+  if (playing()) {
+    farewell_ = replica().now() + replica().self() / kFarewells;
+    return;
   }
+  next_.session->leave();
+  collect(next_);
+}
+
+void Participant::say_goodbye() {
+  current_.replica->leave();
+  next_ = {};
+  farewell_.reset();
+}
+
+// Who vanished will acknowledge nothing, but is declared gone before long.
+bool Participant::done(Micros local) const {
+  if (!left_at_) return false;
+  const bool waited = local - *left_at_ >= config_.linger;
+  if (!playing()) return waited;
+  if (nobody_to_tell()) return local > *left_at_;
+  if (farewell_) return false;
+  return waited || (replica().delivered() && !(stays_ && session().present() > 1));
+}
+
+bool Participant::nobody_to_tell() const {
+  for (PeerId p = 0; p < replica().config().slots; ++p)
+    if (p != replica().self() && replica().other(p).reachable()) return false;
+  return true;
 }
 
 void Participant::collect(Incarnation& incarnation) {

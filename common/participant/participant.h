@@ -19,6 +19,8 @@ struct ParticipantConfig {
   std::optional<ChannelConfig> channels;  ///< the session has a key; otherwise nothing is sealed
   /// Steers its session's clock with its steps. Otherwise the caller does, as in a crowd, where a peer has one clock.
   bool steers = true;
+  /// us that it waits after its goodbye, at most, for the others to have its last updates.
+  Micros linger = 3 * kMicrosPerSecond;
   /// Where the n-th incarnation of this peer (0, 1, ...) is recorded to; empty or nothing returned: nowhere.
   std::function<std::optional<RecordedReplica::Recording>(int incarnation)> recording;
   /// For tests only: what becomes of a datagram before it is sealed and sent.
@@ -68,8 +70,12 @@ class Participant {
   void remark(const trace::Remark& r) { current_.replica->remark(r); }
   /// Tells somebody who says that it is in this session, but is no member, who is: so that sides come together.
   void knock(const Endpoint& at);
-  /// Says goodbye: with the next step when playing, at once before.
-  void leave();
+  /// Says goodbye: with the next step when playing, or some ticks later where many play; at once before. `stay`: waits
+  /// for the others' end, too, so that they get what they lack.
+  void leave(Micros local, bool stay = false);
+  bool leaving() const { return left_at_.has_value(); }
+  /// After leave: everybody has what this peer told, nobody is there to tell, or it has lingered for long enough.
+  bool done(Micros local) const;
 
   /// What to send, in order; empty afterwards. Good until the next call of any other function.
   std::span<const Parcel> take_outgoing();
@@ -113,6 +119,8 @@ class Participant {
   void watch(Incarnation& incarnation, Micros local);
   void take_over();
   void look_for_way_back(Micros local);
+  void say_goodbye();
+  bool nobody_to_tell() const;
   void collect(Incarnation& incarnation);
   void take(const Endpoint& from, std::span<const std::byte> datagram, Micros local);
   void post(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes);
@@ -134,6 +142,9 @@ class Participant {
   int begun_ = 0;
   Micros began_;
   Tick steered_ = 0;
+  std::optional<Micros> left_at_;  ///< when it was told to leave
+  std::optional<Tick> farewell_;   ///< when to say goodbye; absent: it is said, or not to be yet
+  bool stays_ = false;
   Micros try_again_ = 0;
   std::uint64_t tries_ = 0;
   Outbox outgoing_;

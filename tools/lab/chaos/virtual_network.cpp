@@ -8,7 +8,6 @@
 namespace padr::lab {
 namespace {
 
-constexpr Micros kLinger = 3 * kMicrosPerSecond;
 constexpr std::size_t kSocketBuffer = 300;  // datagrams
 constexpr int kStepsPerTurn = 8;
 
@@ -81,9 +80,7 @@ bool VirtualNetwork::knocks_in_vain(int person) const {
 
 void VirtualNetwork::leave(int person) {
   Person& p = persons_[at(person)];
-  p.leaving = true;
-  p.leaves_at = now_;
-  p.peer->leave();
+  p.peer->leave(local(p));
 }
 
 void VirtualNetwork::kill(int person) {
@@ -179,8 +176,7 @@ void VirtualNetwork::turn(int person) {
 }
 
 void VirtualNetwork::end_if_done(Person& p) {
-  const bool stayed = p.leaving && now_ - p.leaves_at > kLinger;
-  if (!stayed && !(p.leaving && p.peer->playing() && p.peer->replica().delivered()) && !p.peer->failed()) return;
+  if (!p.peer->done(local(p)) && !p.peer->failed()) return;
   p.runs = false;
   p.peer->finish();
 }

@@ -69,7 +69,7 @@ class VirtualNetwork {
   int persons() const { return static_cast<int>(persons_.size()); }
   /// Runs: has started, and has neither been killed nor come to its end.
   bool runs(int person) const { return persons_[at(person)].runs; }
-  bool leaving(int person) const { return persons_[at(person)].leaving; }
+  bool leaving(int person) const { return persons_[at(person)].peer->leaving(); }
   /// Has got no answer from the only one it was told of, who does not run any more: nobody knows of it, nor it of
   /// anybody.
   bool knocks_in_vain(int person) const;
@@ -112,10 +112,8 @@ class VirtualNetwork {
     double rate = 1;
     Micros born = 0;
     Micros took = -1;
-    Micros leaves_at = 0;
     bool runs = true;
     bool paused = false;
-    bool leaving = false;
     std::deque<std::pair<Endpoint, std::vector<std::byte>>> buffer;  ///< the socket's
     std::vector<Endpoint> refused;
     std::vector<std::string> notes;
