@@ -98,8 +98,8 @@ int main(int argc, char** argv) try {
     while (peer.playing() && peer.next_step() <= now() && !over) {
       peer.step(input(peer.replica()), now());
       draw(peer.replica());
-      if (peer.replica().now() == kEnd) peer.leave();
-      over = peer.replica().now() > kEnd && (peer.replica().delivered() || peer.replica().now() > kEnd + 180);
+      if (peer.replica().now() == kEnd) peer.leave(now());
+      over = peer.done(now());
     }
     for (const padr::node::Parcel& parcel : peer.take_outgoing()) send(socket, parcel);
     for (const padr::node::SessionNote& note : peer.take_notes()) std::printf("%s\n", note.text.c_str());
