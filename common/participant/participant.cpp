@@ -287,6 +287,7 @@ void Participant::take_over() {
     current_.membership = std::make_unique<Membership>(current_.session->state(), *current_.replica);
     current_.session->hand_over_to(current_.membership.get());
   }
+  if (left_at_) plan_farewell();  // told to leave before it was in
   if (!before.session) return;
   collect(before);
   for (PeerId p = 0; p < before.session->slots(); ++p)
@@ -295,6 +296,7 @@ void Participant::take_over() {
 }
 
 void Participant::look_for_way_back(Micros local) {
+  if (left_at_) return;
   const auto where = current_.membership->way_back();
   if (where) current_.membership->announce_way_back();
   if (!where && next_.session && !next_.replica) next_ = {};  // no need any more
@@ -366,19 +368,23 @@ void Participant::knock(const Endpoint& at) {
 }
 
 void Participant::leave(Micros local, bool stay) {
+  if (left_at_) return;
   left_at_ = local;
   stays_ = stay;
   if (playing()) {
-    farewell_ = replica().now() + replica().self() / kFarewells;
-    return;
+    next_ = {};
+    return plan_farewell();
   }
   next_.session->leave();
   collect(next_);
 }
 
+void Participant::plan_farewell() {
+  farewell_ = replica().now() + replica().self() / kFarewells;
+}
+
 void Participant::say_goodbye() {
   current_.replica->leave();
-  next_ = {};
   farewell_.reset();
 }
 
@@ -387,7 +393,7 @@ bool Participant::done(Micros local) const {
   if (!left_at_) return false;
   const bool waited = local - *left_at_ >= config_.linger;
   if (!playing()) return waited;
-  if (nobody_to_tell()) return local > *left_at_;
+  if (nobody_to_tell() && replica().orders() == 0) return local > *left_at_;
   if (farewell_) return false;
   return waited || (replica().delivered() && !(stays_ && session().present() > 1));
 }

@@ -119,6 +119,7 @@ class Participant {
   void watch(Incarnation& incarnation, Micros local);
   void take_over();
   void look_for_way_back(Micros local);
+  void plan_farewell();
   void say_goodbye();
   bool nobody_to_tell() const;
   void collect(Incarnation& incarnation);

@@ -25,6 +25,11 @@ bool ArrivalTimeline::catch_up() {
   return true;
 }
 
+void ArrivalTimeline::finish() {
+  parts_.budget.lift();
+  catch_up();
+}
+
 void ArrivalTimeline::confirm(Tick complete) {
   while (follower_.tick() < complete && parts_.budget.may_step()) {
     for (const Bundle& b : parts_.log.at(follower_.tick())) follower_.apply(b);

@@ -16,7 +16,7 @@ class ArrivalTimeline final : public Timeline {
   void file(const Bundle& bundle) override { arrivals_.add(bundle); }
   void undo(PeerId peer, std::uint32_t from, Tick) override { arrivals_.take_back(peer, from); }
   bool catch_up() override;
-  void finish() override { catch_up(); }
+  void finish() override;
   void step() override { parts_.predicted.step(); }
   void look() override { room_.save(parts_.predicted, now_); }
   void confirm(Tick complete) override;
