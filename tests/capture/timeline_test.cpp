@@ -36,7 +36,8 @@ class Told {
   /// "tick event peer" of the events about the body.
   std::vector<std::string> events() const {
     std::vector<std::string> all;
-    for (const Event& e : timeline_.events().at(77))
+    const auto sessions = timeline_.events();
+    for (const Event& e : sessions.at(77))
       if (e.entity == kBody)
         all.push_back(std::to_string(e.tick) + " " + std::string(e.what) + " " + std::to_string(e.by.slot));
     return all;
