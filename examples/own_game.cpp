@@ -23,7 +23,7 @@ using boost::asio::ip::udp;
 using std::chrono::microseconds;
 using std::chrono::steady_clock;
 
-const padr::Tick kEnd = 10 * padr::kTicksPerSecond;
+const padr::Tick kEnd = 10 * padr::kTicksPerSecond;  // after the begin of play
 
 std::uint16_t port_of(const std::string& text) {
   unsigned port = 0;
@@ -94,12 +94,13 @@ int main(int argc, char** argv) try {
   for (bool over = false; !over;) {
     const auto due = peer.playing() ? std::min(peer.next_due(), peer.next_step()) : peer.next_due();
     io.run_one_until(start + microseconds(due));
-    peer.advance(now());
-    while (peer.playing() && peer.next_step() <= now() && !over) {
-      peer.step(input(peer.replica()), now());
+    const auto time = now();
+    peer.advance(time);
+    while (peer.step_due(time) && !over) {
+      peer.step(input(peer.replica()), time);
       draw(peer.replica());
-      if (peer.replica().now() == kEnd) peer.leave(now());
-      over = peer.done(now());
+      if (peer.replica().playing() && peer.replica().now() >= peer.replica().start().at + kEnd) peer.leave(time);
+      over = peer.done(time);
     }
     for (const padr::node::Parcel& parcel : peer.take_outgoing()) send(socket, parcel);
     for (const padr::node::SessionNote& note : peer.take_notes()) std::printf("%s\n", note.text.c_str());

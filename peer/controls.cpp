@@ -4,7 +4,8 @@
 
 #include "common/model/user_error.h"
 #include "shell/netem_flags.h"
-#include "shell/technique_flags.h"
+#include "shell/netem_text.h"
+#include "shell/technique_text.h"
 #include "shell/text.h"
 
 namespace padr::peer {
@@ -56,7 +57,7 @@ void Controls::follow(const monitor::Netem& n, std::uint32_t order, Micros now) 
   const std::optional<PeerId> to = other(n.to);
   const link::NetemSpec spec = shell::parse_netem_flag("netem", n.spec, nullptr);
   egress_.impair(to, spec, now);
-  const std::string text = to_string(spec);
+  const std::string text = shell::to_string(spec);
   player_.remark({"netem", n.to, text});
   say(EventKind::kNetem, order, n.to, text.empty() ? "unimpaired" : text);
 }
@@ -84,6 +85,7 @@ void Controls::follow(const monitor::Pause& p, std::uint32_t order, Micros now) 
 void Controls::follow(const monitor::Push& p, std::uint32_t order, Micros /*now*/) {
   const node::Replica& replica = player_.replica();
   if (p.body >= replica.live().world().bodies()) throw UserError("body " + std::to_string(p.body) + ": there is none");
+  if (!replica.playing()) throw UserError("body " + std::to_string(p.body) + ": play has not begun");
   if (!replica.may_push(p.body))
     throw UserError("body " + std::to_string(p.body) + ": another peer holds it, or has just won it");
   player_.push(p.body, p.velocity);

@@ -8,6 +8,7 @@
 #include "common/world/world.h"
 #include "shell/run_main.h"
 #include "shell/scenario_flags.h"
+#include "shell/technique_text.h"
 #include "shell/unpredictable.h"
 
 namespace padr::peer {
@@ -69,7 +70,7 @@ void CrowdLoop::note_playing(Micros now) {
   record_.joined_at = now;
   log_.session->info("in the crowd: at home in region {},{} at tick {}", peer_->home().x, peer_->home().y,
                      record_.first_tick);
-  log_.play->info("technique {}", describe(options_.technique));
+  log_.play->info("technique {}", shell::describe(options_.technique));
 }
 
 void CrowdLoop::tell() {

@@ -4,7 +4,9 @@
 
 #include "shell/command_line.h"
 #include "shell/json.h"
+#include "shell/netem_text.h"
 #include "shell/revision.h"
+#include "shell/technique_text.h"
 #include "shell/text.h"
 
 namespace padr::peer {
@@ -21,8 +23,8 @@ void put_crowd_origin(Json& j, const CrowdReport& r) {
   j.field("program", "padr-peer").field("version", shell::version()).field("revision", shell::revision());
   j.field("command", shell::shell_line(o.command));
   j.field("seed", o.crowd->plane.seed).field("region_side_m", static_cast<double>(o.crowd->plane.side));
-  j.field("technique", describe(o.technique)).field("input", o.input);
-  j.field("netem", to_string(o.netem)).field("netem_seed", o.netem_seed);
+  j.field("technique", shell::describe(o.technique)).field("input", o.input);
+  j.field("netem", shell::to_string(o.netem)).field("netem_seed", o.netem_seed);
   j.field("exit_code", r.exit_code).field("reason", r.reason).field("listen", to_string(r.local));
 }
 

@@ -88,6 +88,7 @@ void EventLoop::send_out(Micros now) {
 void EventLoop::end_if_over(Micros now) {
   if (player_->failed()) return end(shell::kExitFailure, player_->session().failure());
   if (!player_->playing() || !player_->done(now)) return;
+  if (!player_->has_begun()) return end(shell::kExitFailure, signal_ + " before the session started");
   if (player_->totals().replica.hash_mismatches > 0) return end(shell::kExitFailure, "confirmed worlds differed");
   end(shell::kExitFine, stopping_ ? "stopped" : "played to the end");
 }
@@ -108,6 +109,7 @@ Micros EventLoop::next_due() const {
 void EventLoop::stop(const std::string& signal, Micros now) {
   if (player_->playing()) {
     if (!player_->leaving()) player_->leave(signal, false, now);
+    signal_ = signal;
   } else {
     player_->give_up(now);
     send_out(now);

@@ -42,6 +42,7 @@ class EventLoop final : public Loop {
   std::unique_ptr<Telemetry> telemetry_;  ///< null: there is no monitor
   std::unique_ptr<Player> player_;
   std::unique_ptr<Controls> controls_;  ///< null: nobody orders anything
+  std::string signal_;                  ///< that has told it to leave
   Status status_;
 };
 

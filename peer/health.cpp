@@ -46,8 +46,8 @@ void Health::remove() {
 
 HealthState Health::state(const Player& player, Micros now) {
   HealthState s;
-  s.playing = player.playing();
-  if (!s.playing) return s;
+  s.playing = player.has_begun();
+  if (!player.playing()) return s;
   const auto confirmed = player.confirmed();
   // Another incarnation may begin at an earlier tick than the one before has confirmed.
   if (player.incarnation() != incarnation_ || confirmed.tick > confirmed_) advanced_ = now;
@@ -58,7 +58,7 @@ HealthState Health::state(const Player& player, Micros now) {
   s.confirmed = confirmed.tick;
   s.hash = confirmed.hash;
   s.still = now - advanced_;
-  s.healthy = s.still < kPatience && confirmed.tick >= 0;
+  s.healthy = s.playing && s.still < kPatience && confirmed.tick >= 0;
   return s;
 }
 

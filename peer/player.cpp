@@ -6,12 +6,11 @@
 #include <utility>
 
 #include "shell/netem_flags.h"
+#include "shell/technique_text.h"
 
 namespace padr::peer {
 namespace {
 
-/// Steps in one go at most when late: datagrams must get their turn, or catching up makes everything worse.
-constexpr int kStepsPerTurn = 8;
 constexpr Micros kTickLength = kMicrosPerSecond / kTicksPerSecond;
 
 Totals operator+(const Totals& a, const Totals& b) {
@@ -90,9 +89,9 @@ void Player::advance(Micros now) {
   if (paused() && now < still_.until) return;
   if (paused()) go_on(now);
   if (now >= participant_.next_due()) participant_.advance(now);
-  for (int i = 0; i < kStepsPerTurn && playing(); ++i) {
-    if (incarnation() != known_incarnation_) begin_incarnation(now);
-    if (now < participant_.next_step() || done(now)) break;
+  while (playing()) {
+    if (incarnation() != known_incarnation_) begin_incarnation();
+    if (!participant_.step_due(now) || done(now)) break;
     step(now);
   }
   tell();
@@ -107,7 +106,7 @@ Micros Player::next_due() const {
   return due > step - kTickLength ? step : due;
 }
 
-void Player::begin_incarnation(Micros now) {
+void Player::begin_incarnation() {
   const node::Session& s = session();
   const Tick next = replica().now() + 1;
   past_ = past_ + present_;
@@ -122,27 +121,47 @@ void Player::begin_incarnation(Micros now) {
     return;
   }
   input_ = shell::load_input(options_.input, options_.scenario.scene, self(), options_.scenario.seed);
-  if (options_.duration > 0)
-    last_input_ = first_tick() + static_cast<Tick>(std::llround(options_.duration * kTicksPerSecond));
-  if (replica().config().incarnation > 0) {
+  const double round_trip_ms = static_cast<double>(s.round_trip()) / 1e3;
+  waited_ = !replica().playing() || replica().config().incarnation == 0;
+  if (replica().config().incarnation == 0) return;
+  if (const int wanted = replica().start().wanted; wanted > present()) {
+    log_.session->info("{}: waiting as peer {} of {}, for {} in all, round trip {:.1f} ms", ours, self(), present(),
+                       wanted, round_trip_ms);
+  } else if (!waited_) {
     log_.session->info("{}: in as peer {} of {} at tick {}, round trip {:.1f} ms", ours, self(), present(), next,
-                       static_cast<double>(s.round_trip()) / 1e3);
-  } else {
-    log_.session->info("{} of {} peers starts in {:.2f} s; this is peer {}, round trip to the founder {:.1f} ms", ours,
-                       replica().config().peers, -static_cast<double>(s.session_now(now)) / kMicrosPerSecond, self(),
-                       static_cast<double>(s.round_trip()) / 1e3);
+                       round_trip_ms);
+    say_what_is_played();
   }
-  log_.play->info("scenario {}, technique {}", options_.scenario.label, describe(options_.technique));
-  for (PeerId p = 0; p < s.slots(); ++p)
+}
+
+void Player::say_what_is_played() {
+  log_.play->info("scenario {}, technique {}", options_.scenario.label, shell::describe(options_.technique));
+  for (PeerId p = 0; p < session().slots(); ++p)
     if (p != self() && replica().other(p).at.is_set())
       log_.session->info("peer {} is at {}", p, to_string(replica().other(p).at));
 }
 
+// A path, and the time to play, begin where play does or, for whoever comes later, where this peer comes in.
+void Player::follow_start() {
+  const sync::Start start = replica().start();
+  if (start.wanted > 0 || first_tick_ >= 0) return;
+  if (waited_) {
+    waited_ = false;
+    log_.session->info("session {} of {} peers starts in {:.2f} s; this is peer {}", session().number(), present(),
+                       std::max(0.0, static_cast<double>(start.at - replica().now()) / kTicksPerSecond), self());
+    say_what_is_played();
+  }
+  if (!replica().playing()) return;
+  first_tick_ = std::max(start.at, history_.incarnations().front().came);
+  if (options_.duration > 0 && !leaving())
+    last_input_ = first_tick_ + static_cast<Tick>(std::llround(options_.duration * kTicksPerSecond));
+}
+
 void Player::step(Micros now) {
+  follow_start();
   watch_clock(now);
   if (!leaving() && replica().now() >= last_input_) leave("the time to play is over", true, now);
-  // A path begins where its player does.
-  const Tick of_input = std::min(replica().now() + 1, last_input_) - first_tick();
+  const Tick of_input = has_begun() ? std::min(replica().now() + 1, last_input_) - first_tick_ : 0;
   const world::View& live = replica().live().world();
   const Vec2 target = steering_.target(input_->target(of_input), live, live.avatar(self()), now);
   const Micros lateness = now - participant_.next_step();
@@ -162,6 +181,7 @@ void Player::watch_clock(Micros now) {
     return;
   }
   catching_up_ = false;
+  if (!has_begun()) return;
   ticks_.lateness.add(lateness);
   if (lateness > kTickLength) ++ticks_.late;
   if (joined_at_ < 0) joined_at_ = now;
@@ -182,7 +202,7 @@ void Player::tell() {
   for (const node::SessionNote& n : participant_.take_notes())
     log_.session->log(n.problem ? spdlog::level::warn : spdlog::level::info, "{}", n.text);
   for (const node::MemberChange& c : participant_.take_changes()) {
-    history_.change(c);
+    if (has_begun()) history_.change(c);
     if (watcher_ != nullptr) watcher_->changed(c);
   }
 }

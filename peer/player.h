@@ -105,8 +105,10 @@ class Player {
   bool returning() const { return participant_.returning(); }
   /// Peers that are there, this one included.
   int present() const;
-  /// First tick played, of the first incarnation.
-  Tick first_tick() const { return history_.incarnations().front().came; }
+  /// Play has begun, and this peer has been in it.
+  bool has_begun() const { return first_tick_ >= 0; }
+  /// First tick played, of the first incarnation; -1: not yet.
+  Tick first_tick() const { return first_tick_; }
   /// When it was, us; -1: not yet.
   Micros joined_at() const { return joined_at_; }
   const TickStats& ticks() const { return ticks_; }
@@ -118,7 +120,9 @@ class Player {
   node::ParticipantConfig config(const node::SessionConfig& session, std::optional<node::ChannelConfig> channels);
   void go_on(Micros now);
   void step(Micros now);
-  void begin_incarnation(Micros now);
+  void begin_incarnation();
+  void follow_start();
+  void say_what_is_played();
   void watch_clock(Micros now);
   void watch_hashes();
   void tell();
@@ -137,8 +141,9 @@ class Player {
   TickStats ticks_;
   Totals past_;     ///< of incarnations gone by
   Totals present_;  ///< of the present one, as of its last step
-  RateLimit limit_;
-  Tick last_input_;  ///< the target stands still from here on
+  Tick first_tick_ = -1;
+  bool waited_ = false;  ///< for the begin of play, which has not been told yet
+  Tick last_input_;      ///< the target stands still from here on
   Micros joined_at_ = -1;
   Micros stepped_at_ = -1;
   int known_incarnation_ = -1;

@@ -7,7 +7,9 @@
 #include "shell/command_line.h"
 #include "shell/json.h"
 #include "shell/key_text.h"
+#include "shell/netem_text.h"
 #include "shell/revision.h"
+#include "shell/technique_text.h"
 #include "shell/text.h"
 
 namespace padr::peer {
@@ -20,8 +22,8 @@ void put_origin(Json& j, const Report& r) {
   j.field("program", "padr-peer").field("version", shell::version()).field("revision", shell::revision());
   j.field("command", shell::shell_line(o.command));
   j.field("scenario", o.scenario.label).field("seed", o.scenario.seed);
-  j.field("technique", describe(o.technique)).field("input", o.input);
-  j.field("netem", to_string(o.netem)).field("netem_seed", o.netem_seed);
+  j.field("technique", shell::describe(o.technique)).field("input", o.input);
+  j.field("netem", shell::to_string(o.netem)).field("netem_seed", o.netem_seed);
   j.field("exit_code", r.exit_code).field("reason", r.reason);
 }
 
@@ -30,8 +32,8 @@ void put_session(Json& j, const Report& r) {
   const node::SessionStats& s = session.stats();
   j.key("session").begin_object();
   j.field("listen", to_string(r.local)).field("number", session.number());
-  j.field("started", r.player.playing()).field("peers", session.present()).field("slots", session.slots());
-  // To the founder, or to whoever let us in.
+  j.field("started", r.player.has_begun()).field("peers", session.present()).field("slots", session.slots());
+  // To whoever let us in.
   j.field("round_trip_ms", static_cast<double>(session.round_trip()) / 1e3);
   j.key("datagrams").begin_object();
   j.field("received", s.datagrams).field("state", s.state).field("session", s.session).field("seal", s.seal);
@@ -123,7 +125,7 @@ void put_traffic(Json& j, const node::ReplicaStats& s) {
 void put_shim(Json& j, const link::Shim& shim) {
   const link::ShimStats& s = shim.stats();
   j.key("shim").begin_object();
-  j.field("netem", to_string(shim.spec())).field("accepted", s.accepted).field("released", s.released);
+  j.field("netem", shell::to_string(shim.spec())).field("accepted", s.accepted).field("released", s.released);
   j.field("lost", s.lost).field("duplicated", s.duplicated).field("corrupted", s.corrupted);
   j.field("reordered", s.reordered).field("overlimit", s.overlimit).field("in_flight", shim.in_flight());
   j.end_object();
@@ -150,7 +152,7 @@ void put_links(Json& j, const Report& r) {
 void put_ticks(Json& j, const Player& p) {
   const TickStats& t = p.ticks();
   j.field("ticks", p.replica().now()).field("first_tick", p.first_tick());
-  j.field("seconds", static_cast<double>(p.replica().now() - p.first_tick()) / kTicksPerSecond);
+  j.field("seconds", p.has_begun() ? static_cast<double>(p.replica().now() - p.first_tick()) / kTicksPerSecond : 0.0);
   j.field("join_ms", static_cast<double>(p.joined_at()) / 1e3);
   j.field("late_ticks", t.late).field("worst_late_ms", static_cast<double>(t.lateness.worst()) / 1e3);
   j.field("late_share",
@@ -187,7 +189,7 @@ std::string summary(const Report& r) {
   put_seal(j, r);
   put_socket(j, r.socket.stats());
   if (r.telemetry != nullptr) put_monitor(j, r.telemetry->stats());
-  if (r.player.playing()) put_play(j, r);
+  if (r.player.has_begun()) put_play(j, r);
   j.end_object();
   return j.text();
 }

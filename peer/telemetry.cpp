@@ -4,7 +4,9 @@
 
 #include "common/model/user_error.h"
 #include "peer/status.h"
+#include "shell/netem_text.h"
 #include "shell/revision.h"
+#include "shell/technique_text.h"
 #include "shell/text.h"
 #include "shell/unpredictable.h"
 
@@ -127,7 +129,7 @@ void Telemetry::begun(const node::Replica& replica, int incarnation) {
   from_.session = replica.config().session;
   from_.slot = replica.self();
   from_.incarnation = replica.config().incarnation;
-  sampler_.begin(replica, incarnation == 0 ? "plays" : "plays in life " + std::to_string(incarnation + 1));
+  sampler_.begin(replica, incarnation == 0 ? "is in the session" : "plays in life " + std::to_string(incarnation + 1));
   beat_ = 0;  // hello
   next_ = 0;
 }
@@ -192,8 +194,8 @@ void Telemetry::tell_hello(const Situation& s) {
   h.scene_hash = scene_hash(options_.scenario.scene);
   const std::size_t length = options_.scenario.text.size();
   h.scenario_bytes = length <= monitor::kMostScenario ? static_cast<std::uint32_t>(length) : 0;
-  h.technique = describe(s.player.technique());
-  h.netem = to_string(s.egress.spec_of_all());
+  h.technique = shell::describe(s.player.technique());
+  h.netem = shell::to_string(s.egress.spec_of_all());
   h.input = options_.input;
   h.rate = sampler_.rate();
   h.detail = sampler_.detail();
@@ -237,7 +239,7 @@ void Telemetry::tell_status(const Situation& s) {
   status.paused = player.paused();
   status.untold = stats_.untold;
   for (monitor::LinkStatus& l : status.links) {
-    l.netem = to_string(s.egress.spec_of(l.to, l.at));
+    l.netem = shell::to_string(s.egress.spec_of(l.to, l.at));
     l.cut_in = l.cut_out = s.cuts.is_cut(l.at);
   }
   send(status);

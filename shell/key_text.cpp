@@ -1,20 +1,14 @@
 #include "shell/key_text.h"
 
 #include <algorithm>
+#include <boost/algorithm/hex.hpp>
+#include <iterator>
 
 namespace padr::shell {
 namespace {
 
-constexpr std::string_view kDigits = "0123456789abcdef";
 constexpr std::string_view kSpace = " \t\r\n";
 constexpr std::string_view kLine = "padr-key";
-
-std::optional<unsigned> digit(char c) {
-  if (c >= 'A' && c <= 'F') c = static_cast<char>(c - 'A' + 'a');
-  const auto at = kDigits.find(c);
-  if (at == std::string_view::npos) return std::nullopt;
-  return static_cast<unsigned>(at);
-}
 
 /// The next word of `text`, which loses it.
 std::string_view word(std::string_view& text) {
@@ -28,10 +22,7 @@ std::string_view word(std::string_view& text) {
 
 std::string key_text(const KeyBytes& key) {
   std::string text;
-  for (const unsigned b : key) {
-    text += kDigits[b >> 4U];
-    text += kDigits[b & 15U];
-  }
+  boost::algorithm::hex_lower(key, std::back_inserter(text));
   return text;
 }
 
@@ -39,11 +30,10 @@ std::optional<KeyBytes> parse_key(std::string_view text) {
   const std::string_view digits = word(text);
   KeyBytes key{};
   if (digits.size() != 2 * key.size() || !word(text).empty()) return std::nullopt;
-  for (std::size_t i = 0; i < key.size(); ++i) {
-    const auto high = digit(digits[2 * i]);
-    const auto low = digit(digits[2 * i + 1]);
-    if (!high || !low) return std::nullopt;
-    key[i] = static_cast<std::uint8_t>(*high << 4U | *low);
+  try {
+    boost::algorithm::unhex(digits, key.begin());
+  } catch (const boost::algorithm::hex_decode_error&) {
+    return std::nullopt;
   }
   return key;
 }

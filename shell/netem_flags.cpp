@@ -2,6 +2,7 @@
 
 #include "common/model/user_error.h"
 #include "shell/command_line.h"
+#include "shell/netem_text.h"
 
 namespace padr::shell {
 
@@ -17,7 +18,7 @@ const char* const kNetemHelp =
 link::NetemSpec parse_netem_flag(std::string_view flag, std::string_view text, std::vector<std::string>* warnings) {
   std::vector<std::string> found;
   try {
-    auto spec = link::parse_netem(text, &found);
+    auto spec = parse_netem(text, &found);
     if (warnings != nullptr)
       for (const auto& line : found) warnings->push_back(std::string(flag) + ": " + line);
     return spec;

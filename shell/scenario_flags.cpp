@@ -8,6 +8,8 @@
 #include "common/scenarios/scenarios.h"
 #include "shell/command_line.h"
 #include "shell/files.h"
+#include "shell/input_text.h"
+#include "shell/path_csv.h"
 
 namespace padr::shell {
 namespace {
@@ -57,10 +59,9 @@ LoadedScenario load_scenario(const std::string& name, std::uint64_t seed) {
 
 std::unique_ptr<scenarios::InputSource> load_input(std::string_view spec, const Scene& scene, int slot,
                                                    std::uint64_t seed) {
-  const scenarios::InputContext context{scene, slot, seed,
-                                        [](const std::string& file) { return read_file("--input", file); }};
+  const InputContext context{scene, slot, seed, [](const std::string& file) { return read_file("--input", file); }};
   try {
-    return scenarios::make_input(spec, context);
+    return make_input(spec, context);
   } catch (const UserError& e) {
     std::string line = e.what();
     if (!line.starts_with("--input")) line = "--" + std::string(line.starts_with("input:") ? "" : "input: ") + line;
@@ -68,15 +69,14 @@ std::unique_ptr<scenarios::InputSource> load_input(std::string_view spec, const 
   }
 }
 
-std::optional<scenarios::PathNotes> notes_on_input(std::string_view spec, const Scene& scene) {
+std::optional<PathNotes> notes_on_input(std::string_view spec, const Scene& scene) {
   constexpr std::string_view kPath = "path:";
   constexpr std::string_view kLoop = ",loop";
   if (!spec.starts_with(kPath)) return std::nullopt;
   spec.remove_prefix(kPath.size());
   if (spec.ends_with(kLoop)) spec.remove_suffix(kLoop.size());
   const std::string file(spec);
-  return scenarios::notes_on_path(scenarios::parse_path_csv(read_file("--input", file), "--input: " + file), file,
-                                  scene);
+  return notes_on_path(parse_path_csv(read_file("--input", file), "--input: " + file), file, scene);
 }
 
 void tell_of_paths(const char* program, const std::vector<std::string>& specs, const Scene& scene) {

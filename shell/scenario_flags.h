@@ -10,7 +10,7 @@
 
 #include "common/model/scene.h"
 #include "common/scenarios/input.h"
-#include "common/scenarios/path_survey.h"
+#include "shell/path_survey.h"
 
 namespace padr::shell {
 
@@ -38,13 +38,13 @@ class ScenarioFlags {
   std::uint64_t seed_ = 1;
 };
 
-/// `path:`, `wander` or `rest`, as scenarios::make_input has it, with files read from disk; `seed` is for input that
+/// `path:`, `wander` or `rest`, as make_input has it, with files read from disk; `seed` is for input that
 /// names none. Throws UserError that starts with --input.
 std::unique_ptr<scenarios::InputSource> load_input(std::string_view spec, const Scene& scene, int slot,
                                                    std::uint64_t seed);
 
 /// What to tell the user of the path that `spec` names; nothing if it names none. Throws UserError as load_input does.
-std::optional<scenarios::PathNotes> notes_on_input(std::string_view spec, const Scene& scene);
+std::optional<PathNotes> notes_on_input(std::string_view spec, const Scene& scene);
 /// The same of each of several, on standard error, each once. `program` begins every line.
 void tell_of_paths(const char* program, const std::vector<std::string>& specs, const Scene& scene);
 

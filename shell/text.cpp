@@ -1,8 +1,8 @@
 #include "shell/text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 
 namespace padr::shell {
@@ -26,9 +26,7 @@ std::size_t sequence_length(std::string_view s) {
 }  // namespace
 
 std::string fixed(double v, int digits) {
-  std::array<char, 400> text{};
-  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), v, std::chars_format::fixed, digits);
-  return {text.data(), end};
+  return fmt::format("{:.{}f}", v, digits);
 }
 
 std::string fixed_or_dash(double v, int digits) {
@@ -36,9 +34,7 @@ std::string fixed_or_dash(double v, int digits) {
 }
 
 std::string hex(std::uint64_t v) {
-  std::string s(16, '0');
-  for (auto c = s.rbegin(); c != s.rend(); ++c, v >>= 4U) *c = "0123456789abcdef"[v & 15U];
-  return s;
+  return fmt::format("{:016x}", v);
 }
 
 std::string valid_utf8(std::string_view text) {

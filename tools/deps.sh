@@ -30,7 +30,7 @@ TEXT
 packages_of() {
   case $1 in
     build) echo g++ cmake ninja-build ccache pkg-config libbox2d-dev libboost-dev protobuf-compiler \
-      libprotobuf-dev libsodium-dev libspdlog-dev libcli11-dev nlohmann-json3-dev libjs-dygraphs ;;
+      libprotobuf-dev libsodium-dev libspdlog-dev libfmt-dev libcli11-dev nlohmann-json3-dev libjs-dygraphs ;;
     run) echo 'gnuplot-nox|gnuplot-qt|gnuplot-x11' librsvg2-bin ;;
     test) echo libgtest-dev libbenchmark-dev librapidcheck-dev python3 chromium chromium-driver \
       python3-selenium tshark tcpdump iproute2 ;;

@@ -22,8 +22,6 @@ constexpr Micros kRetry = 500'000;
 constexpr Micros kPatience = 4 * kMicrosPerSecond;
 /// Who leaves a region lingers at most so long to get its last words across.
 constexpr Micros kLinger = 4 * kMicrosPerSecond;
-/// In one go at most when late: datagrams must get their turn.
-constexpr int kTicksPerTurn = 8;
 /// Between two knocks at those who are in one of our regions on another side.
 constexpr Micros kKnock = 400'000;
 constexpr std::size_t kNotesKept = 256;
@@ -170,8 +168,7 @@ void CrowdPeer::turn(const std::function<Vec2(Tick)>& target, Micros local) {
   find(local);
   const Region first = region_at(config_.plane, config_.start);
   if (const auto it = places_.find(first); !home_ && it != places_.end() && it->second.peer->playing()) home_ = first;
-  for (int i = 0; i < kTicksPerTurn && home_ && local >= places_.at(*home_).peer->next_step(); ++i)
-    tick(target(now() + 1), local);
+  while (home_ && places_.at(*home_).peer->step_due(local)) tick(target(now() + 1), local);
   end_places(local);
 }
 
@@ -203,8 +200,7 @@ void CrowdPeer::leave(Micros local) {
 void CrowdPeer::say_goodbye(Micros local) {
   for (auto& [region, place] : places_) {
     const BodyState stands = held_near(config_.plane, region, avatar_);
-    for (int i = 0; i < kTicksPerTurn && local >= place.peer->next_step(); ++i)
-      place.peer->step_led(stands, stands, stands.position, local);
+    while (place.peer->step_due(local)) place.peer->step_led(stands, stands, stands.position, local);
   }
   end_places(local);
 }

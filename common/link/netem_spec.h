@@ -2,10 +2,7 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
-#include <string_view>
 #include <variant>
-#include <vector>
 
 namespace padr::link {
 
@@ -18,7 +15,7 @@ using Nanos = std::int64_t;
 inline constexpr Nanos kNanosPerMicro = 1'000;
 inline constexpr Nanos kNanosPerSecond = 1'000'000'000;
 
-/// Ranges that parse_netem enforces and the shim relies on.
+/// Ranges that the shim relies on; whoever reads a specification enforces them.
 inline constexpr Nanos kMaxTime = 4'294 * kNanosPerSecond;  ///< what fits tc's 32-bit microseconds
 inline constexpr Nanos kMaxJitter = 2'147'483'647;          ///< the kernel cuts jitter to a 32-bit int of nanoseconds
 inline constexpr int kMaxOverhead = 65'535;                 ///< bytes, either sign; also the largest cell
@@ -92,23 +89,5 @@ struct NetemSpec {
   std::optional<std::uint64_t> seed;  ///< takes the place of the seed a Shim is given
   friend bool operator==(const NetemSpec&, const NetemSpec&) = default;
 };
-
-/// Reads the options of `tc qdisc add ... netem OPTIONS`, as iproute2 does: keywords by prefix, TIME with s, ms, us or
-/// ns (a bare number is microseconds), percentages with or without `%`, rates where `bit` is bits and `bps` is bytes
-/// per second. An empty text is a perfect link.
-///
-/// Stricter than tc where tc takes nonsense: transitions of `loss state` that add up to more than 100 %, infinite
-/// times. Laxer: `distribution uniform` works, `.5` is a number, `duplicate`'s correlation is never ignored, `seed N`
-/// is always known. `ecn` is refused: the datagrams that pass here have no ECN bits.
-///
-/// Things that are legal but rarely meant are added to `warnings`, one line each, unless it is null.
-/// Throws UserError: one line with the word, its number and column, and what is allowed.
-NetemSpec parse_netem(std::string_view text, std::vector<std::string>* warnings = nullptr);
-
-/// Canonical form: only what differs from a perfect link, every unit written. parse_netem(to_string(s)) == s.
-std::string to_string(const NetemSpec& spec);
-
-/// The name that the grammar uses: uniform, normal, pareto, paretonormal.
-std::string_view to_string(Distribution distribution);
 
 }  // namespace padr::link

@@ -59,7 +59,6 @@ void Admissions::on_join(const Endpoint& from, const wire::Join& join, const Rep
   w.peer = guest->slot;
   w.slots = session_.slots;
   w.wanted = session_.wanted;
-  w.running = true;
   w.incarnation = guest->incarnation;
   w.cookie = guest->cookie;
   out.send(from, w);
@@ -115,7 +114,7 @@ bool Admissions::knows_all_orders(const Replica& replica) const {
 }
 
 bool Admissions::may_come_free(const Replica& replica) const {
-  if (!guests_.empty()) return true;
+  if (std::any_of(guests_.begin(), guests_.end(), [](const Guest& g) { return !g.ordered; })) return true;
   for (PeerId p = 0; p < session_.slots; ++p) {
     const Neighbour& n = replica.other(p);
     if (p != session_.self && (!n.there() || replica.unanswered(p) > kMayBeGone)) return true;
@@ -123,10 +122,9 @@ bool Admissions::may_come_free(const Replica& replica) const {
   return false;
 }
 
-bool Admissions::on_ping(const Endpoint& from, const wire::Ping& ping, Micros local, Commands& out) {
+void Admissions::on_ping(const Endpoint& from, const wire::Ping& ping, Micros local, Commands& out) {
   const bool known = std::any_of(guests_.begin(), guests_.end(), [&](const Guest& g) { return g.at == from; });
-  if (known) out.send(from, wire::Pong{ping.sent, session_.clock.now(local), session_.present});
-  return known;
+  if (known) out.send(from, wire::Pong{ping.sent, session_.clock.now(local)});
 }
 
 void Admissions::on_pull(const Endpoint& from, const wire::Pull& pull, const Replica& replica,
@@ -199,7 +197,7 @@ void Admissions::pass_on(const Endpoint& from, const wire::Enter& enter, const E
 }
 
 void Admissions::advance(Micros local) {
-  std::erase_if(guests_, [local](const Guest& g) { return local - g.since > kStay; });
+  std::erase_if(guests_, [local](const Guest& g) { return local - g.since > (g.proven ? kStay : kUnproven); });
 }
 
 }  // namespace padr::node

@@ -14,7 +14,7 @@ class Admissions {
   explicit Admissions(const SessionView& session) : session_(session) {}
 
   void on_join(const Endpoint& from, const wire::Join& join, const Replica& replica, Micros local, Commands& out);
-  bool on_ping(const Endpoint& from, const wire::Ping& ping, Micros local, Commands& out);
+  void on_ping(const Endpoint& from, const wire::Ping& ping, Micros local, Commands& out);
   /// `gone`: see sync::Transfer.
   void on_pull(const Endpoint& from, const wire::Pull& pull, const Replica& replica, std::vector<Endpoint> gone,
                Commands& out);
@@ -22,6 +22,9 @@ class Admissions {
   void on_enter(const Endpoint& from, const wire::Enter& enter, const Replica& replica, bool may_admit, Commands& out);
   /// Another peer is the coordinator now: redirects the joiner to it, unless it is admitted already.
   void pass_on(const Endpoint& from, const wire::Enter& enter, const Endpoint& coordinator, Commands& out);
+  /// Time to show that its address is its own: somebody who invents addresses takes no slot from others for longer; us.
+  static constexpr Micros kUnproven = 3 * kMicrosPerSecond;
+
   /// Forgets joiners that have not come in.
   void advance(Micros local);
   /// Joiners that are being admitted; one a slot at most.

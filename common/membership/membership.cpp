@@ -24,6 +24,7 @@ Membership::Membership(SessionState& session, RecordedReplica& replica)
       merge_(session) {
   replica.set_judge(
       [this](const sync::StatePacket& packet) { return misbehaviour_.judge(packet, replica_.replica(), evictions_); });
+  count_present();
 }
 
 void Membership::on_join(const Endpoint& from, const wire::Join& join, Micros local) {
@@ -139,9 +140,13 @@ void Membership::advance(Micros local) {
   merge_.advance(view, commands_);
   watch_confirmed();
   admissions_.advance(local);
+  count_present();
+}
+
+void Membership::count_present() {
   int present = 1;
   for (PeerId p = 0; p < session_.slots; ++p)
-    if (p != session_.self && view.other(p).there()) ++present;
+    if (p != session_.self && replica_.replica().other(p).there()) ++present;
   commands_.count_present(present);
 }
 

@@ -20,9 +20,9 @@ class Membership {
   Membership(SessionState& session, RecordedReplica& replica);
 
   void on_join(const Endpoint& from, const wire::Join& join, Micros local);
-  /// False if it is not from a joiner.
-  bool on_ping(const Endpoint& from, const wire::Ping& ping, Micros local) {
-    return admissions_.on_ping(from, ping, local, commands_);
+  /// Answered if it is from a joiner.
+  void on_ping(const Endpoint& from, const wire::Ping& ping, Micros local) {
+    admissions_.on_ping(from, ping, local, commands_);
   }
   /// `bytes`: of the whole datagram.
   void receive(const Endpoint& from, const wire::Header& header, const wire::MembershipMessage& message,
@@ -59,6 +59,7 @@ class Membership {
 
  private:
   void follow_changes();
+  void count_present();
   void note_former_incarnations(const std::vector<MemberChange>& changes);
   void end_former_incarnations();
   /// Whether an eviction may be near.

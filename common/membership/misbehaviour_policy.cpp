@@ -76,10 +76,19 @@ bool may_pass_on(const Bundle& lost, const Bundle& by, const Replica& replica, c
   return of_nobody_now && may_coordinate(by.peer, by.tick, replica, evictions);
 }
 
+bool admitter_is_lost(const Bundle& by, const Replica& replica) {
+  const PeerId admitter = replica.admitted_by();
+  if (admitter == kNoPeer) return false;
+  const Neighbour& n = replica.other(admitter);
+  return !n.there() || n.since > replica.in_since() ||
+         std::any_of(by.removals.begin(), by.removals.end(),
+                     [admitter](const sync::Removal& r) { return r.slot == admitter; });
+}
+
 /// The peer that admitted us may have been lost before the others heard of us. Then nobody could ask us for its
-/// updates.
+/// updates, nor for those of who was lost with it.
 bool could_not_ask(const Bundle& by, PeerId lost, const Replica& replica, const Evictions& evictions) {
-  return replica.config().incarnation > 0 && by.tick <= replica.in_since() + Evictions::kWithheld &&
+  return by.tick <= replica.in_since() + Evictions::kWithheld && admitter_is_lost(by, replica) &&
          Evictions::suspected(replica, lost) && may_coordinate(by.peer, by.tick, replica, evictions);
 }
 

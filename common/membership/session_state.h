@@ -17,7 +17,7 @@ namespace padr::node {
 struct SessionConfig {
   std::optional<Endpoint> join;  ///< any member; absent: found a session
   // The founder's to say:
-  int wanted = 2;  ///< peers to wait for, 1 .. slots
+  int wanted = 2;  ///< members that play waits for, 1 .. slots
   int slots = 2;   ///< avatar slots, wanted .. kMaxPeers
   // What all must have alike; a Participant fills it in:
   std::uint64_t scene_hash = 0;
@@ -33,16 +33,15 @@ struct SessionConfig {
   /// A region of a crowd is founded: alone, at once, and it is this session time (us) now.
   std::optional<Micros> begins_at{};
   bool sealed = false;  ///< it has a key; for messages to people
-  /// us from the beginning to the start of the session at most; 0: no limit.
+  /// us from the beginning to the begin of play at most; 0: no limit.
   Micros patience = 30 * kMicrosPerSecond;
 };
 
 enum class SessionPhase : std::uint8_t {
-  kJoining,    ///< asks to be let in
-  kGathering,  ///< is a member and waits for the others
-  kEntering,   ///< the session runs: gets the agreed world, then is admitted
-  kStarted,    ///< who is there at tick 0 is known, and when that is
-  kFailed,     ///< see failure()
+  kJoining,   ///< asks to be let in
+  kEntering,  ///< gets the agreed world, then is admitted
+  kMember,    ///< has founded it, or has been admitted
+  kFailed,    ///< see failure()
 };
 
 struct SessionDatagram {
@@ -57,19 +56,9 @@ struct SessionNote {
 
 /// How often peers repeat themselves, and how long they wait; us.
 struct SessionPace {
-  static constexpr Micros kTick = 10'000;         ///< timers are looked at this often
-  static constexpr Micros kJoin = 200'000;        ///< between two Joins
-  static constexpr Micros kUnheard = 700'000;     ///< after being passed on, until asking where it asked first
-  static constexpr Micros kPing = 33'000;         ///< between two Pings until the clock is agreed
-  static constexpr Micros kIdlePing = 200'000;    ///< afterwards: says that we are there
-  static constexpr Micros kStart = 60'000;        ///< between two Starts to one member before tick 0
-  static constexpr Micros kLateStart = 250'000;   ///< afterwards
-  static constexpr Micros kUnproven = 3'000'000;  ///< for a newcomer to show that its address is its own
-  static constexpr Micros kSilence = 5'000'000;   ///< until a member counts as gone
-  static constexpr Micros kStartLead = 600'000;   ///< between the last arrival and tick 0 at least
-  static constexpr Micros kMostStartLead = 5'000'000;
-  static constexpr int kStartLeadTrips = 6;    ///< and so many round trips of the farthest member more
-  static constexpr std::size_t kSamples = 24;  ///< of the clock before it counts as agreed
+  static constexpr Micros kTick = 10'000;      ///< timers are looked at this often
+  static constexpr Micros kJoin = 200'000;     ///< between two Joins
+  static constexpr Micros kUnheard = 700'000;  ///< after being passed on, until asking where it asked first
 };
 
 /// What a session is to this peer: all that the rules of membership see of it.
@@ -84,11 +73,10 @@ struct SessionView {
   SessionClock clock;
 };
 
-/// A session in progress, and what it sends: the founder's and the joiner's part both work on it.
+/// A session in progress, and what it sends.
 struct SessionState : SessionView {
   SessionPhase phase = SessionPhase::kJoining;
   std::string failure;
-  wire::Roster beginners;  ///< who is there at tick 0, by slot; empty for whoever comes later
   Micros born = 0;
   std::vector<SessionDatagram> outgoing;
   std::vector<SessionNote> notes;

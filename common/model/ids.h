@@ -5,7 +5,7 @@
 
 namespace padr {
 
-/// Session-wide number of a peer, dealt out by the founder: 0 is the founder.
+/// Number of a peer in its session, that of its slot: 0 is the founder, until it goes.
 using PeerId = std::uint8_t;
 inline constexpr PeerId kNoPeer = 0xFF;
 /// Avatar slots and peers of one session at most; one byte on the wire, one bit in a PeerSet.

@@ -69,6 +69,7 @@ struct Technique {
   /// Without replay: an update is moved on by its age when it arrives, as DIS practice has it; off: applied as if true
   /// on arrival (the paper's).
   bool time_stamps = false;
+  friend bool operator==(const Technique&, const Technique&) = default;
 };
 
 /// Whether bodies that nobody owns play out in the player's own world alone. Without authority nobody owns any.
@@ -79,29 +80,5 @@ inline bool plays_unowned_alone(const Technique& t) {
 /// `avatar-only`, `fixed`, `adaptive`, `full` or `everything`; UserError names them on anything else.
 Technique technique_by_name(std::string_view name);
 std::vector<std::string_view> technique_names();
-
-// Knobs as people write them. Each throws UserError naming the flag, the value and what is allowed.
-void set_threshold(Technique& t, std::string_view text);       ///< "0.5" or "0.8:0.3", metres, 0.001 .. 100, high:low
-void set_body_threshold(Technique& t, std::string_view text);  ///< metres, 0.001 .. 100, or "off"
-void set_model(Technique& t, std::string_view text);           ///< static|first|second|input
-void set_predictor(Technique& t, std::string_view text);       ///< none|lookahead|density|path-density|pcc
-void set_law(Technique& t, std::string_view text);             ///< two-level|continuous
-void set_convergence(Technique& t, std::string_view text);     ///< snap|blend|pvb
-void set_lead(Technique& t, std::string_view text);            ///< seconds, 0 .. 1
-void set_time_space(Technique& t, std::string_view text);      ///< seconds, 0.001 .. 100, or "off"
-void set_replay(Technique& t, std::string_view text);          ///< on|off
-void set_radius(Technique& t, std::string_view text);          ///< metres, 0.1 .. 100
-void set_steps(Technique& t, std::string_view text);           ///< ticks, 1 .. 600
-void set_count(Technique& t, std::string_view text);           ///< bodies, 1 .. 5000
-void set_end_update(Technique& t, std::string_view text);      ///< on|off
-void set_proxy_update(Technique& t, std::string_view text);    ///< on|off
-void set_rest_state(Technique& t, std::string_view text);      ///< on|off
-void set_pcc_bound(Technique& t, std::string_view text);       ///< metres, 0 .. 1000
-void set_precision(Technique& t, std::string_view text);       ///< exact|rounded
-void set_unowned(Technique& t, std::string_view text);         ///< live|agreed
-void set_time_stamps(Technique& t, std::string_view text);     ///< on|off
-
-/// One line: the name and every knob, in the form the flags take.
-std::string describe(const Technique& t);
 
 }  // namespace padr

@@ -29,6 +29,7 @@ std::string first_difference(const sync::FoldState& ours, const sync::FoldState&
     if (ours.residents.slots[b] != theirs.residents.slots[b])
       return where + " in the content of body slot " + std::to_string(b);
   if (ours.residents != theirs.residents) return where + " in the bodies that have gone";
+  if (ours.start != theirs.start) return where + " in when play begins";
   if (ours.members != theirs.members) return where + " in the members";
   if (ours.avatars != theirs.avatars) return where + " in an avatar's model";
   if (ours.world.contacts != theirs.world.contacts) return where + " in the contacts' memory";

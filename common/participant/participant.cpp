@@ -6,11 +6,8 @@
 #include <utility>
 
 #include "common/membership/misbehaviour_policy.h"
-#include "common/model/observed_address.h"
 #include "common/model/rng.h"
 #include "common/model/user_error.h"
-#include "common/wire/signature.h"
-#include "common/wire/transfer_codec.h"
 #include "common/world/world.h"
 
 namespace padr::node {
@@ -18,19 +15,10 @@ namespace {
 
 /// A step that is later than this means that the process was held up. It heard no peer because it did not listen.
 constexpr Micros kHeldUp = 400'000;
-/// A transfer's tick against the session's by our clock: what lies further off is not of this session, or would take us
-/// for ever to step up to. Ticks.
-constexpr Tick kMostAhead = 2 * kTicksPerSecond;
-constexpr Tick kMostBehind = 120 * kTicksPerSecond;
 /// The clock is corrected so often; what it is corrected by is measured over seconds.
 constexpr Tick kSteerEvery = kTicksPerSecond / 2;
-/// A newcomer steps so many ticks in one call at most: datagrams must get their turn.
-constexpr Tick kAtOnce = kTicksPerSecond;
 /// When all peers are stopped at once, this many leave in one tick, because every peer answers every goodbye.
 constexpr int kFarewells = 4;
-/// Between two attempts to come back.
-constexpr Micros kTryAgain = 500'000;
-constexpr Micros kReturnPatience = 6 * kMicrosPerSecond;
 /// Between two words about datagrams that do not fit the session's key.
 constexpr Micros kWarnAgain = 10 * kMicrosPerSecond;
 
@@ -60,26 +48,6 @@ Participant::Participant(const Scene& scene, ParticipantConfig config, Micros lo
 }
 
 Participant::~Participant() = default;
-
-ReplicaConfig Participant::replica_config(const Session& session) const {
-  ReplicaConfig c = config_.replica;
-  c.self = session.self();
-  c.slots = session.slots();
-  c.session = session.number();
-  c.incarnation = session.incarnation();
-  if (channels_)
-    c.sign = [key = channels_->signing_key(), said = wire::Said{c.session, c.incarnation}](const sync::Bundle& b) {
-      return wire::sign_update(key, said, b);
-    };
-  return c;
-}
-
-Replica::ConfirmedSink Participant::sink() {
-  if (!config_.on_confirmed) return {};
-  return [this, incarnation = begun_](const sync::FoldState& s, std::uint64_t hash) {
-    config_.on_confirmed(incarnation, s, hash);
-  };
-}
 
 void Participant::receive(const Endpoint& from, std::span<const std::byte> datagram, Micros local) {
   local_ = local;
@@ -157,155 +125,9 @@ void Participant::advance(Micros local) {
   for (Incarnation* incarnation : {&current_, &next_})
     if (incarnation->session && local >= incarnation->session->next_due()) incarnation->session->advance(local);
   if (next_.session) bring_in_next(local);
+  if (playing()) give_up_waiting(local);
   collect(current_);
   collect(next_);
-}
-
-void Participant::bring_in_next(Micros local) {
-  Session& s = *next_.session;
-  if (s.phase() == SessionPhase::kFailed && current_.session) {
-    collect(next_);
-    next_ = {};
-    try_again_ = local + kTryAgain;
-  } else if (s.lost_introducer()) {
-    ask_again(local);
-  } else if (!next_.replica && (s.phase() == SessionPhase::kStarted || s.may_enter())) {
-    if (const std::string why = no_room_for(s); !why.empty()) return s.state().fail(why);
-    if (s.phase() == SessionPhase::kStarted && config_.session.begins_at && !config_.session.join)
-      found_region();
-    else if (s.phase() == SessionPhase::kStarted)
-      begin_at_tick_0();
-    else
-      begin_later(local);
-  } else if (next_.replica && next_.replica->replica().member()) {
-    s.admitted();
-    take_over();
-  } else if (next_.membership) {
-    watch(next_, local);
-  } else if (next_.replica) {
-    catch_up(next_, local);
-  }
-}
-
-// Who was letting us in for the first time has ended: somebody else will.
-void Participant::ask_again(Micros local) {
-  SessionConfig c = config_.session;
-  if (c.patience > 0) c.patience -= local - began_;
-  if (config_.session.patience > 0 && c.patience <= 0) return;
-  collect(next_);
-  next_ = {};
-  c.seed = derive_seed(c.seed, 0xA6A, ++tries_);
-  next_.session = std::make_unique<Session>(c, local);
-}
-
-// The number of slots is the founder's to say: it may be mistaken, or lie.
-std::string Participant::no_room_for(const Session& session) const {
-  const std::size_t places = scene_.avatar.spawns.size();
-  if (static_cast<std::size_t>(session.slots()) <= places) return "";
-  return "the session has more avatar slots (" + std::to_string(session.slots()) +
-         ") than the scenario has places to start from (" + std::to_string(places) + ")";
-}
-
-// Not in yet: steps along, so that it is up to date when it is.
-void Participant::watch(Incarnation& incarnation, Micros local) {
-  const Micros now = incarnation.session->session_now(local);
-  for (Tick i = 0; i < kAtOnce && tick_start(incarnation.replica->replica().now() + 1) <= now; ++i) {
-    incarnation.replica->step({});
-    incarnation.membership->advance(local);
-  }
-}
-
-// From the tick of the agreed world that it was given to the present one; then it asks to be let in.
-void Participant::catch_up(Incarnation& incarnation, Micros local) {
-  if (!incarnation.replica->catch_up(kAtOnce)) return;
-  incarnation.membership = std::make_unique<Membership>(incarnation.session->state(), *incarnation.replica);
-  // Members among them are forgotten again; a slot's address says nothing, its peer may be gone.
-  for (const Endpoint& at : std::exchange(incarnation.gone, {})) incarnation.membership->remember(at);
-  incarnation.session->hand_over_to(incarnation.membership.get());
-  incarnation.session->enter(local);
-}
-
-void Participant::begin_at_tick_0() {
-  ReplicaConfig c = replica_config(*next_.session);
-  const wire::Roster& beginners = next_.session->beginners();
-  c.peers = static_cast<int>(beginners.size());
-  next_.replica = std::make_unique<RecordedReplica>(
-      scene_, c, config_.recording ? config_.recording(begun_) : std::nullopt, sink());
-  for (PeerId p = 0; p < beginners.size(); ++p) next_.replica->locate(p, beginners[p]);
-  take_over();
-}
-
-void Participant::found_region() {
-  const ReplicaConfig c = replica_config(*next_.session);
-  const auto now = static_cast<Tick>(*config_.session.begins_at * kTicksPerSecond / kMicrosPerSecond);
-  const sync::Transfer start = sync::founding(scene_, c.slots, c.technique.authority, now, c.incarnation);
-  next_.replica = std::make_unique<RecordedReplica>(
-      scene_, c, start, now, config_.recording ? config_.recording(begun_) : std::nullopt, sink());
-  next_.replica->catch_up(0);  // it is there already
-  take_over();
-}
-
-void Participant::begin_later(Micros local) {
-  Session& s = *next_.session;
-  auto transfer = wire::decode_transfer(s.transfer(), scene_, s.slots());
-  if (!transfer || transfer->slots.size() <= s.introducer_number()) {
-    s.state().fail("the transfer of " + to_string(s.introducer()) + " does not decode");
-    return;
-  }
-  const Tick now = static_cast<Tick>(s.session_now(local) * kTicksPerSecond / kMicrosPerSecond);
-  const Tick then = transfer->state.tick;
-  if (then > now + kMostAhead || then < now - kMostBehind) {
-    s.state().fail("the transfer of " + to_string(s.introducer()) + " is of tick " + std::to_string(then) +
-                   ", but the session is at " + std::to_string(now));
-    return;
-  }
-  transfer->slots[s.introducer_number()].at = s.introducer();
-  if (channels_ && !said(*transfer, s.number())) {
-    s.state().fail("the transfer of " + to_string(s.introducer()) + " has updates without a valid signature");
-    return;
-  }
-  for (sync::Transfer::Slot& slot : transfer->slots)
-    if (slot.at.is_set()) slot.at = as_seen_from(slot.at, s.introducer());
-  if (current_.replica) {
-    const sync::FoldState* ours = current_.replica->replica().agreed().confirmed_at(transfer->state.tick);
-    const std::string difference = ours == nullptr ? "" : first_difference(*ours, transfer->state);
-    if (!difference.empty()) s.state().note("here and there " + difference, true);
-  }
-  next_.replica =
-      std::make_unique<RecordedReplica>(scene_, replica_config(s), *transfer, std::max(now, transfer->state.tick),
-                                        config_.recording ? config_.recording(begun_) : std::nullopt, sink());
-  for (const Endpoint& at : transfer->gone) next_.gone.push_back(as_seen_from(at, s.introducer()));
-  catch_up(next_, local);
-}
-
-void Participant::take_over() {
-  Incarnation before = std::move(current_);
-  current_ = std::move(next_);
-  next_ = {};
-  ++begun_;
-  if (!current_.membership) {
-    current_.membership = std::make_unique<Membership>(current_.session->state(), *current_.replica);
-    current_.session->hand_over_to(current_.membership.get());
-  }
-  if (left_at_) plan_farewell();  // told to leave before it was in
-  if (!before.session) return;
-  collect(before);
-  for (PeerId p = 0; p < before.session->slots(); ++p)
-    current_.membership->remember(before.replica->replica().other(p).at);
-  before.replica->finish(true);
-}
-
-void Participant::look_for_way_back(Micros local) {
-  if (left_at_) return;
-  const auto where = current_.membership->way_back();
-  if (where) current_.membership->announce_way_back();
-  if (!where && next_.session && !next_.replica) next_ = {};  // no need any more
-  if (next_.session || local < try_again_ || !where || !where->is_set()) return;
-  SessionConfig c = config_.session;
-  c.join = *where;
-  c.seed = derive_seed(c.seed, 0xBAC, ++tries_);
-  c.patience = kReturnPatience;
-  next_.session = std::make_unique<Session>(c, local);
 }
 
 Micros Participant::next_due() const {
@@ -317,6 +139,10 @@ Micros Participant::next_due() const {
 
 Micros Participant::next_step() const {
   return current_.session->local_at(tick_start(replica().now() + 1));
+}
+
+bool Participant::step_due(Micros local) const {
+  return playing() && local >= next_step() && (local != turn_ || steps_ < kStepsPerTurn);
 }
 
 void Participant::step(Vec2 target, Micros local) {
@@ -333,7 +159,10 @@ void Participant::step_led(const BodyState& from, const BodyState& to, Vec2 targ
 
 Micros Participant::before_step(Micros local) {
   local_ = local;
+  steps_ = local == turn_ ? steps_ + 1 : 1;
+  turn_ = local;
   if (farewell_ && replica().now() >= *farewell_) say_goodbye();
+  if (replica().playing()) current_.session->settle_clock();
   const Micros lateness = current_.session->session_now(local) - tick_start(replica().now() + 1);
   if (lateness > kHeldUp) current_.replica->excuse_silence();
   return lateness;
@@ -371,12 +200,9 @@ void Participant::leave(Micros local, bool stay) {
   if (left_at_) return;
   left_at_ = local;
   stays_ = stay;
-  if (playing()) {
-    next_ = {};
-    return plan_farewell();
-  }
-  next_.session->leave();
-  collect(next_);
+  if (!playing()) return;
+  next_ = {};
+  plan_farewell();
 }
 
 void Participant::plan_farewell() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -29,10 +30,10 @@ struct ParticipantConfig {
   std::function<void(int incarnation, const sync::FoldState& state, std::uint64_t hash)> on_confirmed;
 };
 
-/// A whole peer but for its clock, socket and input: comes together with others or into a running session, plays, and
-/// finds its way back when it was declared gone, fell out with the rest or met a larger side after a partition. Each
-/// time it begins a new incarnation, with a fresh replica that has taken over the agreed world; until that is in, the
-/// old one goes on.
+/// A whole peer but for its clock, socket and input: founds a session or comes into one, waits there for those that
+/// play waits for, plays, and finds its way back when it was declared gone, fell out with the rest or met a larger side
+/// after a partition. Each time it begins a new incarnation, with a fresh replica that has taken over the agreed world;
+/// until that is in, the old one goes on.
 class Participant {
  public:
   /// `local`: microseconds on any monotonic clock of the caller's, the same for all calls. Throws UserError if the
@@ -54,6 +55,10 @@ class Participant {
   bool playing() const { return current_.replica != nullptr; }
   /// Local time of the next step; only when playing.
   Micros next_step() const;
+  /// Whether that has come, and no more than kStepsPerTurn steps have been made with this very `local`: datagrams must
+  /// get their turn, or catching up makes everything worse.
+  bool step_due(Micros local) const;
+  static constexpr int kStepsPerTurn = 8;
   /// One tick, with the avatar driven towards `target` (m).
   void step(Vec2 target, Micros local);
   /// Plays by other knobs from the next step on, in incarnations to come too; `authority` must stay.
@@ -70,7 +75,7 @@ class Participant {
   void remark(const trace::Remark& r) { current_.replica->remark(r); }
   /// Tells somebody who says that it is in this session, but is no member, who is: so that sides come together.
   void knock(const Endpoint& at);
-  /// Says goodbye: with the next step when playing, or some ticks later where many play; at once before. `stay`: waits
+  /// Says goodbye: with the next step when playing, or some ticks later where many play. `stay`: waits
   /// for the others' end, too, so that they get what they lack.
   void leave(Micros local, bool stay = false);
   bool leaving() const { return left_at_.has_value(); }
@@ -91,7 +96,11 @@ class Participant {
   /// Lives begun so far, less one.
   int incarnation() const { return begun_ - 1; }
   bool returning() const { return playing() && next_.session != nullptr; }
-  bool failed() const { return !current_.session && next_.session->phase() == SessionPhase::kFailed; }
+  /// It did not come in, or has left because too few came; session().failure() says why.
+  bool failed() const {
+    if (!current_.session) return next_.session->phase() == SessionPhase::kFailed;
+    return !current_.session->failure().empty() && done(local_);
+  }
   PeerId coordinator() const { return current_.membership->coordinator(); }
   /// Null if the session has no key.
   const SecureChannels* channels() const { return channels_ ? &*channels_ : nullptr; }
@@ -109,12 +118,12 @@ class Participant {
   void ask_again(Micros local);
   /// Why not; empty if it has.
   std::string no_room_for(const Session& session) const;
-  void begin_at_tick_0();
-  void found_region();
+  void found();
+  void give_up_waiting(Micros local);
   /// By how much the step begins after the time of its tick, us.
   Micros before_step(Micros local);
   void after_step(Micros local);
-  void begin_later(Micros local);
+  void begin_with_transfer(Micros local);
   void catch_up(Incarnation& incarnation, Micros local);
   void watch(Incarnation& incarnation, Micros local);
   void take_over();
@@ -129,12 +138,16 @@ class Participant {
   void warn_of_last_key();
   void warn_of_drops(const Endpoint& place, Micros local);
   ReplicaConfig replica_config(const Session& session) const;
+  /// Where the incarnation that is being begun is recorded, if anywhere.
+  std::optional<RecordedReplica::Recording> recording() const;
   Replica::ConfirmedSink sink();
 
   Scene scene_;
   ParticipantConfig config_;
   std::optional<SecureChannels> channels_;
-  Micros local_;  ///< of the last call
+  Micros local_;                                      ///< of the last call
+  Micros turn_ = std::numeric_limits<Micros>::min();  ///< `local` of the last step
+  int steps_ = 0;                                     ///< made with it
   std::uint64_t drops_told_ = 0;
   Micros warned_;
   bool last_key_told_ = false;

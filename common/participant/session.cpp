@@ -3,7 +3,7 @@
 #include <cassert>
 #include <utility>
 
-#include "common/participant/session_founder.h"
+#include "common/model/rng.h"
 #include "common/participant/session_joiner.h"
 
 namespace padr::node {
@@ -16,11 +16,24 @@ Session::Session(const SessionConfig& config, Micros local) {
   if (config.join) {
     joiner_ = std::make_unique<Joiner>(session_, local);
   } else {
-    founder_ = std::make_unique<Founder>(session_, local);
+    found(local);
   }
 }
 
 Session::~Session() = default;
+
+void Session::found(Micros local) {
+  const SessionConfig& c = session_.config;
+  std::uint64_t seed = c.seed;
+  while (session_.number == 0) session_.number = static_cast<std::uint16_t>(splitmix64(seed));
+  session_.self = 0;
+  session_.wanted = c.wanted;
+  session_.slots = c.slots;
+  session_.present = 1;
+  if (c.begins_at) session_.incarnation = 1 + Rng(c.seed).below(sync::kMostFounding);
+  session_.clock.set(c.begins_at.value_or(0) - local);
+  session_.phase = SessionPhase::kMember;
+}
 
 void Session::on_refused(const Endpoint& from, std::size_t bytes, wire::SealError why, std::uint8_t version,
                          Micros local) {
@@ -34,7 +47,7 @@ bool Session::receive(const Endpoint& from, const wire::Opened& opened, Micros l
   const wire::Header& h = opened.header;
   if (h.kind == wire::Kind::kState) {
     const bool ours = h.session == session_.number && session_.number != 0;
-    if (!ours || !is_at(h.sender, from)) {
+    if (!ours || membership_ == nullptr || !membership_->is_at(h.sender, from)) {
       ++stats_.foreign;
       if (ours && membership_ != nullptr) membership_->on_stranger(from, opened.datagram.size(), local);
       return false;
@@ -65,14 +78,9 @@ bool Session::receive(const Endpoint& from, const wire::Opened& opened, Micros l
   return false;
 }
 
-bool Session::is_at(PeerId p, const Endpoint& where) const {
-  if (membership_ != nullptr) return membership_->is_at(p, where);
-  return p < session_.beginners.size() && p != session_.self && session_.beginners[p] == where;
-}
-
 void Session::unreachable(const Endpoint& at, Micros local) {
   if (membership_ != nullptr) membership_->on_unreachable(at);
-  if (session_.phase == SessionPhase::kEntering && late_joiner_) late_joiner_->on_unreachable(at);
+  if (session_.phase == SessionPhase::kEntering) entry_->on_unreachable(at);
   if (joiner_) joiner_->on_unreachable(at, local);
 }
 
@@ -89,7 +97,7 @@ void Session::take_membership(const Endpoint& from, const wire::Opened& opened, 
   }
   ++stats_.session;
   if (const auto* piece = std::get_if<wire::Piece>(&*message)) {
-    if (late_joiner_ && session_.phase == SessionPhase::kEntering) late_joiner_->on_piece(from, *piece, local);
+    if (session_.phase == SessionPhase::kEntering) entry_->on_piece(from, *piece, local);
   } else if (membership_ != nullptr) {
     membership_->receive(from, header, *message, opened.datagram.size(), local);
   }
@@ -98,38 +106,26 @@ void Session::take_membership(const Endpoint& from, const wire::Opened& opened, 
 void Session::dispatch(const Endpoint& from, const wire::Header& header, const wire::SessionMessage& message,
                        Micros local) {
   if (session_.phase == SessionPhase::kFailed) return;
-  if (membership_ != nullptr) {
-    if (const auto* join = std::get_if<wire::Join>(&message)) return membership_->on_join(from, *join, local);
-    // A founding peer that comes back asks for the session's time, not for the founder's.
-    const auto* ping = std::get_if<wire::Ping>(&message);
-    if (ping != nullptr && membership_->on_ping(from, *ping, local)) return;
-  }
-  if (founder_) {
-    if (const auto* join = std::get_if<wire::Join>(&message)) founder_->on_join(from, *join, local);
-    if (const auto* ping = std::get_if<wire::Ping>(&message)) founder_->on_ping(from, *ping, local);
-    if (const auto* ready = std::get_if<wire::Ready>(&message)) founder_->on_ready(from, *ready, local);
-    if (const auto* bye = std::get_if<wire::Bye>(&message)) founder_->on_bye(from, *bye);
-    return;
-  }
-  if (const auto* join = std::get_if<wire::Join>(&message)) joiner_->on_join(from, *join, local);
+  const auto* join = std::get_if<wire::Join>(&message);
+  const auto* ping = std::get_if<wire::Ping>(&message);
+  if (membership_ != nullptr && join != nullptr) return membership_->on_join(from, *join, local);
+  if (membership_ != nullptr && ping != nullptr) return membership_->on_ping(from, *ping, local);
+  if (!joiner_) return;
+  if (join != nullptr) joiner_->on_join(from, *join, local);
   if (const auto* welcome = std::get_if<wire::Welcome>(&message)) {
-    joiner_->on_welcome(from, header, *welcome, local);
-    if (session_.phase == SessionPhase::kEntering && !late_joiner_) {
+    joiner_->on_welcome(from, header, *welcome);
+    if (session_.phase == SessionPhase::kEntering && !entry_) {
       admissions_ = header.sender;
-      late_joiner_ = std::make_unique<LateJoiner>(session_, from, *welcome, local);
+      entry_ = std::make_unique<Entry>(session_, from, *welcome, local);
     }
   }
   if (const auto* redirect = std::get_if<wire::Redirect>(&message)) {
-    if (late_joiner_) late_joiner_->on_redirect(from, *redirect);
+    if (entry_) entry_->on_redirect(from, *redirect);
     joiner_->on_redirect(from, *redirect, local);
   }
   if (const auto* refuse = std::get_if<wire::Refuse>(&message)) joiner_->on_refuse(from, *refuse);
-  if (const auto* pong = std::get_if<wire::Pong>(&message)) {
-    if (late_joiner_ && session_.phase == SessionPhase::kEntering) return late_joiner_->on_pong(from, *pong, local);
-    joiner_->on_pong(from, *pong, local);
-  }
-  if (const auto* start = std::get_if<wire::Start>(&message)) joiner_->on_start(from, *start, local);
-  if (const auto* bye = std::get_if<wire::Bye>(&message)) joiner_->on_bye(from, *bye);
+  const auto* pong = std::get_if<wire::Pong>(&message);
+  if (pong != nullptr && entry_ && !settled_) entry_->on_pong(from, *pong, local);
 }
 
 // Magic, version, kind and tag are where they are in every version of the protocol, and a Join always fills a datagram
@@ -149,24 +145,10 @@ void Session::other_version(const Endpoint& from, std::size_t bytes, std::uint8_
 }
 
 void Session::advance(Micros local) {
-  if (founder_) {
-    founder_->advance(local);
-  } else if (late_joiner_) {
-    if (session_.phase == SessionPhase::kEntering) late_joiner_->advance(local);
-  } else {
-    joiner_->advance(local);
-  }
+  if (session_.phase == SessionPhase::kEntering) entry_->advance(local);
+  if (session_.phase == SessionPhase::kMember && entry_ && !settled_) entry_->measure(local);
+  if (session_.phase == SessionPhase::kJoining) joiner_->advance(local);
   next_due_ = local + SessionPace::kTick;
-}
-
-void Session::leave() {
-  const std::string reason = "it was stopped";
-  if (session_.phase == SessionPhase::kStarted || session_.phase == SessionPhase::kFailed) return;
-  if (founder_) {
-    founder_->leave(reason);
-  } else {
-    joiner_->leave(reason);
-  }
 }
 
 std::vector<SessionDatagram> Session::take_outgoing() {
@@ -175,15 +157,6 @@ std::vector<SessionDatagram> Session::take_outgoing() {
 
 std::vector<SessionNote> Session::take_notes() {
   return std::exchange(session_.notes, {});
-}
-
-void Session::admitted() {
-  session_.phase = SessionPhase::kStarted;
-}
-
-Micros Session::round_trip() const {
-  if (late_joiner_) return late_joiner_->round_trip();
-  return joiner_ ? joiner_->round_trip() : 0;
 }
 
 }  // namespace padr::node

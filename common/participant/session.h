@@ -10,11 +10,10 @@
 #include "common/membership/session_state.h"
 #include "common/model/endpoint.h"
 #include "common/model/ids.h"
-#include "common/participant/late_joiner.h"
+#include "common/participant/entry.h"
 
 namespace padr::node {
 
-class Founder;
 class Joiner;
 
 /// What came to a session's socket, by what became of it.
@@ -28,8 +27,8 @@ struct SessionStats {
   std::uint64_t malformed = 0;  ///< does not decode
 };
 
-/// How peers come together: founding, joining through any member, waiting for one another, agreeing on a clock and on
-/// the moment of tick 0; and, from then on, who is at which address and what time it is in the session.
+/// How a peer comes into a session: it founds one, or joins through any member, agrees on the clock and gets the agreed
+/// world; and, from then on, what time it is in the session.
 ///
 /// Pure: local time is microseconds on any monotonic clock of the caller's, the same for all calls. Everything is
 /// repeated until answered, at a bounded rate, so any loss below 100 % only costs time. What others send is never
@@ -51,8 +50,6 @@ class Session {
   /// Does what is due; call at least whenever next_due() has come.
   void advance(Micros local);
   Micros next_due() const { return next_due_; }
-  /// Says goodbye to those who wait with us for the start. After the start, leaving is the replica's affair.
-  void leave();
 
   /// What to send, in order; empty afterwards.
   std::vector<SessionDatagram> take_outgoing();
@@ -63,38 +60,36 @@ class Session {
   /// Why, once the phase is kFailed.
   const std::string& failure() const { return session_.failure; }
   /// It failed because who was letting us in has ended, fallen silent, or sent us elsewhere.
-  bool lost_introducer() const {
-    return session_.phase == SessionPhase::kFailed && late_joiner_ && late_joiner_->lost();
-  }
+  bool lost_introducer() const { return session_.phase == SessionPhase::kFailed && entry_ && entry_->lost(); }
   /// This peer's number; kNoPeer until it is a member.
   PeerId self() const { return session_.self; }
   /// Drawn by the founder, never 0; 0 until known.
   std::uint16_t number() const { return session_.number; }
   int slots() const { return session_.slots; }
   int wanted() const { return session_.wanted; }
-  /// Members known to be there before the start, this one included.
+  /// Members that are there, this one included.
   int present() const { return session_.present; }
-  /// By peer number, once started; this peer's own entry is how the founder sees it, the founder's own is not set.
-  const wire::Roster& beginners() const { return session_.beginners; }
-  /// Least round trip to the founder so far, us; 0 for the founder.
-  Micros round_trip() const;
+  /// Least round trip to whoever lets or let us in so far, us; 0 for the founder.
+  Micros round_trip() const { return entry_ ? entry_->round_trip() : 0; }
   const SessionStats& stats() const { return stats_; }
 
   /// While kEntering: the agreed world has come, see transfer(), and the clock runs.
-  bool may_enter() const { return late_joiner_ && late_joiner_->ready(); }
-  const wire::Bytes& transfer() const { return late_joiner_->transfer(); }
+  bool may_enter() const { return entry_ && entry_->ready(); }
+  const wire::Bytes& transfer() const { return entry_->transfer(); }
   /// Who lets us in.
-  const Endpoint& introducer() const { return late_joiner_->by(); }
+  const Endpoint& introducer() const { return entry_->by(); }
   PeerId introducer_number() const { return admissions_; }
   /// Asks to be admitted; `admitted` when that has happened.
-  void enter(Micros local) { late_joiner_->enter(local); }
-  void admitted();
+  void enter(Micros local) { entry_->enter(local); }
+  void admitted() { session_.phase = SessionPhase::kMember; }
+  /// Play has begun: from now on the clock is no longer stepped, only steered.
+  void settle_clock() { settled_ = true; }
   std::uint32_t incarnation() const { return session_.incarnation; }
-  /// Once started, or entering with may_enter(): who is there is that one's affair from now on.
+  /// Once a member, or entering with may_enter(): who is there is that one's affair from now on.
   void hand_over_to(Membership* membership) { membership_ = membership; }
   SessionState& state() { return session_; }
 
-  /// Once started: session microseconds, negative before tick 0.
+  /// Once a member, or entering with may_enter(): session microseconds.
   Micros session_now(Micros local) const { return session_.clock.now(local); }
   Micros local_at(Micros session) const { return session_.clock.local_at(session); }
   /// We are `lead` us ahead of the peer whose clock counts; see SessionClock.
@@ -102,17 +97,16 @@ class Session {
   const SessionClock& clock() const { return session_.clock; }
 
  private:
-  /// Whether another one's slot p is at this address; before a membership takes over, by who is there at tick 0.
-  bool is_at(PeerId p, const Endpoint& where) const;
+  void found(Micros local);
   void dispatch(const Endpoint& from, const wire::Header& header, const wire::SessionMessage& message, Micros local);
   void take_membership(const Endpoint& from, const wire::Opened& opened, Micros local);
   void other_version(const Endpoint& from, std::size_t bytes, std::uint8_t version, Micros local);
 
   SessionState session_;
-  std::unique_ptr<Founder> founder_;  ///< one of the two
-  std::unique_ptr<Joiner> joiner_;
-  std::unique_ptr<LateJoiner> late_joiner_;
+  std::unique_ptr<Joiner> joiner_;  ///< unless it founds
+  std::unique_ptr<Entry> entry_;    ///< once welcomed
   PeerId admissions_ = kNoPeer;
+  bool settled_ = false;
   Membership* membership_ = nullptr;
   SessionStats stats_;
   Micros next_due_ = 0;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "common/sync/bounding_radius.h"
 #include "common/world/avatar_control.h"
+#include "common/world/bounding_radius.h"
 
 namespace padr::sync {
 namespace {
@@ -26,7 +26,7 @@ LiveWorld::LiveWorld(const Scene& scene, const FoldState& start, PeerId self, bo
       authority_(authority),
       avatars_(start.avatars.size()),
       holds_(scene.bodies.size(), 0),
-      reach_(reaches(scene, world_.slots())),
+      reach_(world::reaches(scene, world_.slots())),
       out_(reach_.size(), true),
       keep_(reach_.size(), true) {
   for (PeerId p = 0; p < world_.slots(); ++p) world_.set_free(p, p == self || !authority);
@@ -92,7 +92,7 @@ bool LiveWorld::may_touch(EntityId own, EntityId other) const {
 }
 
 void LiveWorld::gather_near() {
-  BoundingBox box;
+  world::BoundingBox box;
   near_.clear();
   for (const EntityId e : own_) {
     near_.push_back({e, view_.position(e), reach_[e]});
@@ -104,7 +104,7 @@ void LiveWorld::gather_near() {
     if (box.is_clear_of(there, reach_[i])) continue;
     const auto e = static_cast<EntityId>(i);
     const auto is_near = [&](const Placed& own) {
-      return within_reach(own.at, own.reach, there, reach_[i]) && may_touch(own.entity, e);
+      return world::within_reach(own.at, own.reach, there, reach_[i]) && may_touch(own.entity, e);
     };
     if (out_[e] && std::any_of(near_.begin(), near_.end(), is_near)) take(e);
   }
@@ -174,6 +174,10 @@ void LiveWorld::jolt(Vec2 velocity) {
 }
 
 void LiveWorld::advance(std::optional<Vec2> target, const FoldState& predicted) {
+  if (!predicted.start.reached(tick_)) {
+    ++tick_;
+    return;
+  }
   gather(predicted);
   enter();
   for (const EntityId e : stepped_) {
@@ -197,7 +201,7 @@ void LiveWorld::look(const FoldState& predicted) {
   for (const EntityId e : stepped_) what.entities[e] = world_.kinematics(e);
   if (stepped_.empty()) return;
   world_.save_contacts(mine_);
-  replace_contacts(what, mine_, out_);
+  world::replace_contacts(what, mine_, out_);
 }
 
 void LiveWorld::push(EntityId b, Vec2 velocity) {

@@ -29,6 +29,7 @@ trace::Header trace_header(const Scene& scene, const ReplicaConfig& config, cons
   static_cast<trace::Provenance&>(h) = provenance;
   h.peer = config.self;
   h.peers = config.peers;
+  h.wanted = config.wanted;
   h.slots = config.slots;
   h.incarnation = config.incarnation;
   h.session = config.session;
@@ -109,11 +110,6 @@ void RecordedReplica::excuse_silence() {
   replica_.excuse_silence();
 }
 
-void RecordedReplica::locate(PeerId p, const Endpoint& at) {
-  if (writer_) writer_->locate({p, at});
-  replica_.locate(p, at);
-}
-
 void RecordedReplica::retune(const Technique& technique) {
   if (writer_) writer_->retune({technique});
   replica_.retune(technique);
@@ -160,7 +156,7 @@ void RecordedReplica::record_step(Vec2 target, Micros lateness) {
   s.tick = replica_.now();
   s.target = target;
   s.leaving = leaving_;
-  s.outside = !replica_.member();
+  s.outside = !replica_.member() || !replica_.playing();
   s.live_hash = replica_.live_hash();
   s.threshold = replica_.threshold();
   s.own_error = replica_.own_error();

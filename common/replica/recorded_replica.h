@@ -47,7 +47,8 @@ class RecordedReplica {
   void excuse_silence();
   void give_up(PeerId p, bool for_good = true);
   sync::DropReason relay(const wire::Fetched& fetched);
-  void locate(PeerId p, const Endpoint& at);
+  /// Where p is, of peers that are all there from tick 0 on.
+  void locate(PeerId p, const Endpoint& at) { replica_.locate(p, at); }
   void retune(const Technique& technique);
   void push(EntityId b, Vec2 velocity);
   /// For the record only.

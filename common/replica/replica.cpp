@@ -82,6 +82,7 @@ void Replica::step(Vec2 target) {
   if (agreed_.catch_up()) adopt();
   if (jolt_ != Vec2{} && joined_) live_.jolt(std::exchange(jolt_, {}));
   const Vec2 velocity_before = live_.world().velocity(live_.avatar());
+  if (!playing()) target = live_.world().position(live_.avatar());
   agreed_.step();
   live_.step(target, agreed_.predicted_state());
   go_on(target, velocity_before);
@@ -246,7 +247,7 @@ void Replica::retune(const Technique& technique) {
 }
 
 bool Replica::may_push(EntityId b) const {
-  if (!member_ || gone_ || leaving_ || b >= live_.world().bodies()) return false;
+  if (!member_ || gone_ || leaving_ || !playing() || b >= live_.world().bodies()) return false;
   return !config_.technique.authority || reporter_.may_change(agreed_.predicted_state(), b);
 }
 
@@ -367,12 +368,6 @@ bool Replica::all_through() const {
     if (agreed_.log().have(p) < others_[p].promised) return false;
   }
   return true;
-}
-
-Micros Replica::clock_lead() const {
-  for (PeerId p = 0; p < config_.slots; ++p)
-    if (p != config_.self && others_[p].there()) return others_[p].clock.lead();
-  return 0;
 }
 
 float Replica::own_error() const {

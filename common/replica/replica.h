@@ -30,6 +30,7 @@ namespace padr::node {
 struct ReplicaConfig {
   PeerId self = 0;
   int peers = 1;                  ///< of the session at tick 0
+  int wanted = 0;                 ///< members that play waits, or waited, for
   int slots = 1;                  ///< avatar slots, >= peers
   std::uint32_t incarnation = 0;  ///< of this peer in its slot; above 0 for one that came later
   std::uint16_t session = 0;      ///< in every datagram's header
@@ -42,6 +43,7 @@ struct ReplicaConfig {
   sync::AgreedConfig agreed() const {
     sync::AgreedConfig c{slots, peers, self, technique.authority, technique.replay, fault, kept_ticks};
     c.time_stamps = technique.time_stamps;
+    c.wanted = wanted;
     return c;
   }
 };
@@ -143,6 +145,8 @@ class Replica {
   bool member() const { return member_; }
   /// The tick of its admission; its updates are of later ones.
   Tick in_since() const { return in_since_; }
+  /// Whose update that was; kNoPeer: its own, as it was there from tick 0 on.
+  PeerId admitted_by() const { return admitted_by_; }
   /// This peer has been declared gone by others, or knows of updates that they have declared void.
   bool expelled() const { return expelled_; }
   /// Whose confirmed world differs from ours, the lowest; kNoPeer if nobody's does.
@@ -150,7 +154,7 @@ class Replica {
   /// All that a newcomer needs to go on from here.
   sync::Transfer transfer() const;
   const Neighbour& other(PeerId p) const { return others_[p]; }
-  /// Where p of tick 0 is; for passing on.
+  /// Where p is, of peers that are all there from tick 0 on.
   void locate(PeerId p, const Endpoint& at) { others_[p].at = at; }
   /// A peer that has left and been silent since has ended.
   bool departed(PeerId p) const;
@@ -176,6 +180,10 @@ class Replica {
   void excuse_silence();
 
   Tick now() const { return agreed_.now(); }
+  /// When play begins, as far as is confirmed: until then targets and pushes have no effect. What is only predicted may
+  /// be taken back, by a farewell that comes late.
+  sync::Start start() const { return agreed_.confirmed().start; }
+  bool playing() const { return start().reached(now()); }
   PeerId self() const { return config_.self; }
   const ReplicaConfig& config() const { return config_; }
   const sync::AgreedWorld& agreed() const { return agreed_; }
@@ -295,6 +303,7 @@ class Replica {
   std::uint64_t repeats_of_gone_ = 0;
   bool member_ = false;
   Tick in_since_ = 0;
+  PeerId admitted_by_ = kNoPeer;
   Tick comes_at_ = 0;  ///< see catch_up
   Vec2 reaction_;
   Vec2 jolt_;

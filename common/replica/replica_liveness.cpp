@@ -67,4 +67,10 @@ void Replica::publish_heartbeat() {
   publish(nothing);
 }
 
+Micros Replica::clock_lead() const {
+  for (PeerId p = 0; p < config_.slots; ++p)
+    if (p != config_.self && others_[p].there()) return others_[p].clock.lead();
+  return 0;
+}
+
 }  // namespace padr::node

@@ -52,6 +52,7 @@ void Replica::admit(const sync::Admission& a, const sync::Bundle& by) {
     n.first = a.first;
     member_ = true;
     in_since_ = by.tick;
+    if (by.peer != config_.self) admitted_by_ = by.peer;
     for (Neighbour& other : others_) {
       other.link = sync::OutLink(a.first);
       other.heard = other.answered = other.excused = now();

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/model/vec.h"
@@ -17,7 +15,7 @@ struct PathPoint {
 /// A recorded motion: where a pointer or a player was when.
 class Path {
  public:
-  /// At least two points, strictly increasing in time, all finite: ours to guarantee (parse_path_csv does for files).
+  /// At least two points, strictly increasing in time, all finite: who makes it guarantees that.
   explicit Path(std::vector<PathPoint> points);
 
   /// Where the path is `seconds` after its first point, m: on the straight line between the two points about it.
@@ -31,22 +29,5 @@ class Path {
  private:
   std::vector<PathPoint> points_;
 };
-
-/// What the numbers of a file count in.
-struct PathUnits {
-  double per_second = 1;  ///< time units
-  std::string_view time = "s";
-  std::string_view length = "m";  ///< positions are not converted
-  bool merge = false;             ///< of rows with the same t the last one counts; otherwise they are an error
-};
-
-/// Reads CSV with the columns t,x,y (seconds, metres, metres; t strictly increasing, at least two rows). A first line
-/// `t,x,y` is skipped, as are blank lines and lines that begin with `#`; CRLF, a byte order mark and blanks round the
-/// numbers are tolerated. With other `units` times are turned into seconds. Throws UserError "label:line:column: what
-/// is wrong, allowed: what would be right".
-Path parse_path_csv(std::string_view text, std::string_view label, const PathUnits& units = {});
-
-/// The path as CSV that parse_path_csv reads back to the same path, to the bit.
-std::string write_path_csv(const Path& path);
 
 }  // namespace padr::scenarios

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/model/scene.h"
 #include "common/scenarios/input.h"
 
 namespace padr::scenarios {

@@ -13,7 +13,7 @@ AgreedWorld::AgreedWorld(const Scene& scene, const AgreedConfig& config, Confirm
     : config_(config),
       on_confirmed_(std::move(on_confirmed)),
       log_(config.slots),
-      predicted_(scene, config.slots, config.peers, config.authority),
+      predicted_(scene, config.slots, config.peers, config.authority, config.wanted),
       budget_(config.replay_budget) {
   for (PeerId p = 0; p < config.peers; ++p) log_.begin(p, 0, -1);
   begin();

@@ -38,6 +38,7 @@ void ArrivalTimeline::confirm(Tick complete) {
     follower_.save(parts_.confirmed);
     parts_.announce(parts_.confirmed);
   }
+  parts_.predicted.set_start(parts_.confirmed.start);  // who has come and gone may have been heard of in another order
 }
 
 }  // namespace padr::sync

@@ -44,7 +44,7 @@ void Arrivals::apply_to(Fold& fold, bool time_stamps) {
   for (Bundle& b : waiting_) {
     keep_newest(b);
     if (time_stamps) move_on(b, std::clamp(fold.tick() - b.tick, 0, kOldest), fold.world().scene().avatar);
-    b.tick = fold.tick();
+    if (!b.admission) b.tick = fold.tick();  // from an admission's own tick the begin of play is counted
     fold.apply(b);
   }
   waiting_.clear();

@@ -40,6 +40,11 @@ struct Probing {
 };
 constexpr std::array<Probing, 5> kProbing{{{60, 10}, {90, 4}, {120, 2}, {240, 6}, {360, 15}}};
 
+/// By so many ticks a round trip is longer than usual if an end has stood still.
+constexpr Tick kStandstill = kTicksPerSecond / 2;
+/// So many such round trips in a row are the link's.
+constexpr int kBelieved = 4;
+
 }  // namespace
 
 Tick OutLink::probe_interval(Tick unanswered) {
@@ -197,9 +202,13 @@ bool OutLink::last_were_missed(Tick now) const {
   return now - sent_at_[sent_at_.size() - unseen] > static_cast<Tick>(std::ceil(srtt_ + 4 * rttvar_)) + 1;
 }
 
-// RFC 6298, in ticks.
+// RFC 6298, in ticks. Either end may have stood still, which is no delay of the link: taken for one, a single such
+// sample would put off repeats for seconds. A link that has really become so slow says so again and again.
 void OutLink::sample(float rtt) {
   rtt = std::max(0.0F, rtt);
+  const bool stood_still = measured_ && rtt > srtt_ + 4 * rttvar_ + kStandstill;
+  if (stood_still && ++standstills_ < kBelieved) return;
+  standstills_ = 0;
   if (!measured_) {
     measured_ = true;
     srtt_ = rtt;

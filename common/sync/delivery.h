@@ -97,6 +97,7 @@ class OutLink {
   float srtt_ = 12;
   float rttvar_ = 6;
   bool measured_ = false;
+  int standstills_ = 0;  ///< round trips in a row that were left out
   std::uint64_t repeats_ = 0;
 };
 

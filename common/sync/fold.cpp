@@ -1,10 +1,13 @@
 #include "common/sync/fold.h"
 
+#include <algorithm>
+
 namespace padr::sync {
 
-Fold::Fold(const Scene& scene, int slots, int peers, bool authority)
+Fold::Fold(const Scene& scene, int slots, int peers, bool authority, int wanted)
     : world_(scene, slots),
       with_authority_(authority),
+      start_{wanted > peers ? wanted : 0, 0},
       members_(static_cast<std::size_t>(slots)),
       avatars_(static_cast<std::size_t>(slots)),
       authority_(scene.bodies.size()),
@@ -25,7 +28,7 @@ void Fold::apply(const Bundle& bundle) {
   if (bundle.leave) return remove(bundle.peer);
   for (const Removal& r : bundle.removals)
     if (members_[r.slot].present && members_[r.slot].incarnation == r.incarnation) remove(r.slot);
-  if (bundle.admission) admit(*bundle.admission);
+  if (bundle.admission) admit(*bundle.admission, bundle.tick);
   if (bundle.going && world_.scene().region) members_[bundle.peer].going = *bundle.going;
   for (const Passage& p : bundle.passages) pass(bundle.peer, p, bundle.tick);
   if (bundle.avatar) apply_avatar(bundle.peer, *bundle.avatar, bundle.tick);
@@ -53,7 +56,8 @@ void Fold::apply_body(PeerId p, const BodyUpdate& u) {
   if (plays(u.body)) world_.set_state(u.body, u.state);
 }
 
-void Fold::admit(const Admission& a) {
+// By the tick of the admission, so that play begins at the same one wherever it is heard of.
+void Fold::admit(const Admission& a, Tick tick) {
   if (members_[a.slot].present || a.incarnation <= members_[a.slot].incarnation) return;
   members_[a.slot] = {true, a.incarnation, false};
   avatars_[a.slot] = {};
@@ -62,6 +66,8 @@ void Fold::admit(const Admission& a) {
   const EntityId e = world_.avatar(a.slot);
   world_.set_state(e, {world_.scene().avatar.spawns[a.slot], 0, {}, 0, true});
   world_.set_present(e, avatars_[a.slot].present);
+  const auto present = std::count_if(members_.begin(), members_.end(), [](const Member& m) { return m.present; });
+  if (start_.wanted > 0 && present >= start_.wanted) start_ = {0, tick + kStartLead};
 }
 
 // Who enters a slot begins with a record that nothing said of whoever was there before can beat.
@@ -121,14 +127,17 @@ void Fold::disturb(EntityId e, Vec2 by) {
 }
 
 void Fold::step() {
-  for (PeerId p = 0; p < world_.slots(); ++p)
-    if (plays(world_.avatar(p))) drive_model(world_, p, avatars_[p], tick_);
-  world_.step();
+  if (start_.reached(tick_)) {
+    for (PeerId p = 0; p < world_.slots(); ++p)
+      if (plays(world_.avatar(p))) drive_model(world_, p, avatars_[p], tick_);
+    world_.step();
+  }
   ++tick_;
 }
 
 void Fold::save(FoldState& out) const {
   out.tick = tick_;
+  out.start = start_;
   out.members = members_;
   world_.save(out.world);
   out.avatars = avatars_;
@@ -139,6 +148,7 @@ void Fold::save(FoldState& out) const {
 
 void Fold::take_tables(const FoldState& s) {
   tick_ = s.tick;
+  start_ = s.start;
   members_ = s.members;
   avatars_ = s.avatars;
   authority_ = s.authority;

@@ -20,15 +20,27 @@ struct Member {
   friend bool operator==(const Member&, const Member&) = default;
 };
 
+/// When play begins: until then time passes and members come in, but nothing moves.
+struct Start {
+  int wanted = 0;  ///< members that play waits for; 0: for nobody any more
+  Tick at = 0;     ///< once nobody is waited for: play begins at this tick
+  bool reached(Tick now) const { return wanted == 0 && now >= at; }
+  friend bool operator==(const Start&, const Start&) = default;
+};
+/// Ticks from the admission of the last member waited for to the begin of play: time for it to reach everybody.
+inline constexpr Tick kStartLead = kTicksPerSecond;
+
 /// The agreed world at the begin of one tick, before that tick's updates.
 struct FoldState {
   Tick tick = 0;
+  Start start;
   world::Snapshot world;
   std::vector<Member> members;       ///< by peer
   std::vector<AvatarModel> avatars;  ///< by peer
   std::vector<Authority> authority;  ///< by body
   std::vector<PeerSet> holds;        ///< by body: whose avatars hold it
   Residents residents;               ///< of a region of a crowd
+  bool playing() const { return start.reached(tick); }
 };
 
 /// The deterministic fold of a log of updates: bodies play out by physics, avatars follow their models, a modelled
@@ -38,8 +50,8 @@ class Fold {
  public:
   /// The avatars of peers 0 .. peers-1 are there from tick 0, at rest at their spawn points; `slots` >= peers is how
   /// many there may ever be. `authority` false: no holds, no owners; avatars collide with every body (the paper's
-  /// failure case).
-  Fold(const Scene& scene, int slots, int peers, bool authority);
+  /// failure case). `wanted`: members that play waits for; no more than `peers`: it begins at tick 0.
+  Fold(const Scene& scene, int slots, int peers, bool authority, int wanted = 0);
 
   Tick tick() const { return tick_; }
   const world::World& world() const { return world_; }
@@ -55,9 +67,10 @@ class Fold {
   /// Overwrites with what the bundle says, as of now, whatever tick it bears; nothing if its peer is no member.
   /// What it says of a body is refused if that authority has been superseded.
   void apply(const Bundle& bundle);
-  /// Advances one tick.
+  /// Advances one tick. Before play begins nothing moves.
   void step();
 
+  void set_start(const Start& start) { start_ = start; }
   /// See Fault in agreed_world.h.
   void disturb(EntityId e, Vec2 by);
 
@@ -80,7 +93,7 @@ class Fold {
  private:
   void apply_avatar(PeerId p, const AvatarUpdate& u, Tick tick);
   void apply_body(PeerId p, const BodyUpdate& u);
-  void admit(const Admission& a);
+  void admit(const Admission& a, Tick tick);
   void remove(PeerId p);
   void pass(PeerId p, const Passage& passage, Tick tick);
   void leave_free(EntityId body);
@@ -91,6 +104,7 @@ class Fold {
   world::World world_;
   bool with_authority_;
   Tick tick_ = 0;
+  Start start_;
   std::vector<Member> members_;
   std::vector<AvatarModel> avatars_;
   std::vector<Authority> authority_;

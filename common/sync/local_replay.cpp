@@ -20,7 +20,7 @@ bool is_order(const Bundle& b) {
 
 // Continuous collision looks at where things go, too, and not only at where they are.
 LocalReplay::LocalReplay(const Scene& scene, int slots, bool authority)
-    : fold_(scene, slots, 0, authority), never_(scene.continuous), reach_(reaches(scene, slots)) {
+    : fold_(scene, slots, 0, authority), never_(scene.continuous), reach_(world::reaches(scene, slots)) {
   contacts_.reserve(fold_.world().usual_contacts());
   left_out_.assign(reach_.size(), false);
   clear();
@@ -88,7 +88,7 @@ bool LocalReplay::may_touch(EntityId a, EntityId b) const {
 
 bool LocalReplay::meets(EntityId other, Vec2 there) const {
   return left_out_[other] && std::any_of(concerned_.begin(), concerned_.end(), [&](EntityId mine) {
-           return within_reach(fold_.world().position(mine), reach_[mine], there, reach_[other]) &&
+           return world::within_reach(fold_.world().position(mine), reach_[mine], there, reach_[other]) &&
                   may_touch(mine, other);
          });
 }
@@ -155,7 +155,7 @@ bool LocalReplay::merge(FoldState& into) {
   }
   contacts_ = into.world.contacts;
   fold_.world().save_contacts(mine_);
-  replace_contacts(into.world, mine_, left_out_);
+  world::replace_contacts(into.world, mine_, left_out_);
   return changed || contacts_ != into.world.contacts;
 }
 

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/sync/bounding_radius.h"
 #include "common/sync/history.h"
 #include "common/sync/update_log.h"
+#include "common/world/bounding_radius.h"
 
 namespace padr::sync {
 
@@ -53,7 +53,7 @@ class LocalReplay {
   bool never_;                       ///< the scene is not one for this
   std::vector<float> reach_;         ///< by entity, m: nothing of it is farther from its centre
   std::vector<EntityId> concerned_;  ///< in the order in which they were found
-  BoundingBox box_;                  ///< around them, where they are in fold_
+  world::BoundingBox box_;           ///< around them, where they are in fold_
   std::vector<bool> left_out_;       ///< by entity: not concerned
   bool all_ = false;
   Tick latest_ = -1;      ///< of the updates that have come late

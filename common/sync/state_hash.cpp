@@ -36,6 +36,8 @@ std::uint64_t StateHasher::operator()(const FoldState& s) {
   WideHasher h;
   h.add(static_cast<std::uint64_t>(s.tick), s.members.size() << 32U | s.authority.size(), *bodies_, *within_);
   world::add_to_hash(h, s.world);
+  // Once play has begun it no longer matters when.
+  if (!s.playing()) h.add(static_cast<std::uint64_t>(s.start.wanted), static_cast<std::uint64_t>(s.start.at), 0, 0);
   for (std::size_t p = 0; p < s.members.size(); ++p) {
     const Member& m = s.members[p];
     const AvatarModel& a = s.avatars[p];

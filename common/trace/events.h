@@ -20,7 +20,7 @@ namespace padr::trace {
 
 /// A trace begins with these 7 bytes and the version's byte.
 inline constexpr std::string_view kMagic = "PADRTRC";
-inline constexpr std::uint8_t kFormatVersion = 5;
+inline constexpr std::uint8_t kFormatVersion = 6;
 
 /// Takes the next bytes of a trace; whole records at a time.
 using ByteSink = std::function<void(std::span<const std::byte>)>;
@@ -42,7 +42,8 @@ struct Provenance {
 /// The first record: provenance, and what a Replica and its world are built from.
 struct Header : Provenance {
   PeerId peer = 0;
-  int peers = 1;  ///< of the session at tick 0; not told if incarnation > 0
+  int peers = 1;   ///< of the session at tick 0; not told if incarnation > 0
+  int wanted = 0;  ///< members that play waits, or waited, for; 0: for nobody
   int slots = 1;
   std::uint32_t incarnation = 0;  ///< above 0: came later, and a Begin follows
   std::uint16_t session = 0;
@@ -83,11 +84,6 @@ struct GiveUp {
 
 struct Excuse {};
 
-struct Locate {
-  PeerId peer = kNoPeer;
-  Endpoint at;
-};
-
 // What is done to a peer from outside while it plays.
 
 /// It plays by these knobs from the next step on.
@@ -113,7 +109,7 @@ struct Step {
   Tick tick = 0;  ///< after the step; 0: the state before the first
   Vec2 target;    ///< m
   bool leaving = false;
-  bool outside = false;  ///< the avatar is not, or not yet, a part of the session
+  bool outside = false;  ///< the avatar is not, or not yet, a part of the session, or play has not begun
   std::uint64_t live_hash = 0;
   float threshold = 0;               ///< m
   float own_error = 0;               ///< m
@@ -170,7 +166,7 @@ struct Footer {
 };
 
 /// One record after the header.
-using Event = std::variant<Step, Received, Sent, Confirmed, Footer, Begin, Order, Freeze, GiveUp, Excuse, Locate,
-                           Retune, Push, Remark, Relayed>;
+using Event = std::variant<Step, Received, Sent, Confirmed, Footer, Begin, Order, Freeze, GiveUp, Excuse, Retune, Push,
+                           Remark, Relayed>;
 
 }  // namespace padr::trace

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/sync/bounding_radius.h"
 #include "common/trace/metrics.h"
+#include "common/world/bounding_radius.h"
 
 namespace padr::trace {
 namespace {
@@ -17,7 +17,7 @@ constexpr float kAway = 0.1F;  // m
 PccMeter::PccMeter(const Scene& scene, int slots, std::vector<PeerId> viewers)
     : bodies_(scene.bodies.size()),
       viewers_(std::move(viewers)),
-      reach_(sync::reaches(scene, slots)),
+      reach_(world::reaches(scene, slots)),
       disturber_(bodies_, Doers::kNobody),
       off_(bodies_, 0),
       sums_(viewers_.size()),
@@ -40,7 +40,7 @@ int PccMeter::seen_at(EntityId body, std::span<const PlayerView> views) const {
     if (!views[v].there) continue;
     const auto is_at = [&](EntityId e) {
       const std::span<const BodyState> live = views[v].live;
-      return sync::within_reach(live[body].position, reach_[body] + kAway, live[e].position, reach_[e]);
+      return world::within_reach(live[body].position, reach_[body] + kAway, live[e].position, reach_[e]);
     };
     for (std::size_t a = 0; a < views.size(); ++a)
       if (a != v && views[a].there && is_at(static_cast<EntityId>(bodies_ + viewers_[a]))) return static_cast<int>(a);

@@ -94,6 +94,7 @@ void put_header(const Header& h, file::Header& out) {
   out.set_start_unix_us(h.start_unix_us);
   out.set_incarnation(h.incarnation);
   out.set_is_signed(h.is_signed);
+  out.set_wanted(static_cast<std::uint32_t>(h.wanted));
 }
 
 std::string take_header(const file::Header& in, Header& h) {
@@ -102,6 +103,7 @@ std::string take_header(const file::Header& in, Header& h) {
   if (in.peers() < 1 || in.peers() > in.slots()) return "peers " + std::to_string(in.peers()) + ", allowed: 1 to slots";
   if (in.incarnation() == 0 && in.peer() >= in.peers())
     return "peer " + std::to_string(in.peer()) + ", allowed: below the number of peers";
+  if (in.wanted() > in.slots()) return "wanted " + std::to_string(in.wanted()) + ", allowed: 0 to slots";
   if (in.peer() >= in.slots()) return "peer " + std::to_string(in.peer()) + ", allowed: below the number of slots";
   if (in.session() > 0xFFFF) return "session " + std::to_string(in.session()) + ", allowed: 0 to 65535";
   if (in.bodies() >= kNoEntity || in.bodies() + in.slots() >= kNoEntity)
@@ -126,6 +128,7 @@ std::string take_header(const file::Header& in, Header& h) {
   h.start_unix_us = in.start_unix_us();
   h.incarnation = in.incarnation();
   h.is_signed = in.is_signed();
+  h.wanted = static_cast<int>(in.wanted());
   return {};
 }
 

@@ -137,16 +137,6 @@ struct TraceReader::Parser {
     return "";
   }
 
-  std::string locate(const file::Locate& in, Locate& l) const {
-    if (in.peer() >= static_cast<std::uint32_t>(r.header_.slots)) return "tells where no slot is";
-    if (in.address().size() != l.at.address.size() || in.port() > 0xFFFF) return "tells of no address";
-    l.peer = static_cast<PeerId>(in.peer());
-    std::transform(in.address().begin(), in.address().end(), l.at.address.begin(),
-                   [](char c) { return static_cast<std::uint8_t>(c); });
-    l.at.port = static_cast<std::uint16_t>(in.port());
-    return "";
-  }
-
   std::string sent(const file::Sent& in) const {
     if (in.to() >= static_cast<std::uint32_t>(r.header_.slots)) return "sent to peer " + std::to_string(in.to());
     if (r.last_step_ < 0 || in.tick() != static_cast<std::uint32_t>(r.last_step_))
@@ -183,11 +173,6 @@ struct TraceReader::Parser {
     if (in.has_relayed()) return Relayed{keep(in.relayed().fetched())};
     if (in.has_freeze()) return Freeze{slot(in.freeze().peer(), "freezes no slot"), in.freeze().frozen()};
     if (in.has_give_up()) return GiveUp{slot(in.give_up().peer(), "gives up no slot")};
-    if (in.has_locate()) {
-      Locate l;
-      check(locate(in.locate(), l));
-      return l;
-    }
     return Excuse{};
   }
 
@@ -304,7 +289,6 @@ std::optional<Event> TraceReader::next() {
     case file::Record::kGiveUp:
     case file::Record::kRelayed:
     case file::Record::kExcuse:
-    case file::Record::kLocate:
       return parser.membership(record);
     case file::Record::kRetune:
     case file::Record::kPush:

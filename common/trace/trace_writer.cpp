@@ -119,14 +119,6 @@ void TraceWriter::excuse() {
   hand_over(record, sink_);
 }
 
-void TraceWriter::locate(const Locate& l) {
-  file::Record record;
-  record.mutable_locate()->set_peer(l.peer);
-  record.mutable_locate()->set_address(l.at.address.data(), l.at.address.size());
-  record.mutable_locate()->set_port(l.at.port);
-  hand_over(record, sink_);
-}
-
 void TraceWriter::retune(const Retune& r) {
   file::Record record;
   put_technique(r.technique, *record.mutable_retune());

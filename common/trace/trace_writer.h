@@ -18,7 +18,6 @@ class TraceWriter {
   void give_up(const GiveUp& g);
   void relayed(const Relayed& r);
   void excuse();
-  void locate(const Locate& l);
   void retune(const Retune& r);
   void push(const Push& p);
   void remark(const Remark& r);

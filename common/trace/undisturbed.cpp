@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "common/sync/bounding_radius.h"
 #include "common/world/avatar_control.h"
+#include "common/world/bounding_radius.h"
 
 namespace padr::trace {
 
 Undisturbed::Undisturbed(const Scene& scene, int slots, PeerId self)
-    : world_(scene, slots), self_(self), reach_(sync::reaches(scene, slots)), none_left_(scene.bodies.size(), 0) {
+    : world_(scene, slots), self_(self), reach_(world::reaches(scene, slots)), none_left_(scene.bodies.size(), 0) {
   world_.set_present(avatar(), true);
   world_.set_free(self, true);
 }
@@ -38,7 +38,7 @@ bool Undisturbed::touches() const {
 
 bool Undisturbed::is_near_any(EntityId e, Vec2 at, const std::vector<char>& left_out) const {
   for (EntityId b = 0; b < left_out.size(); ++b)
-    if (b != e && left_out[b] == 0 && sync::within_reach(at, reach_[e], world_.position(b), reach_[b])) return true;
+    if (b != e && left_out[b] == 0 && world::within_reach(at, reach_[e], world_.position(b), reach_[b])) return true;
   return false;
 }
 

@@ -61,14 +61,13 @@ struct Encoder {
     w.set_peer(m.peer);
     w.set_slots(static_cast<std::uint32_t>(m.slots));
     w.set_wanted(static_cast<std::uint32_t>(m.wanted));
-    w.set_running(m.running);
     w.set_incarnation(m.incarnation);
     w.set_cookie(m.cookie);
   }
   void operator()(const Redirect& m) const {
     auto& r = *out.mutable_redirect();
     r.set_nonce(m.nonce);
-    put_endpoint(m.founder, r);
+    put_endpoint(m.to, r);
   }
   void operator()(const Refuse& m) const {
     out.mutable_refuse()->set_nonce(m.nonce);
@@ -80,24 +79,8 @@ struct Encoder {
   }
   void operator()(const Pong& m) const {
     out.mutable_pong()->set_sent_us(m.sent);
-    out.mutable_pong()->set_founder_us(m.founder);
-    out.mutable_pong()->set_present(static_cast<std::uint32_t>(m.present));
+    out.mutable_pong()->set_session_us(m.session);
   }
-  void operator()(const Start& m) const {
-    auto& s = *out.mutable_start();
-    s.set_tick0_us(m.tick0);
-    for (std::size_t i = 0; i < m.members.size(); ++i) {
-      auto& member = *s.add_members();
-      member.set_peer(static_cast<std::uint32_t>(m.first + i));
-      if (m.first + i != 0) put_endpoint(m.members[i], member);
-    }
-  }
-  void operator()(const Ready& m) const {
-    const Micros most = std::numeric_limits<std::uint32_t>::max();
-    out.mutable_ready()->set_round_trip_us(static_cast<std::uint32_t>(std::clamp<Micros>(m.round_trip, 0, most)));
-    out.mutable_ready()->set_started(m.started);
-  }
-  void operator()(const Bye& m) const { out.mutable_bye()->set_reason(printable(m.reason, kMaxReason)); }
   void operator()(const Ask& m) const {
     auto& a = *out.mutable_ask();
     a.set_nonce(m.nonce);
@@ -134,21 +117,18 @@ std::optional<SessionMessage> take(const Session::Join& in) {
 std::optional<SessionMessage> take(const Session::Welcome& in) {
   constexpr std::uint32_t most = kMaxPeers;
   if (in.slots() > most || in.wanted() == 0 || in.wanted() > in.slots() || in.peer() >= in.slots()) return std::nullopt;
-  // Those of tick 0, and only they, have incarnation 0.
-  if (in.running() != (in.incarnation() != 0) || in.running() != (in.cookie() != 0)) return std::nullopt;
-  if (!in.running() && (in.peer() == 0 || in.peer() >= in.wanted())) return std::nullopt;
+  if (in.incarnation() == 0 || in.cookie() == 0) return std::nullopt;
   return Welcome{in.nonce(),
                  static_cast<PeerId>(in.peer()),
                  static_cast<int>(in.slots()),
                  static_cast<int>(in.wanted()),
-                 in.running(),
                  in.incarnation(),
                  in.cookie()};
 }
 
 std::optional<SessionMessage> take(const Session::Redirect& in) {
   Redirect r{in.nonce(), {}};
-  if (!take_endpoint(in, r.founder)) return std::nullopt;
+  if (!take_endpoint(in, r.to)) return std::nullopt;
   return r;
 }
 
@@ -163,31 +143,8 @@ std::optional<SessionMessage> take(const Session::Ping& in) {
 }
 
 std::optional<SessionMessage> take(const Session::Pong& in) {
-  if (!is_clock(in.sent_us()) || !is_clock(in.founder_us()) || in.present() > kMaxPeers) return std::nullopt;
-  return Pong{in.sent_us(), in.founder_us(), static_cast<int>(in.present())};
-}
-
-std::optional<SessionMessage> take(const Session::Start& in) {
-  if (!is_clock(in.tick0_us()) || in.members_size() < 1 || in.members_size() > kMaxPeers) return std::nullopt;
-  const std::uint32_t first = in.members(0).peer();
-  if (first > kMaxPeers - static_cast<std::uint32_t>(in.members_size())) return std::nullopt;
-  Start s{in.tick0_us(), Roster(static_cast<std::size_t>(in.members_size())), static_cast<PeerId>(first)};
-  for (std::size_t i = 0; i < s.members.size(); ++i) {
-    const auto& m = in.members(static_cast<int>(i));
-    const std::size_t p = first + i;
-    if (m.peer() != p) return std::nullopt;
-    if (p == 0 ? !m.address().empty() || m.port() != 0 : !take_endpoint(m, s.members[i])) return std::nullopt;
-  }
-  return s;
-}
-
-std::optional<SessionMessage> take(const Session::Ready& in) {
-  return Ready{in.round_trip_us(), in.started()};
-}
-
-std::optional<SessionMessage> take(const Session::Bye& in) {
-  if (in.reason().size() > kMaxReason) return std::nullopt;
-  return Bye{printable(in.reason(), kMaxReason)};
+  if (!is_clock(in.sent_us()) || !is_clock(in.session_us())) return std::nullopt;
+  return Pong{in.sent_us(), in.session_us()};
 }
 
 template <typename Message>
@@ -260,12 +217,6 @@ std::optional<SessionMessage> decode_session(std::span<const std::byte> payload)
       return take(in.ping());
     case Session::kPong:
       return take(in.pong());
-    case Session::kStart:
-      return take(in.start());
-    case Session::kReady:
-      return take(in.ready());
-    case Session::kBye:
-      return take(in.bye());
     case Session::kAsk:
       return take(in.ask());
     case Session::kTell:

@@ -26,18 +26,17 @@ struct Join {
 
 struct Welcome {
   std::uint64_t nonce = 0;
-  PeerId peer = kNoPeer;          ///< 1 .. wanted-1 before the start
+  PeerId peer = kNoPeer;          ///< below slots
   int slots = 0;                  ///< wanted .. kMaxPeers
-  int wanted = 0;                 ///< 1 .. slots
-  bool running = false;           ///< the session runs already; `peer` is below slots
-  std::uint32_t incarnation = 0;  ///< of the newcomer in its slot: not 0 if running, 0 otherwise
-  std::uint64_t cookie = 0;       ///< to be said with every Pull: not 0 if running, 0 otherwise
+  int wanted = 0;                 ///< members that play waits, or waited, for: 1 .. slots
+  std::uint32_t incarnation = 0;  ///< of the newcomer in its slot, not 0
+  std::uint64_t cookie = 0;       ///< to be said with every Pull, not 0
   friend bool operator==(const Welcome&, const Welcome&) = default;
 };
 
 struct Redirect {
   std::uint64_t nonce = 0;
-  Endpoint founder;  ///< set
+  Endpoint to;  ///< set
   friend bool operator==(const Redirect&, const Redirect&) = default;
 };
 
@@ -54,31 +53,8 @@ struct Ping {
 
 struct Pong {
   Micros sent = 0;
-  Micros founder = 0;
-  int present = 0;  ///< 0 .. kMaxPeers
+  Micros session = 0;  ///< session time
   friend bool operator==(const Pong&, const Pong&) = default;
-};
-
-/// Who is where, by peer number. The founder's entry is not set: it is where the datagram came from.
-using Roster = std::vector<Endpoint>;
-
-/// Some of the members at tick 0, as all of them may be more than fit a datagram.
-struct Start {
-  Micros tick0 = 0;
-  Roster members;    ///< 1 .. kMaxPeers - first, all set but the founder's
-  PeerId first = 0;  ///< peer number of the first of them; the others' follow
-  friend bool operator==(const Start&, const Start&) = default;
-};
-
-struct Ready {
-  Micros round_trip = 0;  ///< 0 .. 2^32-1
-  bool started = false;
-  friend bool operator==(const Ready&, const Ready&) = default;
-};
-
-struct Bye {
-  std::string reason;  ///< at most kMaxReason bytes
-  friend bool operator==(const Bye&, const Bye&) = default;
 };
 
 /// Which regions of a crowd somebody is in, and which ones it looks for, by their numbers: no more than kMostRegions
@@ -116,15 +92,13 @@ struct Tell {
   friend bool operator==(const Tell&, const Tell&) = default;
 };
 
-using SessionMessage = std::variant<Join, Welcome, Redirect, Refuse, Ping, Pong, Start, Ready, Bye, Ask, Tell>;
+using SessionMessage = std::variant<Join, Welcome, Redirect, Refuse, Ping, Pong, Ask, Tell>;
 
 inline constexpr std::size_t kMostRegions = 8;
 inline constexpr std::size_t kMostKnown = 16;
 /// Of every Ask.
 inline constexpr std::size_t kAskPayload = 256;
 
-/// So many members, even with public keys, fit a Start.
-inline constexpr std::size_t kMembersPerStart = 20;
 inline constexpr std::size_t kMaxLabel = 128;
 inline constexpr std::size_t kMaxReason = 400;
 /// Times on anybody's clock lie within this of zero (285 years), so that sums and differences of two never overflow.

@@ -104,13 +104,26 @@ class Reader {
   bool read(sync::Transfer& out) const {
     if (in_.tick() >= kMaxTick) return false;
     out.state.tick = static_cast<Tick>(in_.tick());
-    return read_entities(out.state.world) && read_contacts(out.state.world) && read_avatars(out.state) &&
-           read_authority(out.state) &&
+    return read_start(out.state) && read_entities(out.state.world) && read_contacts(out.state.world) &&
+           read_avatars(out.state) && waits(out.state) && read_authority(out.state) &&
            take_residents(in_, scene_.region ? scene_.bodies.size() : 0, out.state.residents) && read_slots(out) &&
            read_tail(out) && read_gone(out);
   }
 
  private:
+  // A tick further ahead would let nobody play.
+  bool read_start(FoldState& out) const {
+    if (in_.wanted() > static_cast<unsigned>(slots_) || in_.begin() > in_.tick() + sync::kStartLead) return false;
+    out.start = {static_cast<int>(in_.wanted()), static_cast<Tick>(in_.begin())};
+    return in_.wanted() == 0 || in_.begin() == 0;
+  }
+
+  // For nobody once as many are there.
+  static bool waits(const FoldState& s) {
+    return s.start.wanted == 0 || std::count_if(s.members.begin(), s.members.end(),
+                                                [](const sync::Member& m) { return m.present; }) < s.start.wanted;
+  }
+
   bool read_entities(world::Snapshot& out) const {
     const int n = bodies_ + slots_;
     if (in_.entities_size() != n * kEntityNumbers || in_.awake().size() != static_cast<std::size_t>(n)) return false;
@@ -238,6 +251,8 @@ class Reader {
 Bytes encode_transfer(const sync::Transfer& t) {
   Message out;
   out.set_tick(static_cast<std::uint32_t>(t.state.tick));
+  out.set_wanted(static_cast<std::uint32_t>(t.state.start.wanted));
+  out.set_begin(static_cast<std::uint32_t>(t.state.start.at));
   put_world(t.state.world, out);
   put_avatars(t.state, out);
   put_authority(t.state, out);

@@ -65,7 +65,7 @@ class Pair {
       on_way_[n].pop_front();
     }
     if (now_ >= peer.next_due()) peer.advance(now_);
-    for (int i = 0; i < 2 && peer.playing() && now_ >= peer.next_step(); ++i) peer.step({5, 5}, now_);
+    while (peer.step_due(now_)) peer.step({5, 5}, now_);
   }
 
   const Scene scene_ = room(20, 2);

@@ -5,11 +5,12 @@
 
 #include <utility>
 
-#include "common/link/netem_spec.h"
 #include "common/reckoning/live_world.h"
 #include "common/reckoning/prediction.h"
 #include "common/scenarios/scenarios.h"
 #include "common/sync/agreed_world.h"
+#include "shell/input_text.h"
+#include "shell/netem_text.h"
 #include "tests/bench/bare_world.h"
 #include "tests/bench/party.h"
 #include "tools/lab/simulation.h"
@@ -129,11 +130,11 @@ void lab_run(benchmark::State& state) {
     lab::SimulationConfig c;
     c.scene = scenarios::load_embedded("arena", 1);
     c.peers = kPeers;
-    c.netem = link::parse_netem("delay 100ms loss 2%");
+    c.netem = shell::parse_netem("delay 100ms loss 2%");
     c.ticks = kTicks;
     std::vector<std::unique_ptr<scenarios::InputSource>> inputs;
     for (PeerId p = 0; p < kPeers; ++p) {
-      inputs.push_back(scenarios::make_input("wander", {c.scene, p, 1, {}}));
+      inputs.push_back(shell::make_input("wander", {c.scene, p, 1, {}}));
       c.inputs.push_back(inputs.back().get());
     }
     struct Bare {

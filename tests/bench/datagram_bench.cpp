@@ -7,12 +7,12 @@
 //   of_dis       that over an Entity State PDU of IEEE 1278.1, 144 bytes
 #include <benchmark/benchmark.h>
 
-#include "common/link/netem_spec.h"
 #include "common/link/shim.h"
 #include "common/model/precision.h"
 #include "common/model/rng.h"
 #include "common/sync/validation.h"
 #include "common/wire/codec.h"
+#include "shell/netem_text.h"
 #include "tests/bench/allocations.h"
 #include "tests/bench/party.h"
 
@@ -117,7 +117,7 @@ void admit(benchmark::State& state) {
 
 /// 100 ms and every impairment there is, one in flight a tick.
 void shim(benchmark::State& state) {
-  link::Shim s(link::parse_netem("delay 100ms 20ms 25% loss 2% duplicate 1% corrupt 0.1% reorder 5% rate 10mbit"), 1);
+  link::Shim s(shell::parse_netem("delay 100ms 20ms 25% loss 2% duplicate 1% corrupt 0.1% reorder 5% rate 10mbit"), 1);
   const std::vector<std::byte> datagram(static_cast<std::size_t>(state.range(0)), std::byte{1});
   Micros now = 0;
   run(state, [&] {

@@ -5,6 +5,8 @@
 #include "common/link/netem_spec.h"
 #include "common/model/rng.h"
 #include "common/scenarios/scenarios.h"
+#include "shell/input_text.h"
+#include "shell/netem_text.h"
 #include "tests/bench/allocations.h"
 
 namespace padr::bench {
@@ -67,13 +69,13 @@ Scene restless_room(int bodies, int spawns) {
 }
 
 Mesh::Mesh(const Scene& scene, int peers, const std::string& netem, const std::string& input, std::uint64_t seed) {
-  const link::NetemSpec spec = link::parse_netem(netem);
+  const link::NetemSpec spec = shell::parse_netem(netem);
   for (int p = 0; p < peers; ++p) {
     node::ReplicaConfig c;
     c.self = static_cast<PeerId>(p);
     c.peers = c.slots = peers;
     nodes.push_back(std::make_unique<node::Replica>(scene, c));
-    inputs.push_back(scenarios::make_input(input, {scene, p, seed, {}}));
+    inputs.push_back(shell::make_input(input, {scene, p, seed, {}}));
     auto& row = shims.emplace_back();
     for (int q = 0; q < peers; ++q)
       row.push_back(std::make_unique<link::Shim>(

@@ -40,7 +40,7 @@ class Replay(Case):
     def test_it_plays(self):
         b = self.browser
         self.assertFalse(b.script("return document.querySelector('#replay').hidden"))
-        b.script("padr.connection.send({ type: 'seek', tick: 60 })")
+        b.script("padr.connection.send({ type: 'seek', tick: padr.session.timeline.first + 60 })")
         if not b.script("return padr.session.timeline.playing"):
             b.find("#replay .play").click()
         prints = "return [...document.querySelectorAll('#views canvas')].map((c) => c.toDataURL())"

@@ -34,7 +34,7 @@ TEST_F(Program, SaysWhatIsWrongWithTheCommandLine) {
            {"summary .", "it is a directory"},
            {"export x", "give one of --json and --csv"},
            {"export x --json --csv", "give one of --json and --csv"},
-           {"rebuild x --peers " + std::to_string(kMaxPeers + 1), "--peers"},
+           {"rebuild x --wait-peers " + std::to_string(kMaxPeers + 1), "--wait-peers"},
            {"compare x", "at least one capture and one trace"}}) {
     Shell::write("x", "");
     Shell::write("peer.trace", "PADRTRC and more");
@@ -90,13 +90,13 @@ TEST_F(Program, SeveralCapturesCountADatagramOnce) {
 // A demo beside a crowd, on the loopback device.
 TEST_F(Program, OfSeveralSessionsRebuildAsksWhichOne) {
   write("two.pcap", pcap({}, {state(1, 9), state(1, 513), state(2, 513)}));
-  const Outcome which = capture("rebuild two.pcap --scenario arena --peers 2");
+  const Outcome which = capture("rebuild two.pcap --scenario arena --wait-peers 2");
   EXPECT_EQ(which.status, 2);
   EXPECT_EQ(which.err,
             "padr-capture: --session: the capture has 2 sessions, say which one: 513 (ticks 1 to 2, 1 peer, 2 state "
             "datagrams); 9 (ticks 1 to 1, 1 peer, 1 state datagrams)\n");
   for (const std::string number : {"513", "0x201"}) {
-    const Outcome one = capture("rebuild two.pcap --scenario arena --peers 2 --session " + number);
+    const Outcome one = capture("rebuild two.pcap --scenario arena --wait-peers 2 --session " + number);
     EXPECT_EQ(one.err, "");
     EXPECT_TRUE(one.out.starts_with("session 513: arena")) << one.out;
   }
@@ -122,7 +122,7 @@ TEST_F(Program, WhatBeginsInTheMiddleIsNotRebuiltAndItSaysWhyAtOnce) {
   EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
   // Nothing is proven where no hash is reached.
   write("begin.pcap", pcap({}, {state(1)}));
-  EXPECT_EQ(capture("rebuild begin.pcap --scenario arena --peers 2").status, 1);
+  EXPECT_EQ(capture("rebuild begin.pcap --scenario arena --wait-peers 2").status, 1);
 }
 
 TEST_F(Program, FollowsAPipeAndAFileThatGrows) {

@@ -54,8 +54,8 @@ TEST(Amplification, WithoutAKeyNothingUnprovenGetsBackMoreThanItSentEither) {
   double out = 0;
   const lab::VirtualNetworkConfig config = party_config(6, "delay 5ms", 5);
   Party party(config, [&](lab::VirtualNetwork& g) {
-    g.on_tamper = [&](int) {
-      return [&](node::Parcel p) {
+    g.on_start = [&](int, node::ParticipantConfig& c) {
+      c.tamper = [&](node::Parcel p) {
         if (same_place(p.to, stranger)) out += static_cast<double>(p.bytes.size()) + kHeaders;
         return std::vector{std::move(p)};
       };
@@ -74,12 +74,16 @@ TEST(Amplification, WithoutAKeyNothingUnprovenGetsBackMoreThanItSentEither) {
   const std::vector<std::pair<const char*, wire::Bytes>> all{
       {"Join", session(wire::Join{kNonce, scene_hash(config.scene), 1, config.technique.authority, config.scene.name})},
       {"Join, other physics", session(wire::Join{kNonce + 1, scene_hash(config.scene), 2, true, "x"})},
+      {"Welcome", session(wire::Welcome{kNonce, 1, 2, 2, 7, 9})},
+      {"Redirect", session(wire::Redirect{kNonce, stranger})},
+      {"Refuse", session(wire::Refuse{kNonce, "no"})},
       {"Ping", session(wire::Ping{1})},
+      {"Pong", session(wire::Pong{1, 2})},
       {"Pull", membership(wire::Pull{kNonce, 0, ~std::uint64_t{0}, 1})},
       {"Enter", membership(wire::Enter{kNonce})},
       {"Probe", membership(wire::Probe{99, {{kElsewhere, 99, 0}}, false, 99})},
-      {"Poll", membership(wire::Poll{{{1, 0, 0}}})},
-      {"Fetch", membership(wire::Fetch{1, 0, 0})},
+      {"Poll", membership(wire::Poll{{{1, party.replica(1).config().incarnation, 0}}})},
+      {"Fetch", membership(wire::Fetch{1, party.replica(1).config().incarnation, 0})},
       {"state", wire::seal({wire::Kind::kState, kElsewhere, number}, wire::Bytes(30))}};
   std::printf("  %-20s %6s %6s %6s\n", "from anywhere", "in", "out", "factor");
   for (const auto& [name, d] : all) {

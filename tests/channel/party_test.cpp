@@ -32,7 +32,7 @@ INSTANTIATE_TEST_SUITE_P(Modes, SealedParty, testing::Values(wire::SealMode::kAu
 TEST(SealedParty, WhoHasAnotherKeyOrNoneStaysOutside) {
   Party party(keyed(2, "delay 20ms", 22, wire::SealMode::kAuth));
   ASSERT_TRUE(party.run_until(10, [&] { return party.united(); })) << party.story();
-  party.net().on_gate = [](int, node::ChannelConfig& g) { g.session[0] ^= 1; };
+  party.net().on_start = [](int, node::ParticipantConfig& c) { c.channels->session[0] ^= 1; };
   const int stranger = party.net().start(0);
   party.run(12);
   EXPECT_FALSE(party.net().peer(stranger).playing());

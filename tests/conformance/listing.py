@@ -65,9 +65,7 @@ def order_lines(prefix, update):
 def message_lines(name, content):
     lines = []
     for field, value in content.items():
-        if name == "start" and field == "member":
-            lines += [f"start.member[{member['peer']}] = {place(member) if member['peer'] else 'founder'}" for member in value]
-        elif field in ("member", "lost"):
+        if field in ("member", "lost"):
             lines += [f"{name}.{field}[{n}] = {seat['slot']} {seat['incarnation']} {seat['have']} {seat['heard']}" for n, seat in enumerate(value)]
         elif field == "known":
             lines += [f"tell.known[{n}] = {place(each)} in{regions(each['in'])} seeks{regions(each['seeks'])}"

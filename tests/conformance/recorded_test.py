@@ -127,7 +127,7 @@ def check_plenty(session):
     print(f"{state} state datagrams, {session.marks} of them marks, {updates} updates, {session.bodies} bodies in them,"
           f" the longest of {session.longest} bytes; session messages: {session.messages}")  # fmt: skip
     assert state >= 200 and session.marks >= 50 and updates >= 60 and session.bodies >= 30
-    assert {"join", "welcome", "ping", "pong", "start", "ready"} <= set(session.messages)
+    assert {"join", "welcome", "ping", "pong", "pull", "piece", "enter"} <= set(session.messages)
 
 
 def main(peer):

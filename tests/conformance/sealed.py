@@ -37,7 +37,7 @@ def sealed(key, mode, sender, number, unsealed):
 
 def unsealed(key, number, datagram):
     """The unsealed datagram in a sealed one, or None."""
-    if not HEADER + TAG <= len(datagram) <= LARGEST or datagram[:2] != b"Pd" or datagram[2] >> 4 != 7:
+    if not HEADER + TAG <= len(datagram) <= LARGEST or datagram[:2] != b"Pd" or datagram[2] >> 4 != 8:
         return None
     mode = datagram[2] >> 2 & 3
     if mode not in (AUTH, ENCRYPT) or datagram[2] & 3 == 3:
@@ -52,7 +52,7 @@ def unsealed(key, number, datagram):
 
 
 def handshake(type, public, number, cookie):
-    return b"Pd\x73" + bytes([type]) + public + struct.pack("<Q", number) + cookie
+    return b"Pd\x83" + bytes([type]) + public + struct.pack("<Q", number) + cookie
 
 
 def hello(session, public, number, type=1, cookie=bytes(16)):
@@ -77,7 +77,7 @@ def vectors():
     session, a, b = (bytes(range(n, n + 32)) for n in (0, 32, 64))
     pa, pb = public_key(a), public_key(b)
     ab, ba = pair_key(session, a, pb, pa, pb), pair_key(session, b, pa, pb, pa)
-    plain = bytes.fromhex("5064700234120a03016405")
+    plain = bytes.fromhex("5064800234120a03016405")
     plain += struct.pack("<I", zlib.crc32(plain))
     number = (5 << 32) + 7
     cookie = bytes(range(160, 176))

@@ -12,6 +12,7 @@ class Link:
     def __init__(self):
         self.seq = self.mark_tick = self.mark_count = self.have = 0
         self.updates = set()
+        self.given = 0  # numbers below this are in the transfer that the receiver began with
         self.datagrams = 0
         self.told = 0  # tick of the last datagram that told of the link and the hash
         self.check_tick = -1  # of that hash
@@ -59,13 +60,18 @@ class Session:
             link.told, link.check_tick = decoded["mark_tick"], decoded["check_tick"] if decoded["check_hash"] else -1
         for update in decoded["updates"]:
             link.updates.add(update["index"])
+            if update["admission"]:
+                newcomer = update["admission"]["slot"]
+                for slot, have in enumerate(update["admission"]["have"][: len(self.updates)]):
+                    if slot != newcomer:
+                        self.links[slot, newcomer].given = have
             known = self.updates[sender].setdefault(update["index"], update)
             check(repr(known) == repr(update), "an update that was something else before:", update)
 
     def acknowledged(self, decoded, back):
-        """What is said to have arrived must have been sent on that link."""
+        """What is said to have arrived must have been sent on that link, or before that in the transfer."""
         bits = decoded["have_beyond"]
-        said = set(range(decoded["have"])) | {decoded["have"] + 1 + i for i in range(32) if bits >> i & 1}
+        said = set(range(back.given, decoded["have"])) | {decoded["have"] + 1 + i for i in range(32) if bits >> i & 1}
         check(said <= back.updates, "acknowledged, but never sent:", said - back.updates)
 
     def finish(self):

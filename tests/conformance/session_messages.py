@@ -1,21 +1,17 @@
-"""Founding, joining, starting: section 7."""
+"""Joining: section 7."""
 from protobuf import one_of
 from rules import is_address, require, require_place
 
-MEMBER_FIELDS = {1: ("peer", "uint32"), 2: ("address", "bytes"), 3: ("port", "uint32")}
 KNOWN_FIELDS = {1: ("address", "bytes"), 2: ("port", "uint32"), 3: ("in", "fixed32 column"), 4: ("seeks", "fixed32 column")}
 SESSION_MESSAGES = {
     1: ("join", {1: ("nonce", "fixed64"), 2: ("scene_hash", "fixed64"), 3: ("fingerprint", "fixed64"),
                  4: ("authority", "bool"), 5: ("scenario", "text"), 6: ("padding", "bytes")}),
     2: ("welcome", {1: ("nonce", "fixed64"), 2: ("peer", "uint32"), 3: ("slots", "uint32"), 4: ("wanted", "uint32"),
-                    5: ("running", "bool"), 6: ("incarnation", "uint32"), 7: ("cookie", "fixed64")}),
+                    6: ("incarnation", "uint32"), 7: ("cookie", "fixed64")}),
     3: ("redirect", {1: ("nonce", "fixed64"), 2: ("address", "bytes"), 3: ("port", "uint32")}),
     4: ("refuse", {1: ("nonce", "fixed64"), 2: ("reason", "text")}),
     5: ("ping", {1: ("sent_us", "sfixed64"), 2: ("padding", "bytes")}),
-    6: ("pong", {1: ("sent_us", "sfixed64"), 2: ("founder_us", "sfixed64"), 3: ("present", "uint32")}),
-    7: ("start", {1: ("tick0_us", "sfixed64"), 2: ("member", MEMBER_FIELDS)}),
-    8: ("ready", {1: ("round_trip_us", "uint32"), 2: ("started", "bool")}),
-    9: ("bye", {1: ("reason", "text")}),
+    6: ("pong", {1: ("sent_us", "sfixed64"), 2: ("session_us", "sfixed64")}),
     10: ("ask", {1: ("nonce", "fixed64"), 2: ("crowd", "fixed64"), 3: ("about", "fixed32"), 4: ("in", "fixed32 column"),
                  5: ("seeks", "fixed32 column"), 6: ("rank", "fixed32"), 7: ("padding", "bytes")}),
     11: ("tell", {1: ("nonce", "fixed64"), 2: ("crowd", "fixed64"), 3: ("about", "fixed32"), 4: ("in", "fixed32 column"),
@@ -23,11 +19,11 @@ SESSION_MESSAGES = {
                   8: ("known", KNOWN_FIELDS), 9: ("noted", "bool")}),
 }
 RANGES = {  # of fields of session messages, by name; others take anything
-    "slots": (1, 64), "wanted": (1, 64), "port": (1, 65535), "present": (0, 64),
-    "sent_us": (-(1 << 53), 1 << 53), "founder_us": (-(1 << 53), 1 << 53), "tick0_us": (-(1 << 53), 1 << 53),
+    "slots": (1, 64), "wanted": (1, 64), "port": (1, 65535), 
+    "sent_us": (-(1 << 53), 1 << 53), "session_us": (-(1 << 53), 1 << 53),
 }
 MOST_REGIONS, MOST_KNOWN, MOST_CLOCK = 8, 16, 1 << 53
-MOST_REASON, MOST_LABEL, LEAST_PING_PADDING, MOST_MEMBERS = 400, 128, 18, 64
+MOST_REASON, MOST_LABEL, LEAST_PING_PADDING = 400, 128, 18
 
 
 def decode_session(payload):
@@ -70,22 +66,9 @@ def check_session(name, content):
         require(content["nonce"] != 0, "a join without a nonce")
     elif name == "welcome":
         require(content["wanted"] <= content["slots"], "waits for more than may come")
-        least, most = (0, content["slots"]) if content["running"] else (1, content["wanted"])
-        require(least <= content["peer"] < most, "a number that is none")
-        require(content["running"] == (content["incarnation"] > 0), "an incarnation of the wrong sort")
-        require(content["running"] == (content["cookie"] > 0), "a cookie of the wrong sort")
+        require(content["peer"] < content["slots"], "a number that is none")
+        require(content["incarnation"] > 0 and content["cookie"] > 0, "no incarnation, or no cookie")
     elif name in ("ask", "tell"):
         check_finding(name, content)
     elif name == "ping":
         require(len(content["padding"]) >= LEAST_PING_PADDING, "a ping smaller than its pong")
-    elif name == "start":
-        members = content["member"]
-        require(1 <= len(members) <= MOST_MEMBERS, "a number of members that cannot be")
-        first = members[0]["peer"]
-        require([member["peer"] for member in members] == list(range(first, first + len(members))), "members out of order")
-        require(first + len(members) <= MOST_MEMBERS, "a member beyond the last")
-        for member in members:
-            if member["peer"]:
-                check_ranges(member)
-            else:
-                require(not member["address"] and not member["port"], "an address of the founder")

@@ -9,6 +9,7 @@ from updates import (MODELS, MOST_ANGLE, MOST_CONTROL, MOST_EPOCH, MOST_NUMBER, 
                      PASSED_ON_FIELDS, UPDATE_FIELDS, check_values, decode_update)  # fmt: skip
 
 MOST_GONE, MOST_NORMAL, MOST_LOCAL, MOST_IMPULSE, MARGIN = 64, 1.01, 1e4, 1e9, 20
+START_LEAD = 60
 
 CONTACT_FIELDS = {
     1: ("key", "uint32"), 2: ("numbers", "float column"), 3: ("ids", "fixed32 column"), 4: ("type", "uint32"),
@@ -30,6 +31,7 @@ TRANSFER_FIELDS = {
     5: ("avatars", AVATAR_FIELDS), 6: ("authority", AUTHORITY_FIELDS), 7: ("holds", "fixed64 column"),
     8: ("slots", SLOT_FIELDS), 9: ("tail", PASSED_ON_FIELDS), 10: ("gone", PLACE_FIELDS),
     11: ("residents", RESIDENT_FIELDS), 12: ("went", RESIDENT_FIELDS),
+    13: ("wanted", "uint32"), 14: ("begin", "uint32"),
 }
 
 # What a transfer is held against: numbers of bodies, slots and fixed things, and the scenario's corners.
@@ -40,6 +42,8 @@ def decode_transfer(data, scenario):
     """The transfer as a dict; Malformed or Drop if it is to be refused."""
     out = message(data, TRANSFER_FIELDS)
     require(out["tick"] <= MOST_TICK, "a tick that is none")
+    require(out["wanted"] <= scenario.slots and out["begin"] <= out["tick"] + START_LEAD, "a begin of play that is none")
+    require(not out["wanted"] or not out["begin"], "a begin of play, and members that it waits for")
     check_entities(out, scenario)
     check_contacts(out["contacts"], scenario)
     check_avatars(out, scenario)
@@ -157,7 +161,7 @@ def check_of_session(update, scenario):
 
 def transfer_lines(out):
     """As the listings of test vectors have it."""
-    lines = [f"transfer.tick = {out['tick']}"]
+    lines = [f"transfer.{field} = {out[field]}" for field in ("tick", "wanted", "begin")]
     for n, (numbers, awake) in enumerate(zip(out["entities"], out["awake"])):
         lines.append(f"transfer.entity[{n}] = {shown(numbers)} {awake}")
     for n, contact in enumerate(out["contacts"]):

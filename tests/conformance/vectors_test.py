@@ -66,9 +66,9 @@ def check_order_of_reasons(datagram):
 
     assert reason(b"") == "short"
     assert reason(b"Pd" + bytes(1199)) == "long"
-    assert reason(rebuilt(b"Px", 0x7F)) == "magic"
-    assert reason(rebuilt(b"Pd", 0x8F)) == "version"
-    assert reason(rebuilt(b"Pd", 0x7F)) == "kind"
+    assert reason(rebuilt(b"Px", 0x8F)) == "magic"
+    assert reason(rebuilt(b"Pd", 0x9F)) == "version"
+    assert reason(rebuilt(b"Pd", 0x8F)) == "kind"
 
 
 def check_shortened(datagram):

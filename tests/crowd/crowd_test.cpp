@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "shell/netem_text.h"
 #include "tests/seed.h"
 #include "tools/lab/crowd/body_positions.h"
 #include "tools/lab/crowd/census.h"
@@ -13,7 +14,7 @@ namespace {
 CrowdRunConfig config(int peers, const char* netem) {
   CrowdRunConfig c;
   c.peers = peers;
-  c.netem = link::parse_netem(netem);
+  c.netem = shell::parse_netem(netem);
   c.seed = test::seed();
   c.plane.seed = c.seed;
   return c;

@@ -211,10 +211,17 @@ class Monitor:
                 self.lock.wait(min(left, 0.2))
 
     def slot(self, slot, frames=1):
-        """The teller in that slot, once it has told as many frames."""
+        """The teller in that slot, once it has told as many frames and a hello of the session it is in.
+
+        A hello from before it was in knows no number of slots, and the next may come after the first frame.
+        """
         return self.wait_until(
-            lambda: next((t for t in self.tellers.values() if t.slot == slot and t.hello and len(t.frames) >= frames), None)
-        )
+            lambda: next(
+                (t for t in self.tellers.values()
+                 if t.slot == slot and t.hello and number(t.hello, 5) and len(t.frames) >= frames),
+                None,
+            )
+        )  # fmt: skip
 
     def order(self, teller, field, what, **altered):
         """Gives an order; its number. `altered`: other values of process, token, issuer or number than right ones."""

@@ -29,8 +29,9 @@ class Health(Case):
 
     def test_unhealthy_until_it_plays_healthy_while_confirmed_advances_gone_at_the_end(self):
         founder = self.peer("--wait-peers", 2, "--health", self.path())
-        waiting = self.wait_for(lambda s: True)
-        self.assertEqual(waiting, {"healthy": False, "playing": False})
+        self.assertEqual(self.wait_for(lambda s: True)["playing"], False)
+        waiting = self.wait_for(lambda s: "present" in s)
+        self.assertEqual((waiting["healthy"], waiting["playing"], waiting["present"]), (False, False, 1))
         other = self.peer("--join", f"127.0.0.1:{founder.port()}")
         first = self.wait_for(lambda s: s["healthy"])
         self.assertTrue(first["playing"])

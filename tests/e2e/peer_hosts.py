@@ -83,7 +83,7 @@ class ThreeMachines(Case):
         elsewhere = self.on(2, "--join", f"10.99.0.1:{founder.port()}", "--duration", 9)
         elsewhere.wait_for("peers starts in")
         beside = self.on(1, "--join", f"127.0.0.1:{founder.port()}", "--duration", 9)
-        beside.wait_for("in as peer 2")
+        beside.wait_for("this is peer 2|in as peer 2")
         self.assertEqual(founder.end(), 0)
         # Whom it looks for at a wrong address it never hears, and takes for lost.
         newcomer = self.on(3, "--join", f"10.99.0.2:{elsewhere.port()}", "--duration", 4)

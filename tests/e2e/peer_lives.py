@@ -86,7 +86,7 @@ class Lives(Case):
         founder.end()
         # Before anybody has missed it, so that it is passed on to where it is itself.
         back = self.peer("--listen", f"127.0.0.1:{port}", "--join", f"127.0.0.1:{others[0].port()}", "--netem", LINK)
-        back.wait_for(f"passes us on to the founder at 127.0.0.1:{port}")
+        back.wait_for(f"passes us on to 127.0.0.1:{port}")
         back.wait_for(PLAYING)
         self.settle([*others, back])
         self.end_all([*others, back])

@@ -52,7 +52,7 @@ class Play(Case):
         founder = self.peer("--wait-peers", 3, "--duration", 2, "--netem", "delay 1ms", "--netem-to", "2=delay 50ms")
         port = founder.port()
         others = [self.peer("--join", f"127.0.0.1:{port}", "--duration", 2)]
-        others[0].wait_for("joined")
+        others[0].wait_for("welcomed by")
         others.append(self.peer("--join", f"127.0.0.1:{port}", "--duration", 2,
                                 "--netem-to", f"127.0.0.1:{port}=delay 2ms"))  # fmt: skip
         self.assertEqual([p.end() for p in [founder, *others]], [0, 0, 0])
@@ -146,10 +146,10 @@ class Leaving(Case):
     def test_signal_before_the_start(self):
         founder = self.peer("--wait-peers", 3)
         joiner = self.peer("--join", f"127.0.0.1:{founder.port()}")
-        joiner.wait_for("joined")
+        joiner.wait_for("waiting as peer")
         joiner.process.send_signal(signal.SIGINT)
         self.assertEqual(joiner.end(5), 1)
-        founder.wait_for("left before the start", 5)
+        founder.wait_for("peer 1 has left", 5)
         founder.process.send_signal(signal.SIGTERM)
         self.assertEqual(founder.end(5), 1)
 
@@ -170,7 +170,7 @@ class Hostility(Case):
                 size = rng.choice([0, 1, 9, 10, 11, 60, 300, 1200, 1201, 5000])
                 data = rng.randbytes(size)
                 if rng.random() < 0.5:
-                    data = b"Pd" + bytes([rng.choice([0x70, 0x71, 0x72, 0x60, 0xF1])]) + data[3:]
+                    data = b"Pd" + bytes([rng.choice([0x80, 0x81, 0x82, 0x70, 0xF1])]) + data[3:]
                 s.sendto(data, ("127.0.0.1", rng.choice(ports)))
                 thrown += 1
                 if thrown % 50 == 0:

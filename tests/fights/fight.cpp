@@ -6,6 +6,8 @@
 #include <set>
 #include <utility>
 
+#include "shell/netem_text.h"
+
 namespace padr::test {
 namespace {
 
@@ -159,7 +161,7 @@ Outcome fight(const Arena& arena, const std::string& netem, std::uint64_t seed, 
   c.scene = arena.scene;
   c.peers = static_cast<int>(arena.scripts.size());
   c.technique = technique;
-  c.netem = link::parse_netem(netem);
+  c.netem = shell::parse_netem(netem);
   c.netem_seed = seed;
   c.ticks = static_cast<Tick>(arena.seconds * kTicksPerSecond);
   c.settle_ticks = kSettleSeconds * kTicksPerSecond;

@@ -81,7 +81,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     size -= kHead + length;
     now += kMicrosPerSecond / 20;
     founder.advance(now);
-    while (founder.playing() && founder.next_step() <= now) founder.step({5, 5}, now);
+    while (founder.step_due(now)) founder.step({5, 5}, now);
     founder.take_outgoing();
     founder.take_notes();
     founder.take_changes();

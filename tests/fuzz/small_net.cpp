@@ -70,8 +70,7 @@ void SmallNet::turn() {
   for (int p = 0; p < peers(); ++p) {
     node::Participant& peer = *people_[static_cast<std::size_t>(p)].peer;
     if (now_ >= peer.next_due()) peer.advance(now_);
-    for (int i = 0; i < 2 && peer.playing() && now_ >= peer.next_step(); ++i)
-      peer.step({5.0F + static_cast<float>(p), 5}, now_);
+    while (peer.step_due(now_)) peer.step({5.0F + static_cast<float>(p), 5}, now_);
     for (const node::Parcel& parcel : peer.take_outgoing()) post(p, parcel);
     peer.take_notes();
     peer.take_changes();

@@ -101,8 +101,8 @@ TEST(Floods, WhoIsAskedWhatItHasOfALostPeerAndNeverAnswers) {
   for (const auto mode : {wire::SealMode::kNone, wire::SealMode::kAuth}) {
     Trial t(4, 2, mode, 305);
     const PeerId lost = 3;
-    t.liar().speak_of_others([](wire::MembershipMessage& m) {
-      if (std::holds_alternative<wire::Answer>(m)) m = wire::Answer{{{1, 0, 0}}};
+    t.liar().speak_of_others([&t](wire::MembershipMessage& m) {
+      if (std::holds_alternative<wire::Answer>(m)) m = wire::Answer{{{1, t.incarnation(1), 0}}};
     });
     t.party().net().kill(t.person(lost));
     t.party().run(11);
@@ -156,16 +156,18 @@ TEST(Floods, MessagesOfMembership) {
       const auto membership = [&](const wire::MembershipMessage& m) {
         out.push_back(wire::seal({wire::Kind::kMembership, h.sender, h.session}, wire::encode_membership(m)));
       };
-      wire::Fetched fetched{1, 0, {}};
+      const std::uint32_t first = t.incarnation(1);
+      wire::Fetched fetched{1, first, {}};
       for (std::uint32_t i = 0; i < 10; ++i)
         fetched.updates.push_back(
             avatar_update(1, 5000 + 10 * static_cast<std::uint32_t>(nonce) + i, 600 + static_cast<Tick>(i)));
       for (int i = 0; i < 20; ++i) {
-        membership(wire::Poll{{{1, 0, 0}, {3, 0, 0}}});
-        membership(wire::Answer{{{0, 0, 1'000'000}, {1, 0, 1'000'000}}});
-        membership(wire::Fetch{1, 0, 0});
+        membership(wire::Poll{{{1, first, 0}, {3, t.incarnation(3), 0}}});
+        membership(wire::Answer{{{0, 0, 1'000'000}, {1, first, 1'000'000}}});
+        membership(wire::Fetch{1, first, 0});
         membership(fetched);
-        membership(wire::Probe{0, {{2, 0, 0}, {5, 9, 0}, {6, 9, 0}, {7, 9, 0}, {8, 9, 0}, {9, 9, 0}}, false, 100});
+        membership(wire::Probe{
+            0, {{2, t.incarnation(2), 0}, {5, 9, 0}, {6, 9, 0}, {7, 9, 0}, {8, 9, 0}, {9, 9, 0}}, false, 100});
         membership(wire::Pull{++nonce, 0, ~std::uint64_t{0}, nonce});
         membership(wire::Enter{nonce});
         const wire::Join join{nonce, 0, 0, true, "x"};

@@ -100,9 +100,9 @@ class Trial {
       : liar_slot_(liar),
         liars_(static_cast<std::size_t>(founders)),
         party_(config(founders, seal, seed), [this](lab::VirtualNetwork& g) {
-          g.on_gate = [this](int person, node::ChannelConfig& channels) { of_person(person).learn_key(channels); };
-          g.on_tamper = [this](int person) -> std::function<std::vector<node::Parcel>(node::Parcel)> {
-            return [this, person](node::Parcel p) { return of_person(person).tamper(std::move(p)); };
+          g.on_start = [this](int person, node::ParticipantConfig& c) {
+            if (c.channels) of_person(person).learn_key(*c.channels);
+            c.tamper = [this, person](node::Parcel p) { return of_person(person).tamper(std::move(p)); };
           };
         }) {
     EXPECT_TRUE(party_.run_until(10, [&] { return party_.united(); })) << party_.story();
@@ -117,6 +117,8 @@ class Trial {
   int person(PeerId slot) const { return persons_[slot]; }
   const node::Replica& replica(PeerId slot) const { return party_.replica(person(slot)); }
   Tick lag(PeerId slot) const { return party_.lag(person(slot)); }
+  /// Of who sits there now, as the wire has it.
+  std::uint32_t incarnation(PeerId slot) const { return replica(slot).config().incarnation; }
   std::vector<PeerId> honest() const {
     std::vector<PeerId> all;
     for (PeerId p = 0; p < persons_.size(); ++p)

@@ -28,7 +28,7 @@ void give(Trial& t, std::function<void(sync::Bundle&)> order) {
 TEST(Orders, RemovalByWhoIsNotCoordinator) {
   for (const auto mode : {wire::SealMode::kNone, wire::SealMode::kAuth}) {
     Trial t(4, 2, mode, 201);
-    give(t, [](sync::Bundle& b) { b.removals = {{1, 0, 5}}; });
+    give(t, [&t](sync::Bundle& b) { b.removals = {{1, t.incarnation(1), 5}}; });
     t.party().run(16);
     EXPECT_GT(t.dropped(0, DropReason::kRight), 0U) << t.party().story();
     EXPECT_GT(t.dropped(1, DropReason::kRight), 0U) << t.party().story();
@@ -39,7 +39,7 @@ TEST(Orders, RemovalByWhoIsNotCoordinator) {
 
 TEST(Orders, RemovalOfTheCoordinator) {
   Trial t(4, 3, wire::SealMode::kAuth, 202);
-  give(t, [](sync::Bundle& b) { b.removals = {{0, 0, 5}}; });
+  give(t, [&t](sync::Bundle& b) { b.removals = {{0, t.incarnation(0), 5}}; });
   t.party().run(16);
   EXPECT_GT(t.dropped(0, DropReason::kRight), 0U) << t.party().story();
   EXPECT_TRUE(t.liar_is_out()) << t.party().story();
@@ -49,7 +49,7 @@ TEST(Orders, RemovalOfTheCoordinator) {
 // Not even the coordinator can declare somebody gone whom the others have not been asked about.
 TEST(Orders, RemovalByTheCoordinatorThatAskedNobody) {
   Trial t(4, 0, wire::SealMode::kAuth, 203);
-  give(t, [](sync::Bundle& b) { b.removals = {{2, 0, 5}}; });
+  give(t, [&t](sync::Bundle& b) { b.removals = {{2, t.incarnation(2), 5}}; });
   t.party().run(18);
   EXPECT_GT(t.dropped(1, DropReason::kRight), 0U) << t.party().story();
   EXPECT_TRUE(t.liar_is_out()) << t.party().story();
@@ -58,7 +58,7 @@ TEST(Orders, RemovalByTheCoordinatorThatAskedNobody) {
 
 TEST(Orders, NobodyIsDeclaredGoneToItselfByWhoIsNotCoordinator) {
   Trial t(4, 2, wire::SealMode::kAuth, 208);
-  give(t, [](sync::Bundle& b) { b.removals = {{3, 0, 5}}; });
+  give(t, [&t](sync::Bundle& b) { b.removals = {{3, t.incarnation(3), 5}}; });
   t.party().run(18);
   EXPECT_GT(t.dropped(3, DropReason::kRight), 0U) << t.party().story();
   t.expect_no_harm();
@@ -69,7 +69,7 @@ TEST(Orders, AdmissionByWhoIsNotCoordinator) {
   give(t, [](sync::Bundle& b) {
     sync::Admission a;
     a.slot = 6;
-    a.incarnation = 50;
+    a.incarnation = 5000;
     a.at = ipv4({10, 0, 0, 66}, 7000);
     a.at.key[0] = 1;
     a.have.assign(12, 0);

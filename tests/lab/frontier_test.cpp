@@ -10,8 +10,9 @@ namespace {
 
 Technique tight_full() {
   Technique t = technique_by_name("full");
-  set_threshold(t, "0.3:0.1");
-  set_body_threshold(t, "0.05");
+  t.threshold_high = 0.3F;
+  t.threshold_low = 0.1F;
+  t.body_threshold = 0.05F;
   return t;
 }
 
@@ -66,7 +67,7 @@ TEST(Frontier, FullIsCloseToTellingEverythingForAFractionOfTheTraffic) {
   Technique on_arrival = everything;
   on_arrival.replay = false;
   Technique fixed = technique_by_name("fixed");
-  set_threshold(fixed, "0.3");
+  fixed.threshold_high = fixed.threshold_low = 0.3F;
   const Point full = point_of(tight_full());
   const Point limit = point_of(everything);
   std::cout << "full " << full.mean_m << " m, " << full.kbps << " kbit/s; everything " << limit.mean_m << " m, "
@@ -81,9 +82,9 @@ TEST(Frontier, FullIsCloseToTellingEverythingForAFractionOfTheTraffic) {
 TEST(Frontier, AimingAheadAndTheTimeSpaceLawBothPay) {
   const Point full = point_of(tight_full());
   Technique no_lead = tight_full();
-  set_lead(no_lead, "0");
+  no_lead.lead = 0;
   Technique no_time_space = tight_full();
-  set_time_space(no_time_space, "off");
+  no_time_space.time_space = 0;
   const Point without_lead = point_of(no_lead);
   EXPECT_GT(without_lead.mean_m, 1.1 * full.mean_m);
   EXPECT_GT(without_lead.kbps, full.kbps);

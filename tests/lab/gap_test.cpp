@@ -44,7 +44,7 @@ std::size_t hits(const Technique& technique) {
 // view and hits a third one there. No contact tells the owner of it.
 TEST(Gap, AHeldBodyThatIsWrongElsewhereHitsAThirdOneThere) {
   Technique with_body_threshold = technique_by_name("fixed");
-  set_body_threshold(with_body_threshold, "0.05");
+  with_body_threshold.body_threshold = 0.05F;
   const std::size_t papers = hits(technique_by_name("fixed"));
   const std::size_t told = hits(with_body_threshold);
   EXPECT_GE(papers, 6U);

@@ -9,9 +9,9 @@
 namespace padr {
 namespace {
 
-Technique fixed(const char* threshold) {
+Technique fixed(float threshold) {
   Technique t = technique_by_name("fixed");
-  set_threshold(t, threshold);
+  t.threshold_high = t.threshold_low = threshold;
   return t;
 }
 
@@ -33,7 +33,7 @@ TEST(Paper, WithoutAuthorityInconsistencyGrowsWithItDoesNot) {
   const std::uint64_t seed = test::seed(3);
   test::Session none("arena", 2, technique_by_name("avatar-only"), "", seed, 60);
   none.simulation->run();
-  test::Session dynamic("arena", 2, fixed("0.5"), "", seed, 60);
+  test::Session dynamic("arena", 2, fixed(0.5F), "", seed, 60);
   dynamic.simulation->run();
   const auto& without = none.simulation->meter();
   const auto& with = dynamic.simulation->meter();
@@ -47,7 +47,7 @@ TEST(Paper, TighterThresholdsGiveSmallerErrorsAndMoreUpdates) {
   const std::uint64_t seed = test::seed(3);
   double last_mean = 1e9;
   std::uint64_t last_updates = 0;
-  for (const char* threshold : {"0.8", "0.5", "0.3"}) {
+  for (const float threshold : {0.8F, 0.5F, 0.3F}) {
     test::Session s("arena", 2, fixed(threshold), "", seed, 60);
     s.simulation->run();
     const double mean = s.simulation->meter().overall().avatar_mean_m;

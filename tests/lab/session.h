@@ -4,8 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "common/link/netem_spec.h"
 #include "common/scenarios/scenarios.h"
+#include "shell/input_text.h"
+#include "shell/netem_text.h"
 #include "tools/lab/simulation.h"
 
 namespace padr::test {
@@ -18,13 +19,13 @@ struct Session {
     c.scene = scenarios::load_embedded(scenario, seed);
     c.peers = peers;
     c.technique = technique;
-    c.netem = link::parse_netem(netem);
+    c.netem = shell::parse_netem(netem);
     c.netem_seed = seed;
     c.ticks = seconds * kTicksPerSecond;
     c.settle_ticks = settle_seconds * kTicksPerSecond;
     scene = c.scene;
     for (int p = 0; p < peers; ++p) {
-      inputs.push_back(scenarios::make_input(one_plays && p > 0 ? "rest" : "wander", {scene, p, seed, {}}));
+      inputs.push_back(shell::make_input(one_plays && p > 0 ? "rest" : "wander", {scene, p, seed, {}}));
       c.inputs.push_back(inputs.back().get());
     }
     simulation = std::make_unique<lab::Simulation>(std::move(c));

@@ -12,9 +12,9 @@ namespace {
 using trace::InconsistencyMeter;
 using trace::View;
 
-Technique with_unowned(const char* name, const char* unowned) {
+Technique with_unowned(const char* name, Unowned unowned) {
   Technique t = technique_by_name(name);
-  set_unowned(t, unowned);
+  t.unowned = unowned;
   return t;
 }
 
@@ -50,15 +50,15 @@ int differing(test::Session& s) {
 TEST(Unowned, ConfirmedWorldsAreIdenticalEitherWay) {
   const std::uint64_t seed = test::seed(4);
   for (const char* name : {"fixed", "adaptive", "full"})
-    for (const char* unowned : {"live", "agreed"}) {
+    for (const Unowned unowned : {Unowned::kLive, Unowned::kAgreed}) {
       test::Session s("arena", 3, with_unowned(name, unowned), "delay 80ms 40ms loss 10%", seed, 20, 5);
       const int n = differing(s);
-      if (std::string(unowned) == "live")
+      if (unowned == Unowned::kLive)
         EXPECT_GT(n, 0) << name;
       else
         EXPECT_EQ(n, 0) << name;
       EXPECT_GT(s.simulation->confirmed_ticks(), 1300U);
-      EXPECT_EQ(s.simulation->confirmed_mismatches(), 0U) << name << " " << unowned;
+      EXPECT_EQ(s.simulation->confirmed_mismatches(), 0U) << name << (unowned == Unowned::kLive ? " live" : " agreed");
     }
 }
 
@@ -71,7 +71,7 @@ bool touches_second(const node::Replica& n) {
 
 /// Mean distance of bodies in the first player's live world from where they are when that player is alone, until it
 /// meets the second, m.
-double astray(const char* unowned, std::uint64_t seed) {
+double astray(Unowned unowned, std::uint64_t seed) {
   test::Session alone("arena", 2, technique_by_name("avatar-only"), "", seed, 20, 0, true);
   test::Session s("arena", 2, with_unowned("fixed", unowned), "", seed, 20, 0, true);
   double sum = 0;
@@ -95,8 +95,8 @@ TEST(Unowned, APlayersOwnWorldStaysItsOwn) {
   const std::uint64_t first = test::seed(1);
   double agreed = 0;
   for (std::uint64_t seed = first; seed < first + 5; ++seed) {
-    EXPECT_LT(astray("live", seed), 0.01) << "seed " << seed;
-    agreed += astray("agreed", seed) / 5;
+    EXPECT_LT(astray(Unowned::kLive, seed), 0.01) << "seed " << seed;
+    agreed += astray(Unowned::kAgreed, seed) / 5;
   }
   EXPECT_GT(agreed, 0.01) << "or nothing was tested";
 }
@@ -137,10 +137,10 @@ TEST(Unowned, CanBeTurnedWhilePlaying) {
   };
   run(8);
   EXPECT_GT(differ(), 0);
-  s.simulation->retune(0, with_unowned("fixed", "agreed"));
+  s.simulation->retune(0, with_unowned("fixed", Unowned::kAgreed));
   run(1);
   EXPECT_EQ(differ(), 0);
-  s.simulation->retune(0, with_unowned("fixed", "live"));
+  s.simulation->retune(0, with_unowned("fixed", Unowned::kLive));
   run(6);
   EXPECT_GT(differ(), 0);
 }

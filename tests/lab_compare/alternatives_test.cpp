@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <memory>
 
-#include "common/link/netem_spec.h"
 #include "common/scenarios/scenarios.h"
 #include "common/wire/seal.h"
+#include "shell/netem_text.h"
 #include "shell/scenario_flags.h"
 #include "tools/lab/alternatives/alternative_run.h"
 #include "tools/lab/compare/contestant.h"
@@ -33,7 +33,7 @@ struct Played {
     config.scene = scenarios::load_embedded(scenario, 3);
     config.peers = peers;
     config.spec = spec;
-    config.netem = link::parse_netem(netem, nullptr);
+    config.netem = shell::parse_netem(netem, nullptr);
     config.netem_seed = 3;
     for (PeerId p = 0; p < peers; ++p) {
       inputs.push_back(std::make_unique<Ending>(shell::load_input("wander", config.scene, p, 3)));

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/link/netem_spec.h"
 #include "common/model/ids.h"
 #include "common/model/user_error.h"
+#include "shell/netem_text.h"
+#include "shell/technique_text.h"
 #include "tools/lab/compare/comparison.h"
 
 namespace padr::lab::compare {
@@ -16,7 +17,7 @@ Plan plan(const std::string& techniques, int seeds) {
   p.contestants = chosen_contestants(techniques);
   p.setting.ticks = 10 * kTicksPerSecond;
   for (const char* netem : {"delay 0ms", "delay 100ms"})
-    p.networks.push_back({netem, link::parse_netem(netem, nullptr)});
+    p.networks.push_back({netem, shell::parse_netem(netem, nullptr)});
   for (int s = 1; s <= seeds; ++s) p.seeds.push_back(static_cast<std::uint64_t>(s));
   p.parallel.quiet = true;
   return p;
@@ -34,7 +35,7 @@ TEST(Compare, NoAlternativeBeatsFullInBoth) {
 
 TEST(Compare, SameSeedSameResult) {
   Plan p = plan("fixed-0.5,full,snapshot-20,state-sync-20,dis", 1);
-  p.networks = {{"bad", link::parse_netem("delay 60ms 30ms loss 10% duplicate 2% corrupt 1%", nullptr)}};
+  p.networks = {{"bad", shell::parse_netem("delay 60ms 30ms loss 10% duplicate 2% corrupt 1%", nullptr)}};
   p.parallel.threads = 2;
   const std::string first = csv(run_plan(p), p);
   p.parallel.threads = 1;
@@ -81,7 +82,7 @@ TEST(Compare, OneNameIsOneSetting) {
   for (const Contestant& c : all_contestants()) {
     const auto* t = std::get_if<Technique>(&c.how);
     if (c.id == "full") {
-      EXPECT_EQ(describe(*t), describe(technique_by_name("full")));
+      EXPECT_EQ(*t, technique_by_name("full"));
     }
     if (c.id.starts_with("fixed-")) {
       EXPECT_NE(c.what.find(c.id.substr(6, 3) + " m"), std::string::npos) << c.what;
@@ -90,7 +91,7 @@ TEST(Compare, OneNameIsOneSetting) {
   const Plan p = plan("full,fixed-0.3", 1);
   const std::string text = table({}, p);
   for (const Contestant& c : p.contestants)
-    EXPECT_NE(text.find(describe(std::get<Technique>(c.how))), std::string::npos);
+    EXPECT_NE(text.find(shell::describe(std::get<Technique>(c.how))), std::string::npos);
 }
 
 TEST(Compare, AContestantIsAddedByItsKnobs) {

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "common/scenarios/scenarios.h"
+#include "shell/input_text.h"
+#include "shell/netem_text.h"
 #include "tests/seed.h"
 #include "tools/lab/convergence/film.h"
 
@@ -12,11 +14,11 @@ struct Session {
     const std::uint64_t seed = test::seed(3);
     config.scene = scenarios::load_embedded("arena", seed);
     config.peers = 3;
-    config.netem = link::parse_netem("delay 100ms 30ms loss 2%");
+    config.netem = shell::parse_netem("delay 100ms 30ms loss 2%");
     config.netem_seed = seed;
     config.ticks = 25 * kTicksPerSecond;
     for (int p = 0; p < 3; ++p) {
-      inputs.push_back(scenarios::make_input("wander", {config.scene, p, seed, {}}));
+      inputs.push_back(shell::make_input("wander", {config.scene, p, seed, {}}));
       config.inputs.push_back(inputs.back().get());
     }
   }

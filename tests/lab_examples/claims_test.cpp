@@ -5,6 +5,7 @@
 #include <array>
 
 #include "common/model/user_error.h"
+#include "shell/technique_text.h"
 #include "tools/lab/examples/results.h"
 
 namespace padr::lab::examples {
@@ -25,10 +26,7 @@ Cost cost(const std::string& story, const Technique& technique) {
 }
 
 Technique technique(const std::string& base, const std::string& threshold, const std::string& predictor) {
-  Technique t = technique_by_name(base);
-  set_threshold(t, threshold);
-  set_predictor(t, predictor);
-  return t;
+  return shell::technique_of(base + " --threshold " + threshold + " --predictor " + predictor);
 }
 
 constexpr std::array<const char*, 4> kStopShort{"ball", "dominoes", "van", "carton"};
@@ -155,7 +153,7 @@ TEST(Claims, DominoesCostAsManyTimesTheFirstAsThereAre) {
 TEST(Claims, RecursionIntoBodiesTouchedByProxyKeepsThemTrue) {
   Technique t = technique_by_name("adaptive");
   const Cost with = cost("proxy", t);
-  set_proxy_update(t, "off");
+  t.proxy_update = false;
   const Cost without = cost("proxy", t);
   EXPECT_LT(with.untrue_final_m, 0.05);
   EXPECT_EQ(with.untrue_at_end, 0);
@@ -165,9 +163,9 @@ TEST(Claims, RecursionIntoBodiesTouchedByProxyKeepsThemTrue) {
 
 TEST(Claims, TheUpdateAtTheEndOfAContactEndsItsError) {
   Technique t = technique_by_name("adaptive");
-  set_proxy_update(t, "off");  // which tells the same bodies at the same time
+  t.proxy_update = false;  // which tells the same bodies at the same time
   const Cost with = cost("carton-missed", t);
-  set_end_update(t, "off");
+  t.end_update = false;
   EXPECT_LT(with.mean_m, 0.2 * cost("carton-missed", t).mean_m);
 }
 

@@ -1,4 +1,5 @@
 // padr-lab examples as a user meets it.
+#include "shell/path_csv.h"
 #include "tests/shell.h"
 #include "tools/lab/examples/story.h"
 
@@ -28,7 +29,7 @@ TEST_F(Examples, WriteTheSameFilesHoweverManyRunAtOnce) {
 TEST_F(Examples, WriteThePathsThatComeWithTheScenarios) {
   for (const std::string story : {"ball", "dominoes", "van", "proxy"}) {
     ASSERT_EQ(shell("cp '" PADR_PATHS "/" + story + ".csv' was").status, 0);
-    EXPECT_EQ(read("was"), scenarios::write_path_csv(lab::examples::path_of(lab::examples::story_by_name(story), 0)))
+    EXPECT_EQ(read("was"), shell::write_path_csv(lab::examples::path_of(lab::examples::story_by_name(story), 0)))
         << "padr-lab examples --out DIR writes DIR/path-" << story << ".csv anew";
   }
 }

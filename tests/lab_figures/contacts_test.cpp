@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "common/scenarios/scenarios.h"
+#include "shell/input_text.h"
 #include "tests/seed.h"
 #include "tools/lab/figures/run.h"
 #include "tools/lab/simulation.h"
@@ -16,8 +17,8 @@ constexpr Tick kTicks = 15 * kTicksPerSecond;
 /// By tick from 1 on: whether the first peer has announced that its avatar touches some body, as the confirmed world
 /// has it.
 std::vector<bool> announced(const Case& c, const Setting& s) {
-  const auto driver = scenarios::make_input(c.input, {c.scene, 0, c.seed, {}});
-  const auto watcher = scenarios::make_input("rest", {c.scene, 1, c.seed, {}});
+  const auto driver = shell::make_input(c.input, {c.scene, 0, c.seed, {}});
+  const auto watcher = shell::make_input("rest", {c.scene, 1, c.seed, {}});
   std::vector<bool> holds(kTicks, false);
   SimulationConfig config;
   config.scene = c.scene;

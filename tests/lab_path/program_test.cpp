@@ -3,8 +3,9 @@
 #include <cmath>
 
 #include "common/scenarios/path.h"
-#include "common/scenarios/path_survey.h"
 #include "common/scenarios/scenarios.h"
+#include "shell/path_csv.h"
+#include "shell/path_survey.h"
 #include "tests/shell.h"
 
 namespace padr {
@@ -36,7 +37,7 @@ TEST_F(PathProgram, ThePathOfAMouseIsWarnedOfAndThenFits) {
   const test::Outcome fitted = lab("path --in mouse.csv --units px,ms --scenario arena --out fit.csv");
   EXPECT_EQ(fitted.status, 0) << fitted.err;
   EXPECT_EQ(fitted.err.find("warning"), std::string::npos) << fitted.err;
-  const scenarios::Path path = scenarios::parse_path_csv(read("fit.csv"), "fit.csv");
+  const scenarios::Path path = shell::parse_path_csv(read("fit.csv"), "fit.csv");
   EXPECT_NEAR(path.duration(), 7.992, 1e-6);
   EXPECT_EQ(path.points().front().seconds, 0);
   EXPECT_TRUE(read("fit.csv").starts_with("# ")) << "it says how it was made";
@@ -49,7 +50,7 @@ TEST_F(PathProgram, APathThatIsTooFastCanBeStretched) {
             std::string::npos);
   const test::Outcome slow = lab("path --in fast.csv --units px,ms --stretch 40 --out b.csv");
   EXPECT_EQ(slow.err.find("warning"), std::string::npos) << slow.err;
-  EXPECT_NEAR(scenarios::parse_path_csv(read("b.csv"), "b.csv").duration(), 80, 1e-6);
+  EXPECT_NEAR(shell::parse_path_csv(read("b.csv"), "b.csv").duration(), 80, 1e-6);
 }
 
 TEST_F(PathProgram, APeerSaysItToo) {
@@ -89,8 +90,8 @@ TEST_F(PathProgram, TheSamplePathIsWhatItsRecipeMakes) {
   EXPECT_EQ(o.status, 0);
   EXPECT_EQ(o.err.find("warning"), std::string::npos) << o.err;
   const std::string name = std::string("cat '") + SAMPLE_PATH + "'";
-  const scenarios::Path sample = scenarios::parse_path_csv(shell(name).out, "sample");
-  const scenarios::Path made = scenarios::parse_path_csv(read("made.csv"), "made.csv");
+  const scenarios::Path sample = shell::parse_path_csv(shell(name).out, "sample");
+  const scenarios::Path made = shell::parse_path_csv(read("made.csv"), "made.csv");
   ASSERT_EQ(sample.points().size(), made.points().size());
   for (std::size_t i = 0; i < made.points().size(); ++i) {
     EXPECT_EQ(sample.points()[i].seconds, made.points()[i].seconds);

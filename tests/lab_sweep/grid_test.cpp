@@ -5,7 +5,8 @@
 
 #include <set>
 
-#include "shell/technique_flags.h"
+#include "shell/netem_text.h"
+#include "shell/technique_text.h"
 #include "tests/lab_sweep/error_of.h"
 #include "tools/lab/sweep/sweep.h"
 
@@ -42,7 +43,7 @@ TEST(Grid, HasEveryCombinationOnce) {
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const Point p = grid.point(i);
     seen.insert(std::to_string(p.delay_ms) + " " + std::to_string(p.loss_percent) + " " + std::to_string(p.peers) +
-                " " + std::to_string(p.bodies.value_or(0)) + " " + describe(p.technique) + " " +
+                " " + std::to_string(p.bodies.value_or(0)) + " " + shell::describe(p.technique) + " " +
                 std::to_string(p.seed));
   }
   EXPECT_EQ(seen.size(), grid.size());
@@ -57,8 +58,8 @@ TEST(Grid, ReachesTheLinks) {
   t.jitter = "20ms";
   t.loss = "10%";
   t.netem = "duplicate 1%";
-  EXPECT_EQ(to_string(Grid(t).point(0).netem), "delay 50ms 20ms loss 10% duplicate 1%");
-  EXPECT_EQ(to_string(Grid(text()).point(0).netem), "");
+  EXPECT_EQ(shell::to_string(Grid(t).point(0).netem), "delay 50ms 20ms loss 10% duplicate 1%");
+  EXPECT_EQ(shell::to_string(Grid(text()).point(0).netem), "");
 }
 
 TEST(Grid, ItsIdIsThatOfItsRuns) {
@@ -138,7 +139,7 @@ TEST(Grid, TechniquesMayBringTheirKnobs) {
   EXPECT_EQ(grid.point(0).technique.threshold_high, 0.8F);
   EXPECT_EQ(grid.point(1).technique_name, "fixed --threshold 0.3");
   EXPECT_EQ(grid.point(1).technique.threshold_high, 0.3F);
-  EXPECT_EQ(describe(grid.point(2).technique), describe(technique_by_name("full")));
+  EXPECT_EQ(grid.point(2).technique, technique_by_name("full"));
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // Files of sweeps: the same bytes however they came about.
 #include "tools/lab/sweep/sweep.h"
 
-#include "shell/technique_flags.h"
+#include "shell/technique_text.h"
 #include "tests/lab_sweep/error_of.h"
 #include "tests/shell.h"
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "shell/netem_text.h"
+
 namespace padr::link {
 namespace {
 
@@ -29,7 +31,7 @@ Moments moments(Distribution d) {
 TEST(Distribution, TablesAscend) {
   for (const auto d : {Distribution::kNormal, Distribution::kPareto, Distribution::kParetoNormal}) {
     const auto& t = *distribution_table(d);
-    EXPECT_TRUE(std::is_sorted(t.begin(), t.end())) << to_string(d);
+    EXPECT_TRUE(std::is_sorted(t.begin(), t.end())) << shell::to_string(d);
   }
   EXPECT_EQ(distribution_table(Distribution::kUniform), nullptr);
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/link/shim.h"
+#include "shell/netem_text.h"
 
 namespace padr::link::testing {
 
@@ -64,7 +65,7 @@ inline std::uint32_t number_of(const std::vector<std::byte>& bytes) {
 /// A scripted shim: at a time, send, expect, or expect nothing. A failure prints the steps so far.
 class Script {
  public:
-  explicit Script(std::string_view spec) : shim_(parse_netem(spec), seed()) {
+  explicit Script(std::string_view spec) : shim_(shell::parse_netem(spec), seed()) {
     steps_ << seed_note() << "\nspec: " << spec << '\n';
   }
   Script& at(Micros now) {
@@ -100,7 +101,7 @@ class Script {
   }
   Script& change(std::string_view spec) {
     steps_ << "  at " << now_ << " us: change to " << spec << '\n';
-    shim_.set_spec(now_, parse_netem(spec));
+    shim_.set_spec(now_, shell::parse_netem(spec));
     return *this;
   }
   const ShimStats& stats() const { return shim_.stats(); }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "shell/netem_text.h"
 #include "tests/link/harness.h"
 
 namespace padr::link {
@@ -23,7 +24,7 @@ struct LossCount {
 };
 
 LossCount count(std::string_view spec, int packets) {
-  LossProcess process(seed(), parse_netem(spec).loss);
+  LossProcess process(seed(), shell::parse_netem(spec).loss);
   LossCount c;
   int run = 0;
   for (int i = 0; i < packets; ++i) {
@@ -135,7 +136,7 @@ TEST(Loss, GilbertElliottLosesInBothStates) {
 
 TEST(Loss, GilbertElliottTestsTheStateBeforeTheTransition) {
   // Good to bad at once, back at once; lost while bad: packets 2, 4, 6 ... and not the first.
-  LossProcess process(seed(), parse_netem("loss gemodel 100% 100%").loss);
+  LossProcess process(seed(), shell::parse_netem("loss gemodel 100% 100%").loss);
   for (int i = 0; i < 10; ++i) EXPECT_EQ(process.next(), i % 2 == 1) << "packet " << i + 1;
 }
 

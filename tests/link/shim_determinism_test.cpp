@@ -5,6 +5,7 @@
 
 #include "common/link/shim.h"
 #include "common/model/hash.h"
+#include "shell/netem_text.h"
 #include "tests/link/harness.h"
 
 namespace padr::link {
@@ -50,7 +51,7 @@ struct Outcome {
 /// Feeds `arrivals`; before each, `poll(from, to)` may collect whenever it likes.
 Outcome run(const char* spec, std::uint64_t seed, const std::vector<Arrival>& arrivals,
             const std::function<void(Shim&, Micros, Micros, std::vector<Bytes>&)>& poll) {
-  Shim shim(parse_netem(spec), seed);
+  Shim shim(shell::parse_netem(spec), seed);
   Outcome o;
   Micros before = 0;
   for (const Arrival& a : arrivals) {
@@ -115,7 +116,7 @@ TEST(ShimDeterminism, SeedInTheSpecificationWins) {
 TEST(ShimDeterminism, OneKnobDoesNotDisturbAnother) {
   // The same packets are lost whatever else happens to those that are not.
   const auto survivors = [](const char* spec) {
-    Shim shim(parse_netem(spec), testing::seed());
+    Shim shim(shell::parse_netem(spec), testing::seed());
     std::vector<std::uint32_t> numbers;
     for (const Out& o : testing::stream(shim, 10'000, 1'000)) numbers.push_back(o.number);
     std::sort(numbers.begin(), numbers.end());

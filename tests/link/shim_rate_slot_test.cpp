@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "common/link/shim.h"
+#include "shell/netem_text.h"
 #include "tests/link/harness.h"
 
 namespace padr::link {
@@ -51,7 +52,7 @@ TEST(ShimRate, CellsAreRoundedUp) {
 }
 
 TEST(ShimRate, JitterDoesNotReorder) {
-  Shim shim(parse_netem("delay 100ms 90ms rate 1mbit"), testing::seed());
+  Shim shim(shell::parse_netem("delay 100ms 90ms rate 1mbit"), testing::seed());
   const auto out = testing::stream(shim, 5'000, 1'000, 72);
   ASSERT_EQ(out.size(), 5'000U);
   for (std::size_t i = 0; i < out.size(); ++i) ASSERT_EQ(out[i].number, i) << testing::seed_note();
@@ -59,7 +60,7 @@ TEST(ShimRate, JitterDoesNotReorder) {
 
 TEST(ShimRate, ASaturatedLinkCarriesItsRate) {
   // 1,000-byte packets offered at 2 Mbit/s to 1 Mbit/s, for 10 s: one comes out every 8 ms, the queue holds 1,000.
-  Shim shim(parse_netem("rate 1mbit limit 1000"), testing::seed());
+  Shim shim(shell::parse_netem("rate 1mbit limit 1000"), testing::seed());
   const auto out = testing::stream(shim, 2'500, 4'000, kPayload);
   EXPECT_EQ(out.size(), 2'500U - shim.stats().overlimit);
   for (std::size_t i = 0; i < out.size(); ++i) ASSERT_EQ(out[i].at, 8'000 * static_cast<Micros>(i + 1));
@@ -91,7 +92,7 @@ TEST(ShimSlot, BytesPerSlotCountHeadersAndMayRunOver) {
 }
 
 TEST(ShimSlot, TimesAreUniformBetweenMinAndMax) {
-  Shim shim(parse_netem("slot 10ms 30ms"), testing::seed());
+  Shim shim(shell::parse_netem("slot 10ms 30ms"), testing::seed());
   const auto out = testing::stream(shim, 20'000, 1'000'000);
   double sum = 0;
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -105,7 +106,7 @@ TEST(ShimSlot, TimesAreUniformBetweenMinAndMax) {
 }
 
 TEST(ShimSlot, DistributionShapesTheSlots) {
-  Shim shim(parse_netem("slot distribution normal 50ms 5ms"), testing::seed());
+  Shim shim(shell::parse_netem("slot distribution normal 50ms 5ms"), testing::seed());
   const auto out = testing::stream(shim, 20'000, 1'000'000);
   double sum = 0, squares = 0;
   for (std::size_t i = 0; i < out.size(); ++i) {

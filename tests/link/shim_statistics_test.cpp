@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "common/link/shim.h"
+#include "shell/netem_text.h"
 #include "tests/link/harness.h"
 
 namespace padr::link {
@@ -21,7 +22,7 @@ constexpr std::uint32_t kPackets = 100'000;
 /// Delays in microseconds of datagrams sent so far apart that they cannot meet.
 std::vector<double> delays(std::string_view spec) {
   constexpr Micros kApart = 10'000'000;
-  Shim shim(parse_netem(spec), seed());
+  Shim shim(shell::parse_netem(spec), seed());
   std::vector<double> result;
   for (const Out& out : testing::stream(shim, kPackets, kApart)) {
     result.push_back(static_cast<double>(out.at - static_cast<Micros>(out.number) * kApart));
@@ -103,7 +104,7 @@ TEST(ShimStatistics, CorrelationOfDelaysHardlyActs) {
 }
 
 TEST(ShimStatistics, LossThroughTheShim) {
-  Shim shim(parse_netem("loss gemodel 1% 30%"), seed());
+  Shim shim(shell::parse_netem("loss gemodel 1% 30%"), seed());
   const auto out = testing::stream(shim, kPackets, 1'000);
   EXPECT_EQ(out.size() + shim.stats().lost, kPackets);
   const double lambda = 1 - 0.31;
@@ -111,7 +112,7 @@ TEST(ShimStatistics, LossThroughTheShim) {
 }
 
 TEST(ShimStatistics, DuplicatesAreTwins) {
-  Shim shim(parse_netem("duplicate 10%"), seed());
+  Shim shim(shell::parse_netem("duplicate 10%"), seed());
   const auto out = testing::stream(shim, kPackets, 1'000);
   expect_share(static_cast<double>(out.size() - kPackets), kPackets, 0.1);
   for (std::size_t i = 1; i < out.size(); ++i) {
@@ -122,7 +123,7 @@ TEST(ShimStatistics, DuplicatesAreTwins) {
 
 TEST(ShimStatistics, DuplicateAndLossTogether) {
   // Lost (half): one copy, as it was duplicated. Not lost: the packet, and a clone that is lost half the time.
-  Shim shim(parse_netem("duplicate 100% loss 50%"), seed());
+  Shim shim(shell::parse_netem("duplicate 100% loss 50%"), seed());
   const auto out = testing::stream(shim, kPackets, 1'000);
   expect_share(static_cast<double>(out.size() - kPackets), kPackets, 0.25);
   expect_share(static_cast<double>(shim.stats().lost), kPackets, 0.25);
@@ -130,7 +131,7 @@ TEST(ShimStatistics, DuplicateAndLossTogether) {
 }
 
 TEST(ShimStatistics, ClonesAreDelayedOnTheirOwn) {
-  Shim shim(parse_netem("duplicate 100% delay 100ms 20ms"), seed());
+  Shim shim(shell::parse_netem("duplicate 100% delay 100ms 20ms"), seed());
   const auto out = testing::stream(shim, 1'000, 1'000'000);
   int apart = 0;
   for (std::size_t i = 0; i + 1 < out.size(); i += 2) apart += out[i].at != out[i + 1].at ? 1 : 0;
@@ -139,7 +140,7 @@ TEST(ShimStatistics, ClonesAreDelayedOnTheirOwn) {
 
 TEST(ShimStatistics, CorruptionFlipsOneBitAnywhere) {
   constexpr std::size_t kSize = 10;
-  Shim shim(parse_netem("corrupt 25%"), seed());
+  Shim shim(shell::parse_netem("corrupt 25%"), seed());
   std::array<int, kSize * 8> flips{};
   int corrupted = 0;
   for (std::uint32_t i = 0; i < kPackets; ++i) {
@@ -166,14 +167,14 @@ TEST(ShimStatistics, CorruptionFlipsOneBitAnywhere) {
 }
 
 TEST(ShimStatistics, EmptyPayloadCannotBeCorrupted) {
-  Shim shim(parse_netem("corrupt 100%"), seed());
+  Shim shim(shell::parse_netem("corrupt 100%"), seed());
   shim.accept(0, {});
   EXPECT_EQ(shim.release(0), std::vector<std::byte>());
   EXPECT_EQ(shim.stats().corrupted, 0U);
 }
 
 TEST(ShimStatistics, ReorderSendsItsShareAtOnce) {
-  Shim shim(parse_netem("delay 10ms reorder 25%"), seed());
+  Shim shim(shell::parse_netem("delay 10ms reorder 25%"), seed());
   const auto out = testing::stream(shim, kPackets, 20'000);
   std::size_t at_once = 0;
   for (const Out& o : out) at_once += o.at == static_cast<Micros>(o.number) * 20'000 ? 1 : 0;
@@ -183,7 +184,7 @@ TEST(ShimStatistics, ReorderSendsItsShareAtOnce) {
 
 TEST(ShimStatistics, GapSparesThePacketsBetween) {
   // After each packet sent at once 4 are delayed for certain, then each goes with 25 %: 1 in 4 + 1 / 0.25.
-  Shim shim(parse_netem("delay 10ms reorder 25% gap 5"), seed());
+  Shim shim(shell::parse_netem("delay 10ms reorder 25% gap 5"), seed());
   const auto out = testing::stream(shim, kPackets, 20'000);
   std::int64_t last = -5;
   std::vector<double> distances;
@@ -200,7 +201,7 @@ TEST(ShimStatistics, GapSparesThePacketsBetween) {
 TEST(ShimStatistics, JitterOvertakes) {
   // Neighbours 1/60 s apart with uniform jitter of +-20 ms: the second of two overtakes with probability
   // (1 - s)^2 / 2, s = 16.667 / 40.
-  Shim shim(parse_netem("delay 100ms 20ms"), seed());
+  Shim shim(shell::parse_netem("delay 100ms 20ms"), seed());
   const auto out = testing::stream(shim, kPackets, 16'667);
   std::vector<std::size_t> place(kPackets);
   for (std::size_t i = 0; i < out.size(); ++i) place[out[i].number] = i;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shell/netem_text.h"
 #include "tests/link/harness.h"
 
 namespace padr::link {
@@ -107,7 +108,7 @@ TEST(Shim, ReorderObeysTheLimit) {
 }
 
 TEST(Shim, NegativeDelayIsNow) {
-  Shim shim(parse_netem("delay 1us 2s limit 10000"), testing::seed());
+  Shim shim(shell::parse_netem("delay 1us 2s limit 10000"), testing::seed());
   int at_once = 0;
   for (int i = 0; i < 10'000; ++i) {
     shim.accept(0, testing::bytes_of("x"));
@@ -130,7 +131,8 @@ TEST(Shim, DroppingSlotsSendsWhatIsDue) {
 }
 
 TEST(Shim, StatsAddUpAndCountBytes) {
-  Shim shim(parse_netem("delay 5ms 5ms loss 20% duplicate 20% corrupt 20% reorder 10% limit 20"), testing::seed());
+  Shim shim(shell::parse_netem("delay 5ms 5ms loss 20% duplicate 20% corrupt 20% reorder 10% limit 20"),
+            testing::seed());
   std::uint64_t released_bytes = 0;
   for (int i = 0; i < 10'000; ++i) {
     shim.accept(i * 300, testing::numbered(static_cast<std::uint32_t>(i), 10));

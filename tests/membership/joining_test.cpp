@@ -125,7 +125,9 @@ TEST(Joining, MoreSlotsThanPlacesToStartFromAreRefused) {
     }
     return std::vector<node::Parcel>{std::move(parcel)};
   };
-  Party party(std::move(config), [&](lab::VirtualNetwork& g) { g.on_tamper = [&](int) { return another_version; }; });
+  Party party(std::move(config), [&](lab::VirtualNetwork& g) {
+    g.on_start = [&](int, node::ParticipantConfig& c) { c.tamper = another_version; };
+  });
   party.run(3);
   EXPECT_FALSE(party.net().peer(1).playing());
   EXPECT_NE(party.net().peer(1).session().failure().find("more avatar slots (3)"), std::string::npos)

@@ -46,7 +46,7 @@ class Two {
  private:
   void turn(Participant& from, Participant& to, std::uint16_t port) {
     if (from.next_due() <= now_) from.advance(now_);
-    while (from.playing() && from.next_step() <= now_) from.step({10, 7}, now_);
+    while (from.step_due(now_)) from.step({10, 7}, now_);
     std::vector<wire::Bytes> sent;
     for (const Parcel& p : from.take_outgoing()) sent.emplace_back(p.bytes);
     for (const wire::Bytes& bytes : sent) to.receive(place(port), bytes, now_);

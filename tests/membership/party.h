@@ -6,12 +6,14 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "common/scenarios/bodies.h"
 #include "common/scenarios/scenarios.h"
-#include "tools/lab/chaos/judge.h"
+#include "shell/netem_text.h"
+#include "tools/lab/testbed/judge.h"
 
 namespace padr::test {
 
@@ -24,7 +26,7 @@ inline lab::VirtualNetworkConfig party_config(int founders, const std::string& n
   lab::VirtualNetworkConfig c;
   c.scene = scenarios::load(scenarios::with_bodies(scenarios::embedded_text("arena"), "arena", bodies), "arena", seed);
   c.technique = technique_by_name("full");
-  c.netem = link::parse_netem(netem);
+  c.netem = shell::parse_netem(netem);
   c.seed = seed;
   c.wanted = founders;
   return c;
@@ -33,13 +35,11 @@ inline lab::VirtualNetworkConfig party_config(int founders, const std::string& n
 /// Peers on virtual time under the eyes of a judge.
 class Party {
  public:
-  /// `prepare` gets hold of the network before anybody starts.
-  explicit Party(lab::VirtualNetworkConfig config, const std::function<void(lab::VirtualNetwork&)>& prepare = {})
-      : founders_(config.wanted), network_(std::move(config)), judge_(network_) {
-    if (prepare) prepare(network_);
-    network_.start({});
-    for (int p = 1; p < founders_; ++p) network_.start(0);
-  }
+  /// `prepare` gets hold of the network before anybody starts. `at_once`: how many start then; 0: as many as play
+  /// waits for.
+  explicit Party(lab::VirtualNetworkConfig config, const std::function<void(lab::VirtualNetwork&)>& prepare = {},
+                 int at_once = 0)
+      : Party(at_once > 0 ? at_once : config.wanted, std::move(config), prepare) {}
   Party(int founders, const std::string& netem, std::uint64_t seed) : Party(party_config(founders, netem, seed)) {}
 
   lab::VirtualNetwork& net() { return network_; }
@@ -75,6 +75,20 @@ class Party {
              });
     });
   }
+  /// All who run play, and since the same tick.
+  bool started() const {
+    std::set<Tick> at;
+    for (int p = 0; p < network_.persons(); ++p) {
+      if (!network_.runs(p)) continue;
+      if (!network_.peer(p).playing() || !replica(p).playing()) return false;
+      at.insert(replica(p).start().at);
+    }
+    return at.size() == 1;
+  }
+  bool noted(int person, const std::string& words) const {
+    const std::vector<std::string> all = network_.notes(person);
+    return std::any_of(all.begin(), all.end(), [&](const auto& n) { return n.find(words) != std::string::npos; });
+  }
   Tick lag(int person) const { return replica(person).now() - replica(person).agreed().confirmed().tick; }
   std::string story() const {
     std::string s;
@@ -84,7 +98,13 @@ class Party {
   }
 
  private:
-  int founders_;
+  Party(int at_once, lab::VirtualNetworkConfig config, const std::function<void(lab::VirtualNetwork&)>& prepare)
+      : network_(std::move(config)), judge_(network_) {
+    if (prepare) prepare(network_);
+    network_.start({});
+    for (int p = 1; p < at_once; ++p) network_.start(0);
+  }
+
   lab::VirtualNetwork network_;
   lab::Judge judge_;
 };

@@ -6,6 +6,8 @@
 
 #include "common/monitor/codec.h"
 #include "common/scenarios/scenarios.h"
+#include "shell/input_text.h"
+#include "shell/netem_text.h"
 #include "tests/seed.h"
 #include "tools/lab/simulation.h"
 
@@ -36,10 +38,10 @@ struct Watched {
     lab::SimulationConfig c;
     c.scene = scenarios::load_embedded("arena", 1);
     c.technique = technique_by_name(technique);
-    c.netem = link::parse_netem(netem);
+    c.netem = shell::parse_netem(netem);
     c.ticks = ticks;
     for (int p = 0; p < 2; ++p) {
-      inputs.push_back(scenarios::make_input("wander", {c.scene, p, 1, {}}));
+      inputs.push_back(shell::make_input("wander", {c.scene, p, 1, {}}));
       c.inputs.push_back(inputs.back().get());
     }
     simulation = std::make_unique<lab::Simulation>(c);

@@ -74,7 +74,7 @@ class Replaying(MonitorCase):
         page.wait("timeline", lambda t: t["playing"] and t["speed"] == 4)
         page.wait("timeline", lambda t: t["tick"] == t["last"])
         page.ask(type="play")
-        page.wait("timeline", lambda t: t["playing"] and t["tick"] < 60)  # from the beginning again
+        page.wait("timeline", lambda t: t["playing"] and t["tick"] < t["first"] + 60)  # from the beginning again
         late = self.page(m)
         late.wait("scene")
         late.wait("timeline")

@@ -8,6 +8,9 @@
 #include "common/monitor/sampler.h"
 #include "common/scenarios/scenarios.h"
 #include "common/sync/state_hash.h"
+#include "shell/input_text.h"
+#include "shell/netem_text.h"
+#include "shell/technique_text.h"
 #include "tools/lab/simulation.h"
 
 namespace padr::test {
@@ -21,7 +24,7 @@ class WatchedSession {
     lab::SimulationConfig c;
     c.scene = scene;
     c.peers = peers;
-    c.netem = link::parse_netem("delay 80ms 30ms loss 5%");
+    c.netem = shell::parse_netem("delay 80ms 30ms loss 5%");
     c.netem_seed = seed;
     c.ticks = ticks;
     c.on_confirmed = [this](PeerId p, const sync::FoldState& s) {
@@ -32,7 +35,7 @@ class WatchedSession {
       }
     };
     for (int p = 0; p < peers; ++p) {
-      inputs_.push_back(scenarios::make_input("wander", {scene, p, seed, {}}));
+      inputs_.push_back(shell::make_input("wander", {scene, p, seed, {}}));
       c.inputs.push_back(inputs_.back().get());
       samplers_.emplace_back(20, monitor::Detail::kAll);
     }
@@ -46,7 +49,7 @@ class WatchedSession {
     h.version = "test";
     h.slots = simulation->peers();
     h.scenario = "arena";
-    h.technique = describe(Technique{});
+    h.technique = shell::describe(Technique{});
     h.rate = 20;
     return h;
   }

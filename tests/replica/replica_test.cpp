@@ -9,6 +9,7 @@
 #include "common/link/link_mesh.h"
 #include "common/model/precision.h"
 #include "common/scenarios/scenarios.h"
+#include "shell/netem_text.h"
 #include "tests/seed.h"
 
 namespace padr::node {
@@ -20,7 +21,7 @@ class Mesh {
   Mesh(int peers, const char* netem, std::uint64_t seed, const Technique& technique = {},
        const char* scenario = "arena")
       : scene_(scenarios::load_embedded(scenario, 1)),
-        links_(static_cast<std::size_t>(peers), link::parse_netem(netem), seed) {
+        links_(static_cast<std::size_t>(peers), shell::parse_netem(netem), seed) {
     for (PeerId p = 0; p < peers; ++p) {
       ReplicaConfig c;
       c.self = p;

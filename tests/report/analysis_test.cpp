@@ -1,4 +1,5 @@
 #include "tools/report/analysis.h"
+#include "shell/input_text.h"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +10,7 @@
 #include "common/model/user_error.h"
 #include "common/trace/trace_reader.h"
 #include "common/trace/trace_writer.h"
+#include "shell/netem_text.h"
 #include "tests/seed.h"
 #include "tests/trace/recorded_run.h"
 #include "tools/report/outputs.h"
@@ -65,7 +67,7 @@ struct RecordedSimulation {
     c.scene = scene;
     c.peers = 4;
     c.technique = technique;
-    c.netem = link::parse_netem(netem);
+    c.netem = shell::parse_netem(netem);
     c.ticks = 600;
     c.fidelity = true;
     trace::Provenance from;
@@ -73,7 +75,7 @@ struct RecordedSimulation {
     from.scenario_text = std::string(scenarios::embedded_text("arena"));
     from.scenario_seed = 3;
     for (std::size_t p = 0; p < 4; ++p) {
-      inputs.push_back(scenarios::make_input("wander", {scene, static_cast<int>(p), 9, {}}));
+      inputs.push_back(shell::make_input("wander", {scene, static_cast<int>(p), 9, {}}));
       c.inputs.push_back(inputs.back().get());
       c.recordings.push_back(node::RecordedReplica::Recording{
           from, [this, p](std::span<const std::byte> b) { traces[p].insert(traces[p].end(), b.begin(), b.end()); }});

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "common/model/user_error.h"
+#include "shell/netem_text.h"
 #include "tests/seed.h"
 #include "tests/trace/recorded_lives.h"
 #include "tools/report/analysis.h"
@@ -49,7 +50,7 @@ TEST(ReportOfLives, EveryLifeIsMeasuredWhileItLasts) {
     EXPECT_GT(p.series.size(), 60U);
     EXPECT_GT(p.traffic.datagrams, 20U);
   }
-  EXPECT_EQ(of(r, "person0.trace").came, 0);
+  EXPECT_EQ(of(r, "person0.trace").came, of(r, "person1.trace").came) << "the begin of play";
   EXPECT_GE(of(r, "person0.trace").left_at, 0);
   EXPECT_GT(of(r, "person3.trace").came, 100);
   EXPECT_FALSE(of(r, "person1.trace").clean) << "killed";
@@ -83,7 +84,7 @@ TEST(ReportOfLives, LinksOfAPeerThatCameBackAreInOrder) {
   lab::VirtualNetworkConfig c;
   c.scene = scenarios::load_embedded("arena", 1);
   c.technique = technique_by_name("full");
-  c.netem = link::parse_netem("delay 150ms");
+  c.netem = shell::parse_netem("delay 150ms");
   c.seed = test::seed();
   c.slots = 3;
   c.wanted = 3;

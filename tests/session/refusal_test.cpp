@@ -3,18 +3,10 @@
 #include <boost/crc.hpp>
 #include <functional>
 
-#include "tests/session/virtual_net.h"
+#include "tests/membership/party.h"
 
 namespace padr::test {
 namespace {
-
-using node::SessionPhase;
-
-node::SessionConfig founder(int wanted) {
-  node::SessionConfig c = alike(1);
-  c.wanted = c.slots = wanted;
-  return c;
-}
 
 /// The same datagram as a program of another protocol version would send it.
 wire::Bytes of_version(wire::Bytes datagram, unsigned version) {
@@ -27,110 +19,97 @@ wire::Bytes of_version(wire::Bytes datagram, unsigned version) {
   return datagram;
 }
 
+/// A founder that waits for another peer, and everything that it sends to this place.
+struct Answering {
+  explicit Answering(const Endpoint& to)
+      : party(
+            party_config(2, "delay 10ms", 1),
+            [this, to](lab::VirtualNetwork& net) {
+              net.on_start = [this, to](int person, node::ParticipantConfig& c) {
+                if (person > 0) return;
+                c.tamper = [this, to](node::Parcel p) {
+                  if (same_place(p.to, to)) answers.push_back(p.bytes);
+                  return std::vector{std::move(p)};
+                };
+              };
+            },
+            1) {
+    party.run(0.1);
+  }
+  std::vector<wire::Bytes> answers;
+  Party party;
+};
+
 struct Case {
   const char* name;
-  std::function<void(node::SessionConfig&)> change;
+  std::function<void(node::ParticipantConfig&)> change;
   std::vector<std::string> words;  ///< on both sides
 };
 
 TEST(Refusal, NamesWhatDiffersOnBothSidesWithBothValues) {
   const std::vector<Case> cases{
-      {"scene",
-       [](auto& c) {
-         c.scene_hash = 0xABC;
-         c.scenario = "ball seed 2";
-       },
-       {"scenario differs", "'arena seed 1'", "000000000005ce4e", "'ball seed 2'", "0000000000000abc"}},
       {"fingerprint",
-       [](auto& c) { c.fingerprint = 0xBAD; },
-       {"physics differs", "0000000000000f14", "0000000000000bad"}},
-      {"authority", [](auto& c) { c.authority = false; }, {"authority rule differs", "dynamic", "avatar-only"}},
+       [](auto& c) { c.session.fingerprint = 0xBAD; },
+       {"physics differs", "0000000000000001", "0000000000000bad"}},
+      {"authority",
+       [](auto& c) { c.replica.technique.authority = false; },
+       {"authority rule differs", "dynamic", "avatar-only"}},
   };
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
-    VirtualNet net(1, "loss 30%");
-    net.add(1, founder(2));
-    node::SessionConfig odd = alike(2);
-    odd.join = place(1);
-    c.change(odd);
-    net.add(2, odd);
-    net.run(10'000'000);
-    EXPECT_EQ(net.at(2).phase(), SessionPhase::kFailed);
-    EXPECT_EQ(net.at(1).phase(), SessionPhase::kGathering) << "the session goes on waiting";
+    Party party(
+        party_config(2, "loss 30%", 1),
+        [&](lab::VirtualNetwork& net) {
+          net.on_start = [&](int person, node::ParticipantConfig& config) {
+            if (person == 1) c.change(config);
+          };
+        },
+        2);
+    party.run(10);
+    EXPECT_TRUE(party.net().peer(1).failed());
+    EXPECT_EQ(party.replica(0).start().wanted, 2) << "the session goes on waiting";
     for (const std::string& w : c.words) {
-      EXPECT_NE(net.at(2).failure().find(w), std::string::npos) << w << " in " << net.at(2).failure();
-      EXPECT_TRUE(net.noted(1, w)) << w << " in " << net.story();
+      const std::string failure = party.net().peer(1).session().failure();
+      EXPECT_NE(failure.find(w), std::string::npos) << w << " in " << failure;
+      EXPECT_TRUE(party.noted(0, w)) << w << " in " << party.story();
     }
   }
 }
 
-TEST(Refusal, FullAndStarted) {
-  VirtualNet net(1);
-  net.add(1, founder(3));
-  for (const int n : {2, 3}) {
-    node::SessionConfig c = alike(static_cast<std::uint64_t>(n));
-    c.join = place(1);
-    net.add(n, c);
-  }
-  net.run(300'000);  // in, but their clocks are not agreed yet
-  ASSERT_TRUE(net.all(SessionPhase::kGathering));
-  ASSERT_EQ(net.at(1).present(), 3);
-  node::SessionConfig late = alike(9);
-  late.join = place(1);
-  net.add(4, late);
-  net.run(100'000);
-  EXPECT_NE(net.at(4).failure().find("full: 3 of 3"), std::string::npos) << net.story();
-  net.remove(4);
-  ASSERT_TRUE(net.run(3'000'000, [&] { return net.all(SessionPhase::kStarted); }));
-  node::SessionConfig c = alike(20);
-  c.join = place(1);
-  net.add(11, c);
-  net.run(500'000);
-  EXPECT_NE(net.at(11).failure().find("already started"), std::string::npos) << net.story();
-  EXPECT_TRUE(net.noted(1, "already started"));
-  net.remove(11);
-  // A session runs, and takes newcomers in, once a Membership has it: until then a member has nothing to say.
-  c.join = place(2);
-  net.add(12, c);
-  net.run(500'000);
-  EXPECT_EQ(net.at(12).phase(), SessionPhase::kJoining) << net.story();
-}
-
 TEST(Refusal, AnotherProtocolVersionIsToldOnBothSides) {
-  VirtualNet net(1);
-  net.add(1, founder(2));
+  const Endpoint stranger = ipv4({10, 0, 0, 9}, 7000);
+  Answering g(stranger);
   const auto join = wire::seal({wire::Kind::kSession, kNoPeer, 0}, wire::encode_session(wire::Join{1, 2, 3, true, ""}));
-  net.inject(place(9), 1, of_version(join, wire::kProtocolVersion + 1));
-  const auto out = net.at(1).take_outgoing();
-  ASSERT_EQ(out.size(), 1U);
-  EXPECT_EQ(out[0].to, place(9));
-  EXPECT_LT(out[0].bytes.size(), 200U) << "and so it is never answered itself";
-  EXPECT_EQ(net.at(1).stats().version, 1U);
-  const auto notes = net.at(1).take_notes();
-  ASSERT_FALSE(notes.empty());
+  g.party.net().inject(stranger, 0, of_version(join, wire::kProtocolVersion + 1));
+  g.party.run(0.1);
+  ASSERT_EQ(g.answers.size(), 1U);
+  const wire::Bytes answer = g.answers.front();
+  EXPECT_LT(answer.size(), 200U) << "and so it is never answered itself";
+  EXPECT_EQ(g.party.net().peer(0).session().stats().version, 1U);
   const std::string ours = std::to_string(wire::kProtocolVersion);
   const std::string next = std::to_string(wire::kProtocolVersion + 1);
-  EXPECT_NE(
-      notes.back().text.find("protocol version differs: " + ours + " in the session, " + next + " in the newcomer"),
-      std::string::npos);
+  EXPECT_TRUE(g.party.noted(0, "protocol version differs: " + ours + " in the session, " + next + " in the newcomer"));
 
   // And what a program of this version makes of such an answer by another.
-  node::SessionConfig c = alike(2);
-  c.join = place(1);
-  net.add(2, c);
-  net.inject(place(8), 2, of_version(out[0].bytes, wire::kProtocolVersion + 1));
-  EXPECT_EQ(net.at(2).phase(), SessionPhase::kJoining) << "not from whom we ask";
-  net.inject(place(1), 2, of_version(out[0].bytes, wire::kProtocolVersion + 1));
-  EXPECT_EQ(net.at(2).failure(), "protocol version differs: " + next + " at 10.0.0.1:7000, " + ours + " here");
+  g.party.net().kill(0);
+  const int joiner = g.party.net().start(0);
+  g.party.net().inject(stranger, joiner, of_version(answer, wire::kProtocolVersion + 1));
+  g.party.run(0.1);
+  EXPECT_FALSE(g.party.net().peer(joiner).failed()) << "not from whom we ask";
+  g.party.net().inject(g.party.net().place_of(0), joiner, of_version(answer, wire::kProtocolVersion + 1));
+  g.party.run(0.1);
+  EXPECT_EQ(g.party.net().peer(joiner).session().failure(),
+            "protocol version differs: " + next + " at 10.0.0.1:7000, " + ours + " here");
 }
 
 TEST(Refusal, VersionsDoNotAnswerEachOthersAnswers) {
-  VirtualNet net(1);
-  net.add(1, founder(2));
+  const Endpoint stranger = ipv4({10, 0, 0, 9}, 7000);
+  Answering g(stranger);
   const auto refusal =
       wire::seal({wire::Kind::kSession, 0, 5}, wire::encode_session(wire::Refuse{0, std::string(400, 'x')}));
-  net.inject(place(9), 1, of_version(refusal, wire::kProtocolVersion + 1));
-  EXPECT_TRUE(net.at(1).take_outgoing().empty());
+  g.party.net().inject(stranger, 0, of_version(refusal, wire::kProtocolVersion + 1));
+  g.party.run(0.5);
+  EXPECT_TRUE(g.answers.empty());
 }
 
 }  // namespace

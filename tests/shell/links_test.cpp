@@ -6,6 +6,7 @@
 #include "common/link/netem_spec.h"
 #include "common/model/rng.h"
 #include "peer/egress.h"
+#include "shell/netem_text.h"
 #include "tests/seed.h"
 
 namespace padr::peer {
@@ -66,11 +67,11 @@ TEST(Links, WhatPassesIsWhatWouldHaveComeOut) {
                                        "loss gemodel 5% 20%",
                                        "slot 3ms packets 2",
                                        "corrupt 10% seed 4"};
-  Twins twins(link::parse_netem(""), seed);
+  Twins twins(shell::parse_netem(""), seed);
   Micros now = 0;
   for (int i = 0; i < 20'000; ++i) {
     now += rng.below(3'000);
-    if (rng.chance(0.01)) twins.set_spec(now, link::parse_netem(rng.chance(0.5) ? "" : rules[rng.below(9)]));
+    if (rng.chance(0.01)) twins.set_spec(now, shell::parse_netem(rng.chance(0.5) ? "" : rules[rng.below(9)]));
     twins.send(now, text(static_cast<char>('a' + i % 26)));
     if (testing::Test::HasFatalFailure()) return;
   }
@@ -82,7 +83,7 @@ TEST(Links, WhatPassesIsWhatWouldHaveComeOut) {
 TEST(Links, AnImpairedLinkIsPumpedAndAFreeOneIsNot) {
   std::vector<std::pair<std::uint16_t, char>> sent;
   Egress::Specs specs;
-  specs.by_peer[2] = link::parse_netem("delay 10ms");
+  specs.by_peer[2] = shell::parse_netem("delay 10ms");
   Egress egress(std::move(specs), [&sent](const Endpoint& to, std::span<const std::byte> d) {
     sent.emplace_back(to.port, static_cast<char>(d[0]));
   });

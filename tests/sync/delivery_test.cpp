@@ -351,6 +351,28 @@ TEST(Delivery, RoundTripLeavesTheOtherSidesWaitOut) {
   EXPECT_NEAR(s.link.round_trip(), 7, 0.5);
 }
 
+// Whoever has been paused for three seconds answers then, and that is no round trip of the link.
+TEST(Delivery, AStandstillOfTheOtherEndPutsOffNoRepeats) {
+  Script s;
+  Tick t = 0;
+  const auto answered_after = [&s, &t](Tick ticks) {
+    while (!s.at(t)) ++t;
+    const std::uint32_t seq = s.link.sent();
+    t += ticks;
+    s.hear(t, seq, s.link.acked(), seq);
+  };
+  for (int i = 0; i < 40; ++i) answered_after(6);
+  answered_after(170);
+  EXPECT_NEAR(s.link.round_trip(), 6, 1);
+  s.update(++t);
+  ASSERT_TRUE(s.at(t)->updates.size() == 1);
+  Tick again = t + 1;
+  for (auto p = s.at(again); again - t < 1000 && (!p || p->updates.empty()); p = s.at(again)) ++again;
+  EXPECT_LE(again - t, 40);
+  for (int i = 0; i < 40; ++i) answered_after(170);
+  EXPECT_GT(s.link.round_trip(), 120) << "a link that has become slow is believed";
+}
+
 TEST(Delivery, NonsenseAcknowledgementsAreHarmless) {
   Script s;
   s.update(1);

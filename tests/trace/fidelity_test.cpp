@@ -11,6 +11,7 @@
 #include "common/scenarios/scenarios.h"
 #include "common/trace/undisturbed.h"
 #include "common/world/avatar_control.h"
+#include "shell/input_text.h"
 #include "tests/world/test_scene.h"
 #include "tools/lab/simulation.h"
 
@@ -188,7 +189,7 @@ TEST(Doers, AsATable) {
 /// One peer that owns everything, so that nothing but what its player does happens in its live world.
 struct Solo {
   explicit Solo(const std::string& name) : scene(scenarios::load_embedded(name, 5)) {
-    input = scenarios::make_input("wander", {scene, 0, 5, {}});
+    input = shell::make_input("wander", {scene, 0, 5, {}});
     lab::SimulationConfig c;
     c.scene = scene;
     c.peers = 1;
@@ -215,15 +216,15 @@ TEST(Fidelity, WhoPlaysAloneIsPerfectToTheBit) {
 
 /// `full` alone, means over six runs of 30 s, m.
 struct Alone {
-  explicit Alone(const char* unowned) {
+  explicit Alone(Unowned unowned) {
     constexpr int kRuns = 6;
     for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
       lab::SimulationConfig c;
       c.scene = scenarios::load_embedded("arena", seed);
       c.peers = 1;
-      set_unowned(c.technique, unowned);
-      set_precision(c.technique, "exact");
-      const auto input = scenarios::make_input("wander", {c.scene, 0, seed, {}});
+      c.technique.unowned = unowned;
+      c.technique.precision = Precision::kExact;
+      const auto input = shell::make_input("wander", {c.scene, 0, seed, {}});
       c.inputs = {input.get()};
       c.ticks = 1800;
       c.fidelity = true;
@@ -240,10 +241,10 @@ struct Alone {
 // Its predicted world knows the avatar by a model, which moves bodies that the avatar did not, or otherwise. Taken
 // over, that is agreed, and it never happened.
 TEST(Fidelity, TakingUnownedBodiesFromTheAgreedWorldIsConsistentAndLessFaithful) {
-  const Alone agreed("agreed");
+  const Alone agreed(Unowned::kAgreed);
   EXPECT_LT(agreed.inconsistency, trace::kNoiseMetres);
   EXPECT_GT(agreed.fidelity, 2 * trace::kNoiseMetres);
-  const Alone live("live");
+  const Alone live(Unowned::kLive);
   EXPECT_GT(live.inconsistency, 0.1);
   EXPECT_LT(live.fidelity, 0.001);
 }

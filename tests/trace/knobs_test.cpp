@@ -2,11 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <functional>
 #include <set>
 
 #include "common/model/user_error.h"
 #include "common/trace/trace_reader.h"
+#include "shell/technique_text.h"
 #include "tests/seed.h"
 #include "tests/trace/recorded_run.h"
 #include "tools/lab/replay.h"
@@ -14,15 +14,10 @@
 namespace padr {
 namespace {
 
+using shell::technique_of;
 using test::RecordedRun;
 using test::RunConfig;
 using Nodes = std::vector<std::unique_ptr<node::RecordedReplica>>;
-
-Technique with(const std::function<void(Technique&)>& change, const char* name = "full") {
-  Technique t = technique_by_name(name);
-  change(t);
-  return t;
-}
 
 std::string difference(const std::vector<std::byte>& bytes) {
   trace::TraceReader reader(bytes, "some.trace");
@@ -43,20 +38,13 @@ void expect_replays(const RecordedRun& run) {
 
 TEST(Knobs, EveryKnobChangesWhilePlayingAndReplaysToTheBit) {
   const std::vector<Technique> settings{
-      with([](Technique& t) { set_replay(t, "off"); }),
-      with([](Technique& t) { set_convergence(t, "blend"); }),
-      with([](Technique& t) { set_replay(t, "off"); }, "adaptive"),
-      with([](Technique& t) { set_predictor(t, "pcc"); }),
-      with([](Technique& t) { set_threshold(t, "0.05"); }),
-      with([](Technique& t) { set_precision(t, "exact"); }),
-      with([](Technique& t) { set_model(t, "second"); }),
-      with([](Technique& t) { set_unowned(t, "live"); }),
-      with([](Technique& t) { set_unowned(t, "agreed"); }, "adaptive"),
-      with([](Technique& t) { set_time_stamps(t, "on"); }, "adaptive"),
-      with([](Technique& t) { set_convergence(t, "snap"); }, "fixed"),
-      technique_by_name("everything"),
-      with([](Technique& t) { set_convergence(t, "blend"); }),
-      technique_by_name("full"),
+      technique_of("full --replay off"),         technique_of("full --convergence blend"),
+      technique_of("adaptive --replay off"),     technique_of("full --predictor pcc"),
+      technique_of("full --threshold 0.05"),     technique_of("full --precision exact"),
+      technique_of("full --model second"),       technique_of("full --unowned live"),
+      technique_of("adaptive --unowned agreed"), technique_of("adaptive --time-stamps on"),
+      technique_of("fixed --convergence snap"),  technique_by_name("everything"),
+      technique_of("full --convergence blend"),  technique_by_name("full"),
   };
   RunConfig c;
   c.seed = test::seed(7);
@@ -81,7 +69,7 @@ TEST(Knobs, ReplayCanBeSwitchedOffAndOn) {
   c.netem = "delay 100ms 20ms";
   c.ticks = 360;
   c.before_step = [](Tick t, const Nodes& nodes) {
-    if (t == 120) nodes[1]->retune(with([](Technique& k) { set_replay(k, "off"); }));
+    if (t == 120) nodes[1]->retune(technique_of("full --replay off"));
     if (t == 200) nodes[1]->retune(technique_by_name("full"));
   };
   const RecordedRun run(c);
@@ -102,7 +90,7 @@ TEST(Knobs, ALowerThresholdTellsMoreFromThenOn) {
     c.technique = technique_by_name("fixed");
     c.ticks = 600;
     c.before_step = [threshold](Tick t, const Nodes& nodes) {
-      if (t == 300) nodes[0]->retune(with([&](Technique& k) { set_threshold(k, threshold); }, "fixed"));
+      if (t == 300) nodes[0]->retune(technique_of(std::string("fixed --threshold ") + threshold));
     };
     const RecordedRun run(c);
     return run.nodes[0]->replica().stats().updates_by_cause[static_cast<std::size_t>(sync::Cause::kThreshold)];
@@ -214,7 +202,7 @@ TEST(Pushes, WithoutAuthorityEverybodyPushesForThemselves) {
 TEST(Knobs, RecordsComeBackAsTheyWereWritten) {
   RunConfig c;
   c.ticks = 20;
-  Technique odd = with([](Technique& t) { set_threshold(t, "0.7:0.2"); });
+  const Technique odd = technique_of("full --threshold 0.7:0.2");
   c.before_step = [&](Tick t, const Nodes& nodes) {
     if (t == 5) nodes[0]->retune(odd);
     if (t == 6) nodes[0]->push(3, {1.5F, -2});
@@ -227,7 +215,7 @@ TEST(Knobs, RecordsComeBackAsTheyWereWritten) {
   while (const auto e = r.next()) {
     if (const auto* t = std::get_if<trace::Retune>(&*e)) {
       seen.insert("retune");
-      EXPECT_EQ(describe(t->technique), describe(odd));
+      EXPECT_EQ(t->technique, odd);
     } else if (const auto* p = std::get_if<trace::Push>(&*e)) {
       seen.insert("push");
       EXPECT_EQ(p->body, 3);

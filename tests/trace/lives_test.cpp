@@ -63,14 +63,10 @@ std::string error_in(const Bytes& bytes) {
 }
 
 TEST(TraceOfLives, WhatIsAskedOfANodeComesBackInOrder) {
-  Endpoint at;
-  at.address[15] = 7;
-  at.port = 700;
   const Bytes bytes = written(late_header(), [&](trace::TraceWriter& w) {
     w.begin({900, 880, kSome});
     w.confirmed(880, 5, nobody());
     w.step(step_to(900), nothing_moves());
-    w.locate({1, at});
     w.freeze({0, true});
     w.give_up({1});
     w.order({kSome});
@@ -89,9 +85,6 @@ TEST(TraceOfLives, WhatIsAskedOfANodeComesBackInOrder) {
   EXPECT_EQ(Bytes(begin.transfer.begin(), begin.transfer.end()), kSome);
   EXPECT_EQ(std::get<trace::Confirmed>(r.next().value()).tick, 880);
   EXPECT_TRUE(std::get<trace::Step>(r.next().value()).outside);
-  const auto located = std::get<trace::Locate>(r.next().value());
-  EXPECT_EQ(located.peer, 1);
-  EXPECT_EQ(located.at, at);
   const auto freeze = std::get<trace::Freeze>(r.next().value());
   EXPECT_EQ(freeze.peer, 0);
   EXPECT_TRUE(freeze.frozen);
@@ -161,11 +154,6 @@ TEST(TraceOfLives, WhatMakesNoSenseIsNamed) {
                }),
        "freezes no slot"},
       {written(first, [](auto& w) { w.give_up({3}); }), "gives up no slot"},
-      {written(first,
-               [](auto& w) {
-                 w.locate({3, {}});
-               }),
-       "tells where no slot is"},
       {written(beyond, [](auto&) {}), "peer 3, allowed: below the number of slots"},
   };
   for (const auto& [bytes, expected] : cases)
@@ -188,14 +176,12 @@ TEST(TraceOfLives, EveryLifeOfEverybodyDoesTheSameAgain) {
     while (const auto e = again.next()) {
       if (std::holds_alternative<trace::Order>(*e)) ++asked["order"];
       if (std::holds_alternative<trace::Freeze>(*e)) ++asked["freeze"];
-      if (std::holds_alternative<trace::Locate>(*e)) ++asked["locate"];
     }
   }
   EXPECT_EQ(run.traces.size(), 6U) << "five persons, one of whom came back";
-  EXPECT_EQ(late, 3);
-  EXPECT_GE(asked["order"], 5) << "three came in, two were removed";
+  EXPECT_EQ(late, 5) << "all but the founder";
+  EXPECT_GE(asked["order"], 7) << "five came in, two were removed";
   EXPECT_GE(asked["freeze"], 4);
-  EXPECT_GE(asked["locate"], 6);
 }
 
 TEST(TraceOfLives, AnOrderThatIsLeftOutIsMissed) {
@@ -210,7 +196,6 @@ TEST(TraceOfLives, AnOrderThatIsLeftOutIsMissed) {
       if (const auto* out = std::get_if<trace::Sent>(&*e)) w.sent(out->to, out->tick, out->datagram);
       if (const auto* c = std::get_if<trace::Confirmed>(&*e)) w.confirmed(c->tick, c->hash, r.truth());
       if (const auto* f = std::get_if<trace::Freeze>(&*e)) w.freeze(*f);
-      if (const auto* l = std::get_if<trace::Locate>(&*e)) w.locate(*l);
       if (std::holds_alternative<trace::Excuse>(*e)) w.excuse();
       if (const auto* o = std::get_if<trace::Order>(&*e); o != nullptr && std::exchange(left_out, true)) w.order(*o);
     }

@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "common/scenarios/scenarios.h"
-#include "tools/lab/chaos/virtual_network.h"
+#include "shell/netem_text.h"
+#include "tools/lab/testbed/virtual_network.h"
 
 namespace padr::test {
 
@@ -51,7 +52,7 @@ struct RecordedLives {
     c.seal = seal;
     c.scene = scenarios::load_embedded("arena", seed);
     c.technique = technique_by_name("full");
-    c.netem = link::parse_netem("delay 40ms 15ms loss 3%");
+    c.netem = shell::parse_netem("delay 40ms 15ms loss 3%");
     c.seed = seed;
     c.slots = 6;
     c.wanted = 3;

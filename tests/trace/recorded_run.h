@@ -10,6 +10,8 @@
 #include "common/replica/recorded_replica.h"
 #include "common/scenarios/input.h"
 #include "common/scenarios/scenarios.h"
+#include "shell/input_text.h"
+#include "shell/netem_text.h"
 #include "tools/lab/simulation.h"
 
 namespace padr::test {
@@ -37,7 +39,7 @@ struct RecordedRun {
       : traces(static_cast<std::size_t>(c.peers)),
         scene_(scenarios::load_embedded(c.scenario, c.seed)),
         inputs_(inputs_of(c, scene_)),
-        links_(static_cast<std::size_t>(c.peers), link::parse_netem(c.netem), c.seed) {
+        links_(static_cast<std::size_t>(c.peers), shell::parse_netem(c.netem), c.seed) {
     for (PeerId p = 0; p < c.peers; ++p) {
       nodes.push_back(std::make_unique<node::RecordedReplica>(scene_, config_of(c, p), recording_of(c, p)));
     }
@@ -52,7 +54,7 @@ struct RecordedRun {
 
   static std::vector<std::unique_ptr<scenarios::InputSource>> inputs_of(const RunConfig& c, const Scene& scene) {
     std::vector<std::unique_ptr<scenarios::InputSource>> inputs;
-    for (int p = 0; p < c.peers; ++p) inputs.push_back(scenarios::make_input("wander", {scene, p, c.seed, {}}));
+    for (int p = 0; p < c.peers; ++p) inputs.push_back(shell::make_input("wander", {scene, p, c.seed, {}}));
     return inputs;
   }
 

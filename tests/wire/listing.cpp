@@ -149,34 +149,19 @@ struct SessionLister {
   std::string operator()(const wire::Welcome& m) const {
     return line("welcome.nonce = %llu\nwelcome.peer = %d\n", ull(m.nonce), int{m.peer}) +
            line("welcome.slots = %d\nwelcome.wanted = %d\n", m.slots, m.wanted) +
-           line("welcome.running = %d\nwelcome.incarnation = %u\nwelcome.cookie = %llu\n", flag(m.running),
-                m.incarnation, ull(m.cookie));
+           line("welcome.incarnation = %u\nwelcome.cookie = %llu\n", m.incarnation, ull(m.cookie));
   }
   std::string operator()(const wire::Redirect& m) const {
-    return line("redirect.nonce = %llu\n", ull(m.nonce)) + "redirect.address = " + address_of(m.founder) +
-           line("\nredirect.port = %d\n", int{m.founder.port});
+    return line("redirect.nonce = %llu\n", ull(m.nonce)) + "redirect.address = " + address_of(m.to) +
+           line("\nredirect.port = %d\n", int{m.to.port});
   }
   std::string operator()(const wire::Refuse& m) const {
     return line("refuse.nonce = %llu\n", ull(m.nonce)) + "refuse.reason = " + m.reason + "\n";
   }
   std::string operator()(const wire::Ping& m) const { return line("ping.sent_us = %lld\n", ll(m.sent)); }
   std::string operator()(const wire::Pong& m) const {
-    return line("pong.sent_us = %lld\npong.founder_us = %lld\n", ll(m.sent), ll(m.founder)) +
-           line("pong.present = %d\n", m.present);
+    return line("pong.sent_us = %lld\npong.session_us = %lld\n", ll(m.sent), ll(m.session));
   }
-  std::string operator()(const wire::Start& m) const {
-    std::string s = line("start.tick0_us = %lld\n", ll(m.tick0));
-    for (std::size_t i = 0; i < m.members.size(); ++i) {
-      const Endpoint& e = m.members[i];
-      s += line("start.member[%zu] = ", m.first + i);
-      s += m.first + i == 0 ? "founder\n" : address_of(e) + line(" %d\n", int{e.port});
-    }
-    return s;
-  }
-  std::string operator()(const wire::Ready& m) const {
-    return line("ready.round_trip_us = %lld\nready.started = %d\n", ll(m.round_trip), flag(m.started));
-  }
-  std::string operator()(const wire::Bye& m) const { return "bye.reason = " + m.reason + "\n"; }
   std::string operator()(const wire::Ask& m) const {
     return line("ask.nonce = %llu\nask.crowd = %llu\nask.about = %u\n", ull(m.nonce), ull(m.crowd), m.about) +
            "ask.in =" + regions(m.sender.in) + "\nask.seeks =" + regions(m.sender.seeks) +
@@ -259,7 +244,8 @@ std::string list(const wire::MembershipMessage& m) {
 }
 
 std::string list(const sync::Transfer& t) {
-  std::string s = line("transfer.tick = %d\n", t.state.tick) + world_lines(t.state.world);
+  std::string s = line("transfer.tick = %d\ntransfer.wanted = %d\n", t.state.tick, t.state.start.wanted) +
+                  line("transfer.begin = %d\n", t.state.start.at) + world_lines(t.state.world);
   for (std::size_t p = 0; p < t.slots.size(); ++p) s += place_lines(t, p);
   for (std::size_t b = 0; b < t.state.authority.size(); ++b) {
     const sync::Authority& a = t.state.authority[b];

@@ -10,11 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "common/membership/admissions.h"
 #include "common/membership/partition_merge.h"
 #include "common/membership/relay.h"
 #include "common/membership/session_state.h"
 #include "common/model/hash.h"
-#include "common/participant/late_joiner.h"
+#include "common/participant/entry.h"
 #include "common/sync/authority.h"
 #include "common/sync/validation.h"
 #include "common/wire/codec.h"
@@ -215,7 +216,7 @@ TEST(WireMd, HasTheVectorsOfMembershipDatagrams) {
 }
 
 TEST(WireMd, HasTheVectorOfASessionDatagram) {
-  const SessionMessage m = Pong{1'000'000, 5'250'000, 3};
+  const SessionMessage m = Pong{1'000'000, 5'250'000};
   expect_in_document(Kind::kSession, encode_session(m), test::list(m), 0);
 }
 
@@ -306,7 +307,6 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("sealed_tag", kSealedTagBytes);
   add("max_sealed", kMaxSealed);
   add("handshake", kHandshakeBytes);
-  add("members_per_start", kMembersPerStart);
   add("max_peers", kMaxPeers);
   add("no_peer", int{kNoPeer});
   add("no_entity", int{kNoEntity});
@@ -328,23 +328,16 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   whole("admit_control", limits.max_control);
   add("admit_ahead", limits.max_ahead);
   add("join_us", Pace::kJoin);
-  add("ping_us", Pace::kPing);
-  add("clock_samples", Pace::kSamples);
+  add("ping_us", node::Entry::kPing);
+  add("idle_ping_us", node::Entry::kIdlePing);
+  add("clock_samples", node::Entry::kSamples);
   add("clock_samples_kept", node::OffsetEstimator::kKept);
-  add("idle_ping_us", Pace::kIdlePing);
-  add("start_us", Pace::kStart);
-  add("late_start_us", Pace::kLateStart);
-  add("unproven_us", Pace::kUnproven);
-  add("silence_us", Pace::kSilence);
-  add("start_lead_us", Pace::kStartLead);
-  add("start_lead_trips", Pace::kStartLeadTrips);
-  add("most_start_lead_us", Pace::kMostStartLead);
+  add("oldest_pong_us", node::Entry::kOldestPong);
+  add("again_us", node::Entry::kAgain);
+  add("patience_us", node::Entry::kPatience);
+  add("unproven_us", node::Admissions::kUnproven);
   add("unheard_us", Pace::kUnheard);
-  add("entrant_ping_us", node::LateJoiner::kPing);
-  add("entrant_idle_ping_us", node::LateJoiner::kIdlePing);
-  add("entrant_samples", node::LateJoiner::kSamples);
-  add("entrant_again_us", node::LateJoiner::kAgain);
-  add("entrant_patience_us", node::LateJoiner::kPatience);
+  add("start_lead", sync::kStartLead);
   add("doubt", node::kDoubt);
   add("silence", node::kSilence);
   add("answer_patience", node::kAnswerPatience);

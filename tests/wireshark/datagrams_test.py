@@ -76,7 +76,7 @@ def check_cut_off(path, datagrams):
     for datagram, shown in zip(datagrams, tshark.frames(path), strict=True):
         whole = len(datagram) <= 20
         wanted = fields(datagram) if whole else fields(datagram)[:4]
-        if is_claimed(datagram) and datagram[2] in (0x70, 0x71, 0x72) and len(datagram) <= 1200:
+        if is_claimed(datagram) and datagram[2] in (0x80, 0x81, 0x82) and len(datagram) <= 1200:
             tshark.compare(f"cut off: {datagram.hex(' ')}", wanted, shown)
 
 

@@ -15,7 +15,7 @@ from updates import CAUSES, MODELS, UPDATE_FIELDS, decode_update
 
 KINDS = ("state", "session", "membership")
 NOBODY = 255
-SEALED = (0x74, 0x75, 0x76, 0x78, 0x79, 0x7A)
+SEALED = (0x84, 0x85, 0x86, 0x88, 0x89, 0x8A)
 HANDSHAKES = ("hello", "cookie", "introduction", "acceptance")
 
 
@@ -24,7 +24,7 @@ def is_claimed(datagram):
     if datagram[:2] != b"Pd" or len(datagram) < 6:
         return False
     good = len(datagram) >= 10 and zlib.crc32(datagram[:-4]) == struct.unpack("<I", datagram[-4:])[0]
-    ours = datagram[2] in (0x70, 0x71, 0x72) and (datagram[3] < 64 or datagram[3] == NOBODY)
+    ours = datagram[2] in (0x80, 0x81, 0x82) and (datagram[3] < 64 or datagram[3] == NOBODY)
     return good or ours or is_handshake(datagram) or is_sealed(datagram) and (datagram[3] < 64 or datagram[3] == NOBODY)
 
 
@@ -38,7 +38,7 @@ def is_sealed(datagram):
 
 
 def is_handshake(datagram):
-    return len(datagram) == 76 and datagram[:3] == b"Pd\x73" and 1 <= datagram[3] <= 4 and not has_crc(datagram)
+    return len(datagram) == 76 and datagram[:3] == b"Pd\x83" and 1 <= datagram[3] <= 4 and not has_crc(datagram)
 
 
 def fields(datagram, opened=None):
@@ -78,7 +78,7 @@ def of_sealed(datagram, opened):
         yield "padr.seal.good", bool(opened)
         if opened:
             yield from of_content(opened)
-    elif datagram[2] < 0x78:
+    elif datagram[2] < 0x88:
         plain = datagram[:2] + bytes([datagram[2] & 0xF3]) + datagram[3:6] + datagram[14:-16]
         yield from of_content(plain + struct.pack("<I", zlib.crc32(plain)))
 
@@ -202,7 +202,6 @@ def of_orders(update, raw):
 
 # Nodes of messages, as the decoder calls them: their own name, and the names of what is in them.
 NODES = {
-    ("start", "member"): ("member", ("peer", "address", "port")),
     ("poll", "lost"): ("lost", ("slot", "incarnation", "have", "heard")),
     ("answer", "lost"): ("lost", ("slot", "incarnation", "have", "heard")),
     ("probe", "member"): ("members", ("slot", "incarnation", "have", "heard")),
@@ -254,7 +253,8 @@ def of_transfer(data):
     """Of the bytes of all pieces."""
     raw = message(data, TRANSFER_FIELDS)
     yield "padr.transfer", None
-    yield "padr.transfer.tick", raw["tick"]
+    for field in ("tick", "wanted", "begin"):
+        yield f"padr.transfer.{field}", raw[field]
     for n, awake in enumerate(raw["awake"]):
         yield "padr.transfer.entity", None
         yield from vector("padr.transfer.entity", ENTITY, raw["entities"][7 * n:7 * n + 7])

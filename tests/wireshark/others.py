@@ -44,7 +44,7 @@ def begins_as_ours(rng):
     """Only the magic; of the header and the tag at least one thing is not as it would have to be."""
     data = bytearray(b"Pd" + rng.randbytes(rng.randrange(0, 200)))
     if len(data) > 3:
-        data[2], data[3] = rng.choice(((0x80, data[3]), (0x73, data[3]), (0x70, rng.randrange(64, 255)), (0x10, 0)))
+        data[2], data[3] = rng.choice(((0x90, data[3]), (0x83, data[3]), (0x80, rng.randrange(64, 255)), (0x10, 0)))
     return bytes(data)
 
 

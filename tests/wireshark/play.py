@@ -89,7 +89,7 @@ class Play:
         refused = self.join(founder, "--seed", 99, flags=[])
         assert refused.end() == 1, refused.text()
         guest = self.join(founder, flags=[])
-        founder.wait_for("has joined")
+        founder.wait_for("peer 1 at .* joins")
         for each in (guest, founder):
             each.process.send_signal(signal.SIGINT)
             each.end()
@@ -99,7 +99,7 @@ class Play:
         founder = self.peer("--wait-peers", self.members)
         members = [founder] + [self.join(founder, "--technique", "everything") for _ in range(self.chatty)]
         members += [self.join(founder) for _ in range(self.members - 2 - self.chatty)]
-        founder.wait_for("peer 1 at .* has joined")
+        founder.wait_for("peer 1 at .* joins")
         # Of what the victim sends little gets to the founder: others have to hand it over when the victim is gone.
         bad = f"127.0.0.1:{self.port_of[founder]}=delay 20ms loss 60%"
         members.append(self.join(members[1], "--netem-to", bad, "--threshold", "0.05:0.02", "--input", "wander:4"))

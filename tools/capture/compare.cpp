@@ -61,7 +61,10 @@ Setting setting_of(const std::vector<TraceStory>& traces) {
   s.slots = h.slots;
   s.authority = h.technique.authority;
   for (const TraceStory& t : traces)
-    if (t.header.incarnation == 0) s.peers = t.header.peers;
+    if (t.header.incarnation == 0) {
+      s.peers = t.header.peers;
+      s.wanted = std::max(t.header.peers, t.header.wanted);
+    }
   return s;
 }
 
@@ -83,7 +86,7 @@ WorldChecks compare_worlds(const Bookkeeper& books, const std::vector<TraceStory
   WorldChecks out;
   out.not_compared = nothing_to_begin_with(session_log);
   Setting setting = setting_of(traces);
-  if (setting.peers == 0) setting.peers = session_log.peers;
+  if (setting.wanted == 0) setting.wanted = session_log.wanted;
   Tick until = 0;
   for (const TraceStory& t : traces)
     if (!t.confirmed.empty()) until = std::max(until, t.confirmed.rbegin()->first);
@@ -127,14 +130,24 @@ std::string named(const std::vector<Passage>& list, std::size_t most) {
   return out;
 }
 
+Names names_in(const std::vector<LinkStory>& links) {
+  Names all;
+  for (const LinkStory& l : links) {
+    all.add(l.from);
+    all.add(l.to);
+  }
+  return all;
+}
+
 std::string links_text(const std::vector<LinkStory>& links, bool all) {
   shell::Table table(
       {"link", "sent", "captured", "received", "lost before", "lost behind", "duplicates", "outside", "contradict"});
   std::string names;
   std::string unseen;
   const auto count = [](std::uint64_t n, bool known) { return known ? std::to_string(n) : std::string("-"); };
+  const Names names_of = names_in(links);
   for (const LinkStory& l : links) {
-    const std::string link = to_string(l.from) + " -> " + to_string(l.to);
+    const std::string link = names_of(l.from) + " -> " + names_of(l.to);
     if (l.captured == 0) {
       unseen += (unseen.empty() ? "" : ", ") + link;
       continue;
@@ -181,8 +194,9 @@ std::string as_json(const Comparison& c, const std::vector<LinkStory>& links, co
   j.begin_object().field("agree", agree).field("not_compared", worlds.not_compared);
   j.field("damaged_captured", c.damaged());
   j.field("damaged_received", c.damaged_received()).key("links").begin_array();
+  const Names names_of = names_in(links);
   for (const LinkStory& l : links) {
-    j.begin_object().field("from", to_string(l.from)).field("to", to_string(l.to)).field("captured", l.captured);
+    j.begin_object().field("from", names_of(l.from)).field("to", names_of(l.to)).field("captured", l.captured);
     j.field("sender_told", l.sender_told).field("receiver_told", l.receiver_told);
     j.field("sent", l.sent).field("received", l.received).field("duplicates", l.duplicates);
     j.field("outside", l.outside);

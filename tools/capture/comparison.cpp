@@ -20,6 +20,9 @@ std::uint64_t content_of(std::span<const std::byte> b) {
   return std::hash<std::string_view>()({reinterpret_cast<const char*>(b.data()), b.size()});
 }
 
+/// Copies of one datagram are no further apart, ticks: the other one may have passed before the capture began.
+constexpr Tick kEdge = kTicksPerSecond;
+
 void judge(const Passage& p, Tick first, Tick last, bool sender_clean, Tick sender_end, LinkStory& l) {
   l.sent += p.sent;
   l.captured += p.captured;
@@ -34,7 +37,7 @@ void judge(const Passage& p, Tick first, Tick last, bool sender_clean, Tick send
     }
   } else if (p.captured == 0 && !within) {
     ++l.outside;
-  } else if (p.received > p.captured) {
+  } else if (p.received > p.captured && (p.captured == 0 || p.tick > first + kEdge)) {
     l.contradictions.push_back(p);
   } else if (p.captured == 0) {
     l.lost_before.push_back(p);

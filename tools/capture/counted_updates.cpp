@@ -144,17 +144,18 @@ Tick CountedUpdates::complete(const Incarnation& who) const {
 std::string CountedUpdates::lacks(const Incarnation& who, bool& missing) const {
   const auto span = spans_.find(who);
   const auto voice = session_log_.voices.find(who);
+  const std::string name = session_log_.names()(who);
   missing = false;
-  if (span == spans_.end()) return "nothing tells how peer " + to_string(who) + " came in";
+  if (span == spans_.end()) return "nothing tells how peer " + name + " came in";
   std::uint32_t promised = span->second.end == std::numeric_limits<std::uint32_t>::max() ? 0 : span->second.end;
   if (promised == 0 && voice != session_log_.voices.end() && !voice->second.marks.empty())
     promised = voice->second.marks.rbegin()->first;
   if (promised > span->second.have) {
     missing = true;
-    return "update " + std::to_string(span->second.have) + " of peer " + to_string(who) + " is not in the capture";
+    return "update " + std::to_string(span->second.have) + " of peer " + name + " is not in the capture";
   }
-  if (voice == session_log_.voices.end()) return "the capture has nothing of peer " + to_string(who);
-  return "the capture has nothing of peer " + to_string(who) + " after tick " + std::to_string(voice->second.last_tick);
+  if (voice == session_log_.voices.end()) return "the capture has nothing of peer " + name;
+  return "the capture has nothing of peer " + name + " after tick " + std::to_string(voice->second.last_tick);
 }
 
 bool CountedUpdates::counts(const SessionLog::Check& check) const {

@@ -16,7 +16,7 @@ std::string_view name_of(wire::Kind kind) {
 
 std::string_view name_of(const wire::SessionMessage& message) {
   constexpr std::array<std::string_view, std::variant_size_v<wire::SessionMessage>> kNames{
-      "join", "welcome", "redirect", "refuse", "ping", "pong", "start", "ready", "bye", "ask", "tell"};
+      "join", "welcome", "redirect", "refuse", "ping", "pong", "ask", "tell"};
   return kNames[message.index()];
 }
 

@@ -30,8 +30,8 @@ class Rebuilder {
     CountedUpdates c(session_log_, setting_.scene, setting_.slots);
     c.begin(setting_.peers);
     // Of a capture that begins later a transfer may know more.
-    if (setting_.peers > 0 && (transfers_.empty() || begins_at_0(c))) {
-      sync::Fold fold(setting_.scene, setting_.slots, setting_.peers, setting_.authority);
+    if (setting_.wanted > 0 && (transfers_.empty() || begins_at_0(c))) {
+      sync::Fold fold(setting_.scene, setting_.slots, setting_.peers, setting_.authority, setting_.wanted);
       reached = follow(c, fold, {0, false, 0, "", false});
     }
     for (auto next = transfers_.upper_bound(reached); next != transfers_.end();

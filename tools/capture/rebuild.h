@@ -17,7 +17,8 @@ struct Setting {
   std::string label;     ///< of the scenario, for people
   bool checked = false;  ///< its hash is that of a Join in the capture
   int slots = 0;
-  int peers = 0;  ///< at tick 0; 0: not known
+  int peers = 1;   ///< at tick 0
+  int wanted = 0;  ///< members that play waits for; 0: not known, and so how the session begins
   bool authority = true;
 };
 

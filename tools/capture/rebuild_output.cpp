@@ -27,15 +27,16 @@ std::string rebuilt_text(const Setting& setting, const SessionLog& session_log, 
       "\n";
   if (r.stretches.empty())
     return out +
-           "nothing to begin with: neither who was there at tick 0 (--peers) nor a whole transfer is in the capture\n";
+           "nothing to begin with: neither how the session began (--wait-peers) nor a whole transfer is in the "
+           "capture\n";
   for (const Stretch& s : r.stretches)
     out += begin_of(s) + " to tick " + std::to_string(s.to) + (s.gap ? "; GAP: " : "; it ends there: ") + s.why + "\n";
   out += std::to_string(r.agreeing()) + " of " + std::to_string(r.hashes.size()) + " hashes agree, to tick " +
          std::to_string(last_tick(r)) + " (confirmed world " + shell::hex(last_hash) + ")\n";
   for (const Rebuilt::Hash& h : r.hashes)
     if (!h.agrees)
-      out += "DIFFERS: tick " + std::to_string(h.check.tick) + " by peer " + to_string(h.check.by) + ", packet " +
-             std::to_string(h.check.packet) + "\n";
+      out += "DIFFERS: tick " + std::to_string(h.check.tick) + " by peer " + session_log.names()(h.check.by) +
+             ", packet " + std::to_string(h.check.packet) + "\n";
   const auto add = [&out](std::uint64_t n, const std::string& what) {
     if (n > 0) out += std::to_string(n) + " " + what + "\n";
   };

@@ -46,14 +46,13 @@ class SessionFields {
     r_.number("padr.welcome.peer", m.peer);
     r_.number("padr.welcome.slots", static_cast<std::uint64_t>(m.slots));
     r_.number("padr.welcome.wanted", static_cast<std::uint64_t>(m.wanted));
-    r_.flag("padr.welcome.running", m.running);
     r_.number("padr.welcome.incarnation", m.incarnation);
     r_.hex64("padr.welcome.cookie", m.cookie);
   }
   void operator()(const wire::Redirect& m) const {
     r_.hex64("padr.nonce", m.nonce);
-    r_.address("padr.redirect.address", m.founder);
-    r_.number("padr.redirect.port", m.founder.port);
+    r_.address("padr.redirect.address", m.to);
+    r_.number("padr.redirect.port", m.to.port);
   }
   void operator()(const wire::Refuse& m) const {
     r_.hex64("padr.nonce", m.nonce);
@@ -65,22 +64,8 @@ class SessionFields {
   }
   void operator()(const wire::Pong& m) const {
     r_.signed_number("padr.pong.sent_us", m.sent);
-    r_.signed_number("padr.pong.founder_us", m.founder);
-    r_.number("padr.pong.present", static_cast<std::uint64_t>(m.present));
+    r_.signed_number("padr.pong.session_us", m.session);
   }
-  void operator()(const wire::Start& m) const {
-    r_.signed_number("padr.start.tick0_us", m.tick0);
-    for (std::size_t i = 0; i < m.members.size(); ++i) {
-      r_.number("padr.start.member.peer", m.first + i);
-      if (m.first + i > 0) r_.address("padr.start.member.address", m.members[i]);
-      r_.number("padr.start.member.port", m.members[i].port);
-    }
-  }
-  void operator()(const wire::Ready& m) const {
-    r_.number("padr.ready.round_trip_us", static_cast<std::uint64_t>(m.round_trip));
-    r_.flag("padr.ready.started", m.started);
-  }
-  void operator()(const wire::Bye& m) const { r_.text("padr.bye.reason", m.reason); }
   void operator()(const wire::Ask& m) const {
     r_.hex64("padr.nonce", m.nonce);
     r_.hex64("padr.ask.crowd", m.crowd);

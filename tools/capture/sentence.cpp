@@ -69,7 +69,6 @@ std::string sentence(const Record& r) {
   if (r.find("padr.join.scenario") != nullptr) out += " " + first(r, "padr.join.scenario");
   if (r.find("padr.welcome.peer") != nullptr) out += " as peer " + first(r, "padr.welcome.peer");
   if (r.find("padr.refuse.reason") != nullptr) out += ": " + first(r, "padr.refuse.reason");
-  if (r.find("padr.bye.reason") != nullptr) out += ": " + first(r, "padr.bye.reason");
   if (r.find("padr.piece.index") != nullptr)
     out += " " + first(r, "padr.piece.index") + " of " + first(r, "padr.piece.count");
   return out;

@@ -37,10 +37,21 @@ void retell(const sync::Bundle& b, SessionLog& l) {
 
 }  // namespace
 
-std::string to_string(const Incarnation& who) {
-  std::string s = std::to_string(who.slot);
-  if (who.incarnation > 0) s += "." + std::to_string(who.incarnation);
-  return s;
+void Names::add(const Incarnation& who) {
+  std::uint32_t& first = first_.try_emplace(who.slot, who.incarnation).first->second;
+  first = std::min(first, who.incarnation);
+}
+
+std::string Names::operator()(const Incarnation& who) const {
+  const auto first = first_.find(who.slot);
+  const bool alone = first != first_.end() && first->second == who.incarnation;
+  return std::to_string(who.slot) + (alone ? "" : "." + std::to_string(who.incarnation));
+}
+
+Names SessionLog::names() const {
+  Names all;
+  for (const auto& [who, voice] : voices) all.add(who);
+  return all;
 }
 
 bool SessionLog::Pieces::complete() const {
@@ -104,11 +115,9 @@ void Bookkeeper::session(const wire::SessionMessage& m, SessionLog& l) {
     if (joins_.size() < kMostJoins) joins_[join->nonce] = *join;
   } else if (const auto* welcome = std::get_if<wire::Welcome>(&m)) {
     l.slots = welcome->slots;
-    if (l.peers == 0) l.peers = welcome->wanted;
+    l.wanted = welcome->wanted;
     const auto asked = joins_.find(welcome->nonce);
     if (asked != joins_.end() && !l.join) l.join = asked->second;
-  } else if (const auto* start = std::get_if<wire::Start>(&m)) {
-    l.peers = std::max(l.peers, static_cast<int>(start->first + start->members.size()));
   }
 }
 
@@ -166,7 +175,7 @@ std::string nothing_to_begin_with(const SessionLog& session_log) {
     anybody = true;
     const std::uint32_t have = known_from_start(voice);
     if (!lacks.empty() || voice.marks.begin()->first <= have) continue;
-    lacks = "update " + std::to_string(have) + " of peer " + to_string(who) + " is not in it";
+    lacks = "update " + std::to_string(have) + " of peer " + session_log.names()(who) + " is not in it";
   }
   if (!anybody) lacks = "it has nothing of those who were there at tick 0";
   if (lacks.empty()) return "";

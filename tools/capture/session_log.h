@@ -21,7 +21,16 @@ struct Incarnation {
   std::uint32_t incarnation = 0;
   friend auto operator<=>(const Incarnation&, const Incarnation&) = default;
 };
-std::string to_string(const Incarnation& who);
+
+/// How people are told of incarnations: by the slot alone if it is the first of the slot that is known.
+class Names {
+ public:
+  void add(const Incarnation& who);
+  std::string operator()(const Incarnation& who) const;
+
+ private:
+  std::map<PeerId, std::uint32_t> first_;
+};
 
 /// What a session's datagrams tell, sorted by who says it; grows with the session's updates.
 struct SessionLog {
@@ -48,8 +57,8 @@ struct SessionLog {
   std::int64_t first_ns = 0;
   std::uint64_t states = 0;
   std::optional<wire::Join> join;
-  int slots = 0;  ///< 0: not told
-  int peers = 0;  ///< at tick 0; 0: not told
+  int slots = 0;   ///< 0: not told
+  int wanted = 0;  ///< members that play waits for; 0: not told
   std::map<Incarnation, Voice> voices;
   /// Updates that others tell of a slot's log: passed on, fetched.
   std::map<std::pair<PeerId, std::uint32_t>, sync::Bundle> retold;
@@ -57,6 +66,7 @@ struct SessionLog {
   std::map<std::pair<Endpoint, std::uint64_t>, Pieces> transfers;  ///< by receiver and nonce
   Tick oldest = -1;                                                ///< the first mark of anybody; -1: none
   Tick newest = 0;                                                 ///< the latest mark of anybody
+  Names names() const;
 };
 
 /// Why no tick of the session's confirmed world beyond its beginning follows from its packets, for people; empty if one

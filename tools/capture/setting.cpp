@@ -65,7 +65,7 @@ void SettingFlags::declare(CLI::App& app, const std::string& group) {
       ->type_name("N")
       ->check(shell::whole_number())
       ->group(group);
-  app.add_option("--peers", peers_, "Peers at tick 0, if the capture has neither Welcome nor Start")
+  app.add_option("--wait-peers", wait_peers_, "Peers that the session waited for, if the capture has no Welcome")
       ->type_name("N")
       ->check(CLI::Range(1, kMaxPeers))
       ->group(group);
@@ -89,9 +89,10 @@ Setting SettingFlags::setting(const SessionLog& session_log) const {
     name = told;
   }
   if (name.empty())
-    throw UserError(
-        "--scenario: the capture has no Join, so say what was played: --scenario NAME|FILE --seed N" +
-        std::string(session_log.slots == 0 ? " --slots N, and if it begins with the session's start --peers N" : ""));
+    throw UserError("--scenario: the capture has no Join, so say what was played: --scenario NAME|FILE --seed N" +
+                    std::string(session_log.slots == 0
+                                    ? " --slots N, and if it begins with the session's start --wait-peers N"
+                                    : ""));
   const shell::LoadedScenario loaded = shell::load_scenario(name, seed_.value_or(seed));
   Setting s;
   s.scene = loaded.scene;
@@ -107,10 +108,10 @@ Setting SettingFlags::setting(const SessionLog& session_log) const {
   const int most = static_cast<int>(s.scene.avatar.spawns.size());
   s.authority = session_log.join ? session_log.join->authority : !avatar_only_;
   s.slots = session_log.slots > 0 ? session_log.slots : slots_.value_or(most);
-  s.peers = session_log.peers > 0 ? session_log.peers : peers_.value_or(0);
-  if (s.slots > most || s.peers > s.slots)
-    throw UserError("--slots: " + std::to_string(s.slots) + " slots and " + std::to_string(s.peers) +
-                    " peers at tick 0 do not go with scenario '" + s.label + "', which has " + std::to_string(most));
+  s.wanted = session_log.wanted > 0 ? session_log.wanted : wait_peers_.value_or(0);
+  if (s.slots > most || s.wanted > s.slots)
+    throw UserError("--slots: " + std::to_string(s.slots) + " slots and " + std::to_string(s.wanted) +
+                    " peers waited for do not go with scenario '" + s.label + "', which has " + std::to_string(most));
   return s;
 }
 

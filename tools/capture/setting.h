@@ -29,7 +29,7 @@ class SettingFlags {
   std::string scenario_;
   std::optional<std::uint64_t> seed_;
   std::optional<int> session_;
-  std::optional<int> peers_;
+  std::optional<int> wait_peers_;
   std::optional<int> slots_;
   bool avatar_only_ = false;
 };

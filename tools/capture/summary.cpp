@@ -58,7 +58,7 @@ std::string session_text(std::uint16_t number, const SessionTally& s) {
   if (s.join_seen) out += s.scenario + (s.authority ? ", dynamic authority, " : ", avatar-only, ");
   out += "ticks " + count(s.first_tick) + " to " + count(s.last_tick) + ", " + count(s.hashes) +
          (s.hashes == 1 ? " hash told" : " hashes told");
-  if (s.slots > 0) out += ", " + std::to_string(s.slots) + " slots, " + std::to_string(s.wanted) + " at tick 0";
+  if (s.slots > 0) out += ", " + std::to_string(s.slots) + " slots, " + std::to_string(s.wanted) + " waited for";
   return out + "\n";
 }
 
@@ -71,7 +71,7 @@ std::string lives_text(const Tally& t, std::uint16_t session) {
     std::uint64_t updates = 0;
     for (const std::uint64_t n : who.updates) updates += n;
     std::vector<std::string> row{
-        life_name(key),
+        life_name(t, key),
         to_string(who.at),
         shell::fixed_or_dash(f.seconds(), 1),
         count(f.datagrams),
@@ -150,16 +150,18 @@ std::string bandwidth_text(const Tally& t) {
 
 }  // namespace
 
-std::string life_name(const LifeKey& who) {
-  std::string name = std::to_string(who.slot);
-  if (who.incarnation > 0) name += "." + std::to_string(who.incarnation);
-  return name;
+// An incarnation is told only after the first of its slot.
+std::string life_name(const Tally& tally, const LifeKey& who) {
+  const auto first = tally.incarnations().lower_bound({who.session, who.slot, 0});
+  const bool alone = first != tally.incarnations().end() && first->first == who;
+  return std::to_string(who.slot) + (alone ? "" : "." + std::to_string(who.incarnation));
 }
 
 std::string link_name(const Tally& tally, const LinkKey& link) {
   const PeerId to = tally.receiver(link);
-  const std::string who = to == kNoPeer ? to_string(link.to) : life_name({link.from.session, to, link.to_incarnation});
-  return life_name(link.from) + " -> " + who;
+  const std::string who =
+      to == kNoPeer ? to_string(link.to) : life_name(tally, {link.from.session, to, link.to_incarnation});
+  return life_name(tally, link.from) + " -> " + who;
 }
 
 std::vector<std::pair<LinkKey, const LinkTally*>> links_of(const Tally& tally, std::uint16_t session) {

@@ -21,7 +21,7 @@ std::string summary_text(const Source& source, const Tally& tally);
 std::string summary_json(const Source& source, const Tally& tally, const std::vector<std::string>& command);
 
 /// "1", or "1.130" for an incarnation that came later.
-std::string life_name(const LifeKey& who);
+std::string life_name(const Tally& tally, const LifeKey& who);
 /// "0 -> 1".
 std::string link_name(const Tally& tally, const LinkKey& link);
 

@@ -47,9 +47,7 @@ void Traffic::add(const Datagram& d) {
 }
 
 std::pair<std::int64_t, bool> SessionTally::tick0() const {
-  // Some of the last Pongs of before the start are on their way when it comes: they would pass for the other kind.
-  if (founder_us && tick0_us) return {*founder_us + *tick0_us, true};
-  if (session_us && !tick0_us) return {*session_us, true};
+  if (session_us) return {*session_us, true};
   return {least_us, false};
 }
 
@@ -198,10 +196,7 @@ void Tally::session(const Datagram& d, const wire::Opened& o) {
     if (pings_.size() < kMostPings) pings_.try_emplace({d.from, ping->sent}, d.time_ns / 1000);
   } else if (const auto* pong = std::get_if<wire::Pong>(&*message)) {
     const auto asked = pings_.find({d.to, pong->sent});
-    if (asked != pings_.end())
-      keep_greatest(s->states > 0 ? s->session_us : s->founder_us, asked->second - pong->founder);
-  } else if (const auto* start = std::get_if<wire::Start>(&*message)) {
-    s->tick0_us = start->tick0;
+    if (asked != pings_.end()) keep_greatest(s->session_us, asked->second - pong->session);
   }
 }
 

@@ -83,13 +83,11 @@ struct SessionTally {
   std::uint64_t states = 0;
   std::uint32_t first_tick = 0;
   std::uint32_t last_tick = 0;
-  /// Capture time of a Ping less the founder's clock when it answered, the greatest: as if the way from the capture to
-  /// the founder took no time, which on one machine is so.
-  std::optional<std::int64_t> founder_us;
-  std::optional<std::int64_t> session_us;  ///< the same of a running session, whose Pongs tell session time
-  std::optional<std::int64_t> tick0_us;    ///< on the founder's clock
-  std::int64_t least_us = 0;               ///< capture time less tick time, least of all state datagrams
-  std::uint64_t hashes = 0;                ///< told
+  /// Capture time of a Ping less the session time in its Pong, the greatest: as if the way from the capture to whoever
+  /// answers took no time, which on one machine is so.
+  std::optional<std::int64_t> session_us;
+  std::int64_t least_us = 0;  ///< capture time less tick time, least of all state datagrams
+  std::uint64_t hashes = 0;   ///< told
   /// Capture time of tick 0, us, and whether that is known from Pings and Pongs; otherwise the fastest datagram counts
   /// as having taken no time.
   std::pair<std::int64_t, bool> tick0() const;

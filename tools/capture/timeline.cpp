@@ -8,7 +8,7 @@
 namespace padr::capture {
 
 const char* const kEventsHelp =
-    "  join, welcome, refuse, start    before a peer plays; refuse has the reason\n"
+    "  join, welcome, refuse           before a peer is in; refuse has the reason\n"
     "  heard                           the first state datagram of a peer\n"
     "  admission, leave, removal       peers come and go; `other` is the peer that comes or is removed\n"
     "  contact_begin, contact_end      the peer's avatar touches or leaves a body (`entity`; empty: told of the "
@@ -46,11 +46,6 @@ void Timeline::message(Event e, std::uint16_t session, const wire::SessionMessag
   } else if (const auto* refuse = std::get_if<wire::Refuse>(&m)) {
     e.what = "refuse";
     e.detail = refuse->reason;
-  } else if (const auto* start = std::get_if<wire::Start>(&m)) {
-    e.what = "start";
-    const std::size_t end = start->first + start->members.size();
-    e.detail = start->first == 0 ? std::to_string(end) + " peers"
-                                 : "peers " + std::to_string(start->first) + " to " + std::to_string(end - 1);
   } else {
     return;
   }

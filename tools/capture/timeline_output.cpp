@@ -23,8 +23,15 @@ double seconds(const Event& e, const std::vector<Event>& all) {
   return static_cast<double>(e.time_ns - all.front().time_ns) / 1e9;
 }
 
-std::string peer_of(const Event& e) {
-  return e.by.slot == kNoPeer ? "" : to_string(e.by);
+Names names_of(const std::vector<Event>& events) {
+  Names all;
+  for (const Event& e : events)
+    if (e.by.slot != kNoPeer && e.tick >= 0) all.add(e.by);
+  return all;
+}
+
+std::string peer_of(const Event& e, const Names& names) {
+  return e.by.slot == kNoPeer ? "" : names(e.by);
 }
 
 /// Somebody's authority over a body.
@@ -49,7 +56,10 @@ std::map<int, std::vector<Hold>> holds_of(const std::vector<Event>& events, doub
 class Picture {
  public:
   Picture(std::uint16_t session, const std::vector<Event>& events)
-      : events_(events), end_(std::max(seconds(events.back(), events), 1e-3)), holds_(holds_of(events, end_)) {
+      : events_(events),
+        end_(std::max(seconds(events.back(), events), 1e-3)),
+        holds_(holds_of(events, end_)),
+        names_(names_of(events)) {
     for (const Event& e : events)
       if (e.by.slot != kNoPeer && e.tick >= 0) lanes_.emplace(e.by, 0.0);
     double y = kTop;
@@ -72,7 +82,7 @@ class Picture {
         {.size = 12, .colour = kGrey});
     axis(svg);
     for (const auto& [who, y] : lanes_) {
-      svg.text(kLeft - 8, y + 20, "peer " + to_string(who), {.size = 12, .anchor = plot::Anchor::kEnd});
+      svg.text(kLeft - 8, y + 20, "peer " + names_(who), {.size = 12, .anchor = plot::Anchor::kEnd});
       svg.line({{kLeft, y + 16}, {kWidth - kRight, y + 16}}, {.stroke = colour(who.slot), .width = 1});
     }
     for (const Event& e : events_) mark(svg, e);
@@ -133,6 +143,7 @@ class Picture {
   const std::vector<Event>& events_;
   double end_;
   std::map<int, std::vector<Hold>> holds_;
+  Names names_;
   std::map<Incarnation, double> lanes_;  ///< upper edge
   double bodies_top_ = 0;
   double height_ = 0;
@@ -144,11 +155,12 @@ class Picture {
 std::string timeline_csv(const std::vector<Event>& events) {
   std::string out = "time_s,tick,peer,event,entity,other,detail\n";
   const auto number = [](int v) { return v < 0 ? std::string() : std::to_string(v); };
+  const Names names = names_of(events);
   for (const Event& e : events) {
     std::string detail = e.detail;
     std::replace(detail.begin(), detail.end(), '"', '\'');
     if (detail.find(',') != std::string::npos) detail = '"' + detail + '"';
-    out += shell::fixed_or_dash(seconds(e, events), 6) + "," + number(e.tick) + "," + peer_of(e) + "," +
+    out += shell::fixed_or_dash(seconds(e, events), 6) + "," + number(e.tick) + "," + peer_of(e, names) + "," +
            std::string(e.what) + "," + number(e.entity) + "," + number(e.other) + "," + detail + "\n";
   }
   return out;

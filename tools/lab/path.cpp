@@ -4,9 +4,10 @@
 #include <cstdio>
 
 #include "common/model/user_error.h"
-#include "common/scenarios/path_survey.h"
 #include "shell/command_line.h"
 #include "shell/files.h"
+#include "shell/path_csv.h"
+#include "shell/path_survey.h"
 #include "shell/run_main.h"
 
 namespace padr::lab {
@@ -73,12 +74,12 @@ void PathCommand::declare(CLI::App& app) {
 scenarios::Path PathCommand::converted(const Scene& scene) const {
   const bool pixels = units_.starts_with("px");
   const bool milliseconds = units_.ends_with("ms");
-  scenarios::PathUnits units;
+  shell::PathUnits units;
   if (milliseconds) units = {1000, "ms", "m", false};
   if (pixels) units.length = "px";
   units.merge = true;  // pointers are often logged several times within a millisecond
-  scenarios::Path path = scenarios::parse_path_csv(shell::read_file("--in", in_), "--in: " + in_, units);
-  if (pixels) path = scenarios::fit_path(path, "--in: " + in_, scene, true);
+  scenarios::Path path = shell::parse_path_csv(shell::read_file("--in", in_), "--in: " + in_, units);
+  if (pixels) path = shell::fit_path(path, "--in: " + in_, scene, true);
   std::vector<scenarios::PathPoint> points = path.points();
   const double begin = points.front().seconds;
   for (scenarios::PathPoint& p : points) p.seconds = std::round((p.seconds - begin) * stretch_ * 1e6) / 1e6;
@@ -105,7 +106,7 @@ int PathCommand::run(const std::vector<std::string>& command) const {
   const scenarios::Path path = in_.empty() ? made(scenario.scene) : converted(scenario.scene);
   std::vector<std::string> recipe = command;
   recipe.front() = "padr-lab";  // wherever that is
-  const std::string text = "# " + shell::shell_line(recipe) + "\n" + scenarios::write_path_csv(path);
+  const std::string text = "# " + shell::shell_line(recipe) + "\n" + shell::write_path_csv(path);
   if (out_ == "-") {
     std::fwrite(text.data(), 1, text.size(), stdout);
   } else {
@@ -113,7 +114,7 @@ int PathCommand::run(const std::vector<std::string>& command) const {
     file.write(text);
     file.close();
   }
-  const scenarios::PathNotes notes = scenarios::notes_on_path(path, out_, scenario.scene);
+  const shell::PathNotes notes = shell::notes_on_path(path, out_, scenario.scene);
   std::fprintf(stderr, "padr-lab: %s\n", notes.summary.c_str());
   for (const std::string& w : notes.warnings) std::fprintf(stderr, "padr-lab: warning: %s\n", w.c_str());
   return shell::kExitFine;

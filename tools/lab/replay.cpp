@@ -40,6 +40,7 @@ node::ReplicaConfig config_of(const trace::Header& h) {
   node::ReplicaConfig c;
   c.self = h.peer;
   c.peers = h.peers;
+  c.wanted = h.wanted;
   c.slots = h.slots;
   c.incarnation = h.incarnation;
   c.session = h.session;
@@ -96,7 +97,6 @@ class Replay::Again {
   void take(const trace::Freeze& f) { replica_->freeze(f.peer, f.frozen); }
   void take(const trace::GiveUp& g) { replica_->give_up(g.peer, true); }
   void take(const trace::Excuse&) { replica_->excuse_silence(); }
-  void take(const trace::Locate& l) { replica_->locate(l.peer, l.at); }
   void take(const trace::Retune& r) { replica_->retune(r.technique); }
   void take(const trace::Push& p) { replica_->push(p.body, p.velocity); }
   void take(const trace::Remark&) {}

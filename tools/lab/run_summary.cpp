@@ -1,26 +1,20 @@
 #include "tools/lab/run_summary.h"
 
+#include <fmt/printf.h>
+
 #include <algorithm>
-#include <array>
-#include <cstdio>
 
 #include "shell/command_line.h"
 #include "shell/json.h"
 #include "shell/measures_json.h"
 #include "shell/revision.h"
+#include "shell/technique_text.h"
 #include "tools/lab/rates.h"
 
 namespace padr::lab {
 namespace {
 
 using shell::Json;
-
-template <typename... Args>
-std::string format(const char* pattern, Args... args) {
-  std::array<char, 400> text{};
-  const int n = std::snprintf(text.data(), text.size(), pattern, args...);
-  return {text.data(), static_cast<std::size_t>(n)};
-}
 
 void put(Json& j, const trace::Inconsistency& i) {
   j.field("mean_m", i.mean_m).field("avatar_mean_m", i.avatar_mean_m).field("body_mean_m", i.body_mean_m);
@@ -53,10 +47,11 @@ std::string authority_line(const trace::FlipMeter& m) {
   const auto most = std::max_element(m.by_body().begin(), m.by_body().end(), [](const auto& a, const auto& b) {
     return a.second.takeovers < b.second.takeovers;
   });
-  return format("authority: %llu takeovers, %llu flips (within a second of the last); most often body %d: %llu, %llu\n",
-                static_cast<unsigned long long>(m.all().takeovers), static_cast<unsigned long long>(m.all().flips),
-                int{most->first}, static_cast<unsigned long long>(most->second.takeovers),
-                static_cast<unsigned long long>(most->second.flips));
+  return fmt::sprintf(
+      "authority: %llu takeovers, %llu flips (within a second of the last); most often body %d: %llu, %llu\n",
+      static_cast<unsigned long long>(m.all().takeovers), static_cast<unsigned long long>(m.all().flips),
+      int{most->first}, static_cast<unsigned long long>(most->second.takeovers),
+      static_cast<unsigned long long>(most->second.flips));
 }
 
 /// Whether views, or the one that counts, show what the players did, and what each avatar's model error cost.
@@ -65,21 +60,22 @@ std::string fidelity_table(const trace::FidelityMeter& m, int peers, std::option
       "\n       fidelity error (m)                                         physics-consistency-cost (m)\n";
   out += "peer    mean    own   others  nobody    p95   peak  deeds          mean   peak  bodies  most\n";
   const auto left = [&out](const char* name, const trace::Fidelity& f) {
-    out += format("%-6s %5.3f  %5.3f    %5.3f   %5.3f  %5.2f  %5.2f", name, f.mean_m, f.own_mean_m, f.others_mean_m,
-                  f.nobody_mean_m, f.p95_m, f.peak_m);
+    out += fmt::sprintf("%-6s %5.3f  %5.3f    %5.3f   %5.3f  %5.2f  %5.2f", name, f.mean_m, f.own_mean_m,
+                        f.others_mean_m, f.nobody_mean_m, f.p95_m, f.peak_m);
   };
   for (PeerId p = 0; p < peers; ++p) {
     if (watched && p != *watched) continue;
     left(std::to_string(p).c_str(), m.result(p));
     const trace::Pcc c = m.pcc().result(p);
-    out += format("  %5llu         %5.3f  %5.2f   %5.2f  %4d\n", static_cast<unsigned long long>(m.deeds(p)), c.mean_m,
-                  c.peak_m, c.bodies_mean, c.bodies_peak);
+    out += fmt::sprintf("  %5llu         %5.3f  %5.2f   %5.2f  %4d\n", static_cast<unsigned long long>(m.deeds(p)),
+                        c.mean_m, c.peak_m, c.bodies_mean, c.bodies_peak);
   }
   if (!watched) {
     left("all", m.overall());
     out += "\n";
   }
-  return out + format("bodies that several players had to do with are left out of fidelity: %.1f %% of the time\n",
+  return out +
+         fmt::sprintf("bodies that several players had to do with are left out of fidelity: %.1f %% of the time\n",
                       100 * m.left_out());
 }
 
@@ -90,8 +86,9 @@ trace::Inconsistency overall(const Simulation& s, const RunFacts& f) {
 
 /// What viewers see of corrections.
 std::string shown_line(const trace::Inconsistency& i, const Rates& r) {
-  return format("shown: inconsistency %.3f m, snaps (jumps by over 3 cm) %.2f/s a peer of %.3f m, the largest %.2f m\n",
-                i.shown_mean_m, r.snaps, r.snaps > 0 ? r.snap_m / r.snaps : 0.0, r.snap_peak_m);
+  return fmt::sprintf(
+      "shown: inconsistency %.3f m, snaps (jumps by over 3 cm) %.2f/s a peer of %.3f m, the largest %.2f m\n",
+      i.shown_mean_m, r.snaps, r.snaps > 0 ? r.snap_m / r.snaps : 0.0, r.snap_peak_m);
 }
 
 }  // namespace
@@ -101,7 +98,7 @@ std::string json_summary(const Simulation& s, const RunFacts& f) {
   const double virtual_seconds = static_cast<double>(s.now()) / kTicksPerSecond;
   j.begin_object().field("program", "padr-lab").field("revision", shell::revision());
   j.field("command", shell::shell_line(f.command)).field("seed", f.seed).field("netem_seed", f.netem_seed);
-  j.field("scenario", f.scenario).field("peers", s.peers()).field("technique", describe(f.technique));
+  j.field("scenario", f.scenario).field("peers", s.peers()).field("technique", shell::describe(f.technique));
   j.field("netem", f.netem).field("seconds", virtual_seconds);
   put(j, overall(s, f));
   if (f.watched) j.field("watched_peer", int{*f.watched});
@@ -111,7 +108,7 @@ std::string json_summary(const Simulation& s, const RunFacts& f) {
   }
   put(j, rates_of(s, 0, s.peers()));
   j.field("confirmed_ticks", s.confirmed_ticks()).field("confirmed_mismatches", s.confirmed_mismatches());
-  j.field("confirmed_hash", format("%016llx", static_cast<unsigned long long>(s.last_confirmed_hash())));
+  j.field("confirmed_hash", fmt::sprintf("%016llx", static_cast<unsigned long long>(s.last_confirmed_hash())));
   put(j, s.flips());
   if (s.first_mismatch() >= 0) j.field("first_mismatch_tick", s.first_mismatch());
   j.field("realtime_factor", virtual_seconds / f.wall_seconds);
@@ -133,16 +130,17 @@ std::string json_summary(const Simulation& s, const RunFacts& f) {
 }
 
 std::string table_summary(const Simulation& s, const RunFacts& f) {
-  std::string out =
-      format("%s, %d peers, %.0f s, seed %llu, netem \"%s\"\n", f.scenario.c_str(), s.peers(),
-             static_cast<double>(s.now()) / kTicksPerSecond, static_cast<unsigned long long>(f.seed), f.netem.c_str());
-  out += describe(f.technique) + "\n\n";
+  std::string out = fmt::sprintf("%s, %d peers, %.0f s, seed %llu, netem \"%s\"\n", f.scenario.c_str(), s.peers(),
+                                 static_cast<double>(s.now()) / kTicksPerSecond,
+                                 static_cast<unsigned long long>(f.seed), f.netem.c_str());
+  out += shell::describe(f.technique) + "\n\n";
   out += "       combined inconsistency (m)                    per second      wire   replayed    ahead\n";
   out += "peer    mean  avatars  bodies    p95    p99   peak   updates  dgrams  kbit/s  steps/tick  share\n";
   const auto row = [&out](const char* name, const trace::Inconsistency& i, const Rates& r) {
-    out += format("%-6s %5.3f    %5.3f   %5.3f  %5.2f  %5.2f  %5.2f    %6.2f  %6.1f  %6.1f      %6.2f  %3.0f %%\n",
-                  name, i.mean_m, i.avatar_mean_m, i.body_mean_m, i.p95_m, i.p99_m, i.peak_m, r.updates, r.datagrams,
-                  r.kbps, r.replay_steps_per_tick, 100 * r.lookahead_share());
+    out +=
+        fmt::sprintf("%-6s %5.3f    %5.3f   %5.3f  %5.2f  %5.2f  %5.2f    %6.2f  %6.1f  %6.1f      %6.2f  %3.0f %%\n",
+                     name, i.mean_m, i.avatar_mean_m, i.body_mean_m, i.p95_m, i.p99_m, i.peak_m, r.updates, r.datagrams,
+                     r.kbps, r.replay_steps_per_tick, 100 * r.lookahead_share());
   };
   if (f.watched) {
     row(std::to_string(*f.watched).c_str(), overall(s, f), rates_of(s, 0, s.peers()));
@@ -151,15 +149,15 @@ std::string table_summary(const Simulation& s, const RunFacts& f) {
     row("all", overall(s, f), rates_of(s, 0, s.peers()));
   }
   if (s.fidelity() != nullptr) out += fidelity_table(*s.fidelity(), s.peers(), f.watched);
-  out += format("\nconfirmed worlds: %llu ticks compared, %llu differ%s\n",
-                static_cast<unsigned long long>(s.confirmed_ticks()),
-                static_cast<unsigned long long>(s.confirmed_mismatches()),
-                s.confirmed_mismatches() == 0 ? "" : " - THEY MUST NOT");
+  out += fmt::sprintf("\nconfirmed worlds: %llu ticks compared, %llu differ%s\n",
+                      static_cast<unsigned long long>(s.confirmed_ticks()),
+                      static_cast<unsigned long long>(s.confirmed_mismatches()),
+                      s.confirmed_mismatches() == 0 ? "" : " - THEY MUST NOT");
   if (f.watched) out += "inconsistency: what this peer sees while there is input; updates and bytes: of all peers\n";
   out += shown_line(overall(s, f), rates_of(s, 0, s.peers()));
   out += authority_line(s.flips());
-  out += format("below %.0f mm inconsistency is noise; %.0f times real time\n", trace::kNoiseMetres * 1000,
-                static_cast<double>(s.now()) / kTicksPerSecond / f.wall_seconds);
+  out += fmt::sprintf("below %.0f mm inconsistency is noise; %.0f times real time\n", trace::kNoiseMetres * 1000,
+                      static_cast<double>(s.now()) / kTicksPerSecond / f.wall_seconds);
   return out;
 }
 
@@ -169,13 +167,14 @@ std::string csv_series(const Simulation& s) {
   out += deeds != nullptr ? ",fidelity_m,pcc_m,pcc_bodies\n" : "\n";
   for (PeerId p = 0; p < s.peers(); ++p)
     for (const trace::InconsistencyPoint& i : s.meter().series(p)) {
-      out += format("%d,%d,%.6g,%.6g,%.6g,%.6g", i.tick, int{p}, static_cast<double>(i.avatars_m),
-                    static_cast<double>(i.bodies_m), static_cast<double>(i.combined()), static_cast<double>(i.shown_m));
+      out += fmt::sprintf("%d,%d,%.6g,%.6g,%.6g,%.6g", i.tick, int{p}, static_cast<double>(i.avatars_m),
+                          static_cast<double>(i.bodies_m), static_cast<double>(i.combined()),
+                          static_cast<double>(i.shown_m));
       if (deeds != nullptr) {
         const auto tick = static_cast<std::size_t>(i.tick);
         const trace::PccPoint& cost = deeds->pcc().series(p)[tick];
-        out += format(",%.6g,%.6g,%d", static_cast<double>(deeds->series(p)[tick].error_m()),
-                      static_cast<double>(cost.cost_m), int{cost.bodies});
+        out += fmt::sprintf(",%.6g,%.6g,%d", static_cast<double>(deeds->series(p)[tick].error_m()),
+                            static_cast<double>(cost.cost_m), int{cost.bodies});
       }
       out += "\n";
     }

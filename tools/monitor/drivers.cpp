@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "shell/path_csv.h"
+
 namespace padr::monitor {
 
 ViewerId Drivers::take(PeerId slot, ViewerId viewer, Micros now) {
@@ -58,7 +60,7 @@ void DrivenPaths::take(PeerId slot, const Frame& frame) {
 std::string DrivenPaths::csv(PeerId slot) const {
   const auto found = paths_.find(slot);
   if (found == paths_.end() || found->second.points.size() < 2) return "";
-  return scenarios::write_path_csv(scenarios::Path(found->second.points));
+  return shell::write_path_csv(scenarios::Path(found->second.points));
 }
 
 }  // namespace padr::monitor

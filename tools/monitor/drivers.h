@@ -8,6 +8,7 @@
 
 #include "common/monitor/telemetry.h"
 #include "common/scenarios/path.h"
+#include "shell/path_csv.h"
 #include "tools/monitor/site.h"
 
 namespace padr::monitor {
@@ -47,7 +48,7 @@ class DrivenPaths {
   /// A new frame of who sits in the slot.
   void take(PeerId slot, const Frame& frame);
   void clear() { paths_.clear(); }
-  /// What scenarios::parse_path_csv reads; empty if there are no two points. Times from 0, pauses in driving left out.
+  /// What shell::parse_path_csv reads; empty if there are no two points. Times from 0, pauses in driving left out.
   std::string csv(PeerId slot) const;
 
   static constexpr std::size_t kPoints = 100'000;  ///< kept of one avatar, from the first: an hour and a half at 20 Hz

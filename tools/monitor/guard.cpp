@@ -1,6 +1,8 @@
 #include "tools/monitor/guard.h"
 
 #include <algorithm>
+#include <boost/algorithm/string/predicate.hpp>
+#include <boost/asio/ip/address.hpp>
 
 namespace padr::monitor {
 namespace {
@@ -9,33 +11,17 @@ bool is_digit(char c) {
   return c >= '0' && c <= '9';
 }
 
-bool alike(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
-}
-
 bool is_port(std::string_view text) {
   return !text.empty() && text.size() <= 5 && std::all_of(text.begin(), text.end(), is_digit);
 }
 
-/// Four numbers with dots between them. Names cannot look like that: top-level domains are not numeric.
-bool is_ipv4(std::string_view text) {
-  int numbers = 0;
-  while (true) {
-    const std::string_view part = text.substr(0, text.find('.'));
-    if (part.empty() || part.size() > 3 || !std::all_of(part.begin(), part.end(), is_digit)) return false;
-    ++numbers;
-    if (part.size() == text.size()) return numbers == 4;
-    text.remove_prefix(part.size() + 1);
-  }
-}
-
-bool is_bracketed_ipv6(std::string_view text) {
-  if (text.size() < 4 || text.front() != '[' || text.back() != ']') return false;
-  text = text.substr(1, text.size() - 2);
-  return std::all_of(text.begin(), text.end(), [](char c) {
-    return is_digit(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F') || c == ':' || c == '.';
-  });
+bool is_address(std::string_view host) {
+  boost::system::error_code error;
+  if (host.starts_with('[') && host.ends_with(']'))
+    boost::asio::ip::make_address_v6(host.substr(1, host.size() - 2), error);
+  else
+    boost::asio::ip::make_address_v4(host, error);
+  return !error;
 }
 
 }  // namespace
@@ -46,13 +32,14 @@ bool host_allowed(std::string_view host, std::span<const std::string> names) {
     if (!is_port(host.substr(colon + 1))) return false;
     name = host.substr(0, colon);
   }
-  if (is_ipv4(name) || is_bracketed_ipv6(name) || alike(name, "localhost")) return true;
-  return std::any_of(names.begin(), names.end(), [&](const std::string& n) { return alike(name, n); });
+  if (is_address(name) || boost::algorithm::iequals(name, "localhost")) return true;
+  return std::any_of(names.begin(), names.end(),
+                     [&](const std::string& n) { return boost::algorithm::iequals(name, n); });
 }
 
 bool same_origin(std::string_view origin, std::string_view host) {
   for (const std::string_view scheme : {"http://", "https://"})
-    if (origin.starts_with(scheme)) return alike(origin.substr(scheme.size()), host);
+    if (origin.starts_with(scheme)) return boost::algorithm::iequals(origin.substr(scheme.size()), host);
   return false;
 }
 

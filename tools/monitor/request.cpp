@@ -8,7 +8,7 @@
 #include "common/model/user_error.h"
 #include "common/monitor/codec.h"
 #include "shell/netem_flags.h"
-#include "shell/technique_flags.h"
+#include "shell/technique_text.h"
 #include "shell/text.h"
 
 namespace padr::monitor {

@@ -6,10 +6,11 @@
 
 #include "common/model/user_error.h"
 #include "common/scenarios/embedded.h"
+#include "shell/input_text.h"
 #include "shell/netem_flags.h"
 #include "shell/revision.h"
 #include "shell/scenario_flags.h"
-#include "shell/technique_flags.h"
+#include "shell/technique_text.h"
 #include "tools/lab/simulation.h"
 
 namespace padr::monitor {
@@ -125,7 +126,7 @@ Film film_sample(const Sample& s) {
   std::vector<std::unique_ptr<scenarios::InputSource>> inputs;
   std::vector<NamedTrace> traces(static_cast<std::size_t>(s.peers));
   for (int p = 0; p < s.peers; ++p) {
-    inputs.push_back(scenarios::make_input(input_of(s, p), {scenario.scene, p, kSeed, built_in_path}));
+    inputs.push_back(shell::make_input(input_of(s, p), {scenario.scene, p, kSeed, built_in_path}));
     config.inputs.push_back(inputs.back().get());
     NamedTrace& trace = traces[static_cast<std::size_t>(p)];
     trace.name = "peer " + std::to_string(p) + " of sample " + std::string(s.name);

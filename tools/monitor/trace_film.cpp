@@ -9,6 +9,7 @@
 #include "common/model/user_error.h"
 #include "common/monitor/sampler.h"
 #include "common/trace/fidelity.h"
+#include "shell/technique_text.h"
 #include "shell/text.h"
 #include "tools/lab/replay.h"
 
@@ -48,7 +49,7 @@ class Actor {
     while (const auto event = scan.next()) {
       const auto* step = std::get_if<trace::Step>(&*event);
       if (step == nullptr) continue;
-      if (first_ < 0) first_ = step->tick;
+      if (first_ < 0 && !step->outside) first_ = step->tick;
       last_ = step->tick;
     }
   }
@@ -126,7 +127,7 @@ class Actor {
     hello.scenario = h.scenario;
     hello.scenario_seed = h.scenario_seed;
     hello.scene_hash = h.scene_hash;
-    hello.technique = describe(technique);
+    hello.technique = shell::describe(technique);
     hello.netem = h.netem;
     hello.input = h.input;
     hello.rate = sampler_->rate();
@@ -135,7 +136,7 @@ class Actor {
 
   void retuned(const Technique& technique, ObservedSession& session) {
     say_hello(technique, session);
-    sampler_->say({0, at_, EventKind::kKnob, kNoEntity, origin_.slot, 0, describe(technique)});
+    sampler_->say({0, at_, EventKind::kKnob, kNoEntity, origin_.slot, 0, shell::describe(technique)});
   }
 
   void remarked(const trace::Remark& r) {
@@ -167,7 +168,7 @@ class Actor {
     sampler_->frame(replica, step.target, frame);
     tell(session, std::move(frame));
     Status status = Sampler::status(replica);
-    status.steps = static_cast<std::uint64_t>(at_ - first_);
+    status.steps = static_cast<std::uint64_t>(std::max(0, at_ - first_));
     status.late_ticks = late_;
     status.worst_late_us = worst_;
     tell(session, std::move(status));
@@ -177,7 +178,7 @@ class Actor {
   std::string bytes_;
   trace::TraceReader reader_;
   Origin origin_;
-  Tick first_ = -1;
+  Tick first_ = -1;  ///< played
   Tick last_ = -1;
   std::unique_ptr<Sampler> sampler_;
   std::vector<Agreed> agreed_;  ///< confirmed since the last step

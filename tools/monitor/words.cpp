@@ -1,16 +1,17 @@
 #include "tools/monitor/words.h"
 #include "tools/monitor/samples.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "common/model/technique.h"
 #include "shell/json.h"
 #include "shell/netem_flags.h"
 #include "shell/revision.h"
-#include "shell/technique_flags.h"
+#include "shell/technique_text.h"
 #include "shell/text.h"
 
 namespace padr::monitor {
@@ -252,10 +253,10 @@ std::string hello_text(const HelloWords& h) {
 
 std::string scene_text(const ObservedSession& s) {
   const Scene& scene = s.scene();
-  std::array<char, 8> number{};
-  std::snprintf(number.data(), number.size(), "%04x", unsigned{s.key().number});
   Json j = message("scene");
-  j.field("session", number.data()).field("name", valid_utf8(scene.name)).field("title", valid_utf8(scene.title));
+  j.field("session", fmt::format("{:04x}", s.key().number))
+      .field("name", valid_utf8(scene.name))
+      .field("title", valid_utf8(scene.title));
   j.field("scenario", s.scenario())
       .field("seed", s.seed())
       .field("slots", s.slots())
@@ -287,10 +288,8 @@ std::string scene_text(const ObservedSession& s) {
 }
 
 std::string peers_text(const ObservedSession& s, int other_sessions, const Driven& driven, Micros now) {
-  std::array<char, 8> number{};
-  std::snprintf(number.data(), number.size(), "%04x", unsigned{s.key().number});
   Json j = message("peers");
-  j.field("session", number.data()).field("tick", s.tick()).field("time", seconds(s.tick()));
+  j.field("session", fmt::format("{:04x}", s.key().number)).field("tick", s.tick()).field("time", seconds(s.tick()));
   j.field("other_sessions", other_sessions);
   const Agreement& a = s.agreement();
   j.key("agreement").begin_object().field("state", word(a.all())).field("compared", a.compared());

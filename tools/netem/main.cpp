@@ -19,6 +19,7 @@
 
 #include "common/model/rng.h"
 #include "common/model/user_error.h"
+#include "shell/netem_flags.h"
 #include "tools/netem/options.h"
 #include "tools/netem/relay.h"
 
@@ -27,11 +28,6 @@ namespace {
 
 namespace asio = boost::asio;
 using boost::system::error_code;
-
-std::string text_of(const link::NetemSpec& spec) {
-  const std::string text = to_string(spec);
-  return text.empty() ? "unimpaired" : "\"" + text + "\"";
-}
 
 /// Calls itself every `interval` on absolute deadlines, so the period does not drift.
 class Periodic {
@@ -68,8 +64,8 @@ int run(const Options& options) {
   const Relay::Limits limits{options.max_clients, in_micros(options.client_idle)};
   for (const LinkOptions& l : options.links) {
     relays.push_back(std::make_unique<Relay>(io, clock, l, derive_seed(options.seed, relays.size()), limits));
-    spdlog::info("{}: there {}, back {}, seed {}", relays.back()->name(), text_of(l.to_target), text_of(l.to_client),
-                 options.seed);
+    spdlog::info("{}: there {}, back {}, seed {}", relays.back()->name(), shell::describe(l.to_target),
+                 shell::describe(l.to_client), options.seed);
   }
   for (const auto& relay : relays) relay->start();
 

@@ -7,6 +7,7 @@
 
 #include "common/model/user_error.h"
 #include "shell/command_line.h"
+#include "shell/netem_flags.h"
 
 namespace padr::netem {
 
@@ -53,17 +54,6 @@ std::pair<std::string, std::string> split_at_equals(const std::string& text, std
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
-link::NetemSpec parse_spec(const std::string& text, const std::string& flag, std::vector<std::string>* warnings) {
-  std::vector<std::string> found;
-  try {
-    auto spec = link::parse_netem(text, &found);
-    for (const auto& line : found) warnings->push_back(flag + ": " + line);
-    return spec;
-  } catch (const UserError& e) {
-    throw UserError(flag + ": " + e.what());
-  }
-}
-
 void override_specs(const std::vector<std::string>& overrides, const std::string& flag,
                     link::NetemSpec LinkOptions::*spec, Options& options) {
   for (const std::string& text : overrides) {
@@ -71,7 +61,7 @@ void override_specs(const std::vector<std::string>& overrides, const std::string
     bool found = false;
     for (LinkOptions& l : options.links) {
       if (l.listen.text != listen) continue;
-      l.*spec = parse_spec(words, flag + " " + listen, &options.warnings);
+      l.*spec = shell::parse_netem_flag(flag + " " + listen, words, &options.warnings);
       found = true;
     }
     if (!found) throw UserError(flag + ": no --link listens on \"" + listen + "\"; write LISTEN as in --link");
@@ -126,8 +116,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   }
 
   if (raw.links.empty()) throw UserError("--link: at least one LISTEN=TARGET is needed (see --help)");
-  const link::NetemSpec to_target = parse_spec(raw.netem, "--netem", &options.warnings);
-  const link::NetemSpec to_client = parse_spec(raw.netem_back, "--netem-back", &options.warnings);
+  const link::NetemSpec to_target = shell::parse_netem_flag("--netem", raw.netem, &options.warnings);
+  const link::NetemSpec to_client = shell::parse_netem_flag("--netem-back", raw.netem_back, &options.warnings);
   for (const std::string& text : raw.links) {
     const auto [listen, target] = split_at_equals(text, "--link", "LISTEN=TARGET");
     options.links.push_back({shell::parse_host_port("--link LISTEN", listen, 0),

@@ -121,6 +121,7 @@ class Analysis {
     Peer& p = c.peer;
     p.last_tick = s.tick;
     c.target = s.target;
+    if (s.tick < c.about.came) return;
     if (s.lateness > kLate) ++p.late_ticks;
     p.worst_lateness = std::max(p.worst_lateness, s.lateness);
     p.replayed_steps = s.replayed_steps;
@@ -130,7 +131,7 @@ class Analysis {
       p.left_at = s.tick;
       meter_.gone(c.incarnation, s.tick);
     }
-    if (p.left_at >= 0 || s.tick < c.about.came) return;
+    if (p.left_at >= 0) return;
     c.threshold_sum += static_cast<double>(s.threshold);
     trace::View v;
     for (const BodyState& state : c.reader.live().states) v.live.push_back(state.position);
@@ -149,7 +150,7 @@ class Analysis {
     // What is for the incarnation before, or comes from it, has numbers of its own; it may still arrive when the next
     // one has begun.
     const sync::StatePacket& p = packet->second;
-    if (p.to_incarnation != c.reader.header().incarnation) return;
+    if (p.to_incarnation != c.reader.header().incarnation || p.mark_tick < c.about.came) return;
     const auto from = life_at(incarnations_, packet->first, p.incarnation, p.mark_tick);
     if (from) links_[{*from, c.incarnation}].received(p.seq, p.mark_tick, r.at);
   }
@@ -160,8 +161,9 @@ class Analysis {
       throw UserError(c.reader.label() + ": the datagram sent at tick " + std::to_string(s.tick) + " to peer " +
                       std::to_string(s.to) + " makes no sense");
     const auto to = life_at(incarnations_, s.to, packet->second.to_incarnation, s.tick);
-    if (to) links_[{c.incarnation, *to}].sent(packet->second.seq, s.tick);
-    if (c.peer.left_at < 0 || s.tick <= c.peer.left_at)
+    if (to && s.tick >= std::max(c.about.came, incarnations_[*to].came))
+      links_[{c.incarnation, *to}].sent(packet->second.seq, s.tick);
+    if (s.tick >= c.about.came && (c.peer.left_at < 0 || s.tick <= c.peer.left_at))
       c.traffic.sent(s.to, s.tick, packet->second, s.datagram.size() + node::kIpUdpBytes);
   }
 
@@ -293,11 +295,10 @@ Report analyse(const std::vector<TraceBytes>& traces) {
     ordered.push_back(&traces[i]);
     incarnations.push_back(std::move(surveys[i]));
   }
-  if (incarnations.empty()) throw UserError(traces[0].label + ": its peer was never a part of the session");
+  if (incarnations.empty()) throw UserError(traces[0].label + ": its peer never played");
   give_names(incarnations);
   Report r = Analysis(ordered, std::move(incarnations)).run();
-  for (const std::string& label : outside)
-    r.notes.push_back(label + ": its peer never became a part of the session, and is left out");
+  for (const std::string& label : outside) r.notes.push_back(label + ": its peer never played, and is left out");
   return r;
 }
 

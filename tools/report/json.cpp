@@ -5,6 +5,7 @@
 
 #include "common/sync/validation.h"
 #include "shell/revision.h"
+#include "shell/technique_text.h"
 #include "shell/text.h"
 #include "tools/report/outputs.h"
 #include "tools/report/rates.h"
@@ -78,7 +79,7 @@ void put_peer(Json& j, const Report& r, const Peer& p) {
   j.field("trace", shell::valid_utf8(p.label)).field("clean_end", p.clean).field("superseded", p.superseded);
   j.field("came_tick", p.came).field("went_tick", p.went());
   j.field("technique", shell::valid_utf8(p.header.technique.name))
-      .field("knobs", shell::valid_utf8(describe(p.header.technique)));
+      .field("knobs", shell::valid_utf8(shell::describe(p.header.technique)));
   j.field("ticks", p.last_tick)
       .field("left_at_tick", p.left_at)
       .field("seconds", p.seconds())

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "common/sync/fold.h"
+
 namespace padr::report {
 
 std::uint64_t Traffic::all_updates() const {
@@ -28,9 +30,15 @@ Traffic& Traffic::operator+=(const Traffic& o) {
 
 int Report::peers_at_start() const {
   int n = 0;
-  for (const Peer& p : peers)
-    if (p.header.incarnation == 0) n = p.header.peers;
+  for (const Peer& p : peers) n = std::max({n, p.header.incarnation == 0 ? p.header.peers : 0, p.header.wanted});
   return n;
+}
+
+// Whoever heard late of the begin of play may have begun some ticks after the others.
+bool Report::came_later(const Peer& peer) const {
+  const auto first =
+      std::min_element(peers.begin(), peers.end(), [](const Peer& a, const Peer& b) { return a.came < b.came; });
+  return peer.header.incarnation > 0 && peer.came > first->came + sync::kStartLead;
 }
 
 double Link::loss_percent() const {

@@ -136,8 +136,10 @@ struct Report {
   bool fidelity_known = false;  ///< whether fidelity and physics-consistency-cost could be measured
   double left_out = 0;          ///< of fidelity, as trace::FidelityMeter says it
   std::vector<PeerId> heard;    ///< slots from which datagrams were received
-  /// Of the session at tick 0; 0 if there is no trace of any of them.
+  /// When play began; 0 if that is not told.
   int peers_at_start() const;
+  /// Not one of those.
+  bool came_later(const Peer& peer) const;
   trace::HandOvers hand_overs;                              ///< of all bodies
   std::map<EntityId, trace::HandOvers> hand_overs_by_body;  ///< of those that changed hands
   std::vector<std::string> notes;                           ///< what a reader should know before believing the figures

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "shell/technique_text.h"
+
 namespace padr::report {
 namespace {
 
@@ -67,7 +69,7 @@ void summarize(Report& r) {
   std::map<std::string, std::vector<std::size_t>> by_technique;
   std::vector<std::size_t> all;
   for (std::size_t i = 0; i < r.peers.size(); ++i) {
-    by_technique[describe(r.peers[i].header.technique)].push_back(i);
+    by_technique[shell::describe(r.peers[i].header.technique)].push_back(i);
     all.push_back(i);
   }
   for (const auto& [technique, members] : by_technique) r.groups.push_back(group_of(r, technique, members));

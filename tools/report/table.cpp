@@ -61,20 +61,23 @@ void rows(Table& table, const Report& r, Row row) {
   if (r.peers.size() > 1) table.row(row("overall", r.overall));
 }
 
-/// s
-double end_of(const Report& r) {
+/// s, from the begin of play
+double length_of(const Report& r) {
+  Tick begin = r.peers.front().came;
   Tick end = 0;
-  for (const Peer& p : r.peers) end = std::max(end, p.went());
-  return static_cast<double>(end) / kTicksPerSecond;
+  for (const Peer& p : r.peers) {
+    begin = std::min(begin, p.came);
+    end = std::max(end, p.went());
+  }
+  return static_cast<double>(end - begin) / kTicksPerSecond;
 }
 
 bool comings_and_goings(const Report& r) {
-  return std::any_of(r.peers.begin(), r.peers.end(), [](const Peer& p) { return p.header.incarnation > 0; });
+  return std::any_of(r.peers.begin(), r.peers.end(), [&r](const Peer& p) { return r.came_later(p); });
 }
 
 std::string people(const Report& r) {
-  const auto later =
-      std::count_if(r.peers.begin(), r.peers.end(), [](const Peer& p) { return p.header.incarnation > 0; });
+  const auto later = std::count_if(r.peers.begin(), r.peers.end(), [&r](const Peer& p) { return r.came_later(p); });
   const std::string start = std::to_string(r.peers_at_start()) + " peers";
   return later == 0 ? start : start + " at the start, " + std::to_string(later) + " traces of who came later";
 }
@@ -83,7 +86,7 @@ std::string heading(const Report& r) {
   const trace::Header& h = r.peers.front().header;
   std::string s = "Session " + std::to_string(h.session) + ": " + h.scenario + " (seed " +
                   std::to_string(h.scenario_seed) + "), " + std::to_string(h.bodies) + " bodies, " + people(r) + ", " +
-                  fixed(end_of(r), 1) + " s\n";
+                  fixed(length_of(r), 1) + " s\n";
   for (std::size_t g = 0; g < r.groups.size(); ++g) {
     s += r.groups.size() > 1 ? "Technique " + std::string(1, static_cast<char>('A' + g % 26)) : "Technique";
     s += ": " + r.groups[g].technique + "\n";

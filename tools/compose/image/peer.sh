@@ -13,10 +13,10 @@ patience=${PADR_JOIN_TIMEOUT:-60}
 trap 'exit 143' TERM INT # the first process of a container would not mind them otherwise
 say() { echo "compose-peer: $*" >&2; }
 
-# Names one that has been playing within the last seconds; nothing when there is none.
-somebody_playing() {
+# Names one that has been in a session within the last seconds, playing or waiting; nothing when there is none.
+somebody_there() {
   find "$data" -maxdepth 1 -name 'peer*.health' ! -name "peer$number.health" -newermt '-5 seconds' \
-    -exec grep -l '"playing": true' {} + 2>/dev/null | sed -n 's|.*/\(peer[0-9]*\)[.]health$|\1|p' | head -n 1
+    -exec grep -l '"present": [1-9]' {} + 2>/dev/null | sed -n 's|.*/\(peer[0-9]*\)[.]health$|\1|p' | head -n 1
 }
 
 # In a Swarm the name of a service stands for a balanced address; that of the peer itself is under tasks. there.
@@ -41,7 +41,7 @@ wait_for_name() { # NAME
 }
 
 file=$data/peer$number
-member=$(somebody_playing)
+member=$(somebody_there)
 if [ -n "$member" ]; then
   # What was recorded before this process belongs to the same session.
   times=1

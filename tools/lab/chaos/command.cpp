@@ -1,7 +1,6 @@
 #include "tools/lab/chaos/command.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iostream>
 
@@ -14,6 +13,7 @@
 #include "shell/revision.h"
 #include "shell/run_main.h"
 #include "shell/scenario_flags.h"
+#include "shell/text.h"
 #include "tools/lab/chaos/shrink.h"
 #include "tools/lab/parallel.h"
 
@@ -27,9 +27,7 @@ constexpr int kMostShrunk = 3;
 constexpr int kMostLines = 40;
 
 std::string seconds(double s) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.2f", s);
-  return text.data();
+  return shell::fixed(s, 2);
 }
 
 }  // namespace

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "tools/lab/chaos/judge.h"
+#include "shell/netem_text.h"
+#include "tools/lab/testbed/judge.h"
 
 namespace padr::lab {
 namespace {
@@ -41,7 +42,7 @@ class Stage {
         return;
       }
       case Kind::kShape:
-        network_.shape(link::parse_netem(chaos_links()[e.pick % chaos_links().size()]));
+        network_.shape(shell::parse_netem(chaos_links()[e.pick % chaos_links().size()]));
         return;
       case Kind::kFight: {
         const double x = static_cast<double>(e.pick & 0xFFFFU) / 65536;
@@ -106,7 +107,7 @@ ChaosOutcome play(const ChaosPlay& how, const ChaosScript& script) {
   VirtualNetworkConfig config;
   config.scene = how.scene;
   config.technique = how.technique;
-  config.netem = link::parse_netem(chaos_links().front());
+  config.netem = shell::parse_netem(chaos_links().front());
   config.seed = script.seed;
   config.slots = how.slots;
   config.seal = how.seal;
@@ -134,7 +135,7 @@ ChaosOutcome play(const ChaosPlay& how, const ChaosScript& script) {
   run_to(script.length);
   if (judge.violation().empty()) {
     stage.undo_until(std::numeric_limits<Micros>::max());
-    g.shape(link::parse_netem(chaos_links().front()));
+    g.shape(shell::parse_netem(chaos_links().front()));
     run_to(script.length + how.quiet);
   }
   if (judge.violation().empty()) judge.final_check();

@@ -1,8 +1,9 @@
 #include "tools/lab/chaos/script.h"
 
+#include <fmt/printf.h>
+
 #include <algorithm>
 #include <array>
-#include <cstdio>
 
 #include "common/model/rng.h"
 
@@ -63,14 +64,8 @@ ChaosScript make_script(std::uint64_t seed, Micros length, int most) {
 std::string describe(const ChaosScript& s) {
   std::string text = "seed " + std::to_string(s.seed) + ", " + std::to_string(s.founders) + " peers begin\n";
   for (const ChaosEvent& e : s.events) {
-    std::array<char, 120> line{};
-    std::snprintf(line.data(), line.size(), "  %7.2f s  %-6s", static_cast<double>(e.at) / 1e6,
-                  kNames[static_cast<std::size_t>(e.kind)]);
-    text += line.data();
-    if (e.span > 0) {
-      std::snprintf(line.data(), line.size(), " for %.2f s", static_cast<double>(e.span) / 1e6);
-      text += line.data();
-    }
+    text += fmt::sprintf("  %7.2f s  %-6s", static_cast<double>(e.at) / 1e6, kNames[static_cast<std::size_t>(e.kind)]);
+    if (e.span > 0) text += fmt::sprintf(" for %.2f s", static_cast<double>(e.span) / 1e6);
     if (e.kind == Kind::kShape) text += " " + chaos_links()[e.pick % chaos_links().size()];
     text += "\n";
   }

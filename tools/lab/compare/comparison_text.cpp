@@ -1,7 +1,8 @@
+#include <fmt/printf.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "shell/json.h"
 #include "tools/lab/compare/comparison.h"
@@ -38,13 +39,6 @@ constexpr std::array<Field, 21> kFields{{
     {"confirmed_mismatches", [](const Score& s) { return static_cast<double>(s.mismatches); }},
 }};
 
-template <typename... Values>
-std::string format(const char* pattern, Values... values) {
-  std::array<char, 512> text{};
-  const int n = std::snprintf(text.data(), text.size(), pattern, values...);
-  return {text.data(), static_cast<std::size_t>(n)};
-}
-
 std::string network_name(const std::string& text) {
   return text.empty() ? "unimpaired" : "netem \"" + text + "\"";
 }
@@ -76,17 +70,18 @@ std::string line_of(const Row& row, const std::vector<Row>& rows, int width) {
   const Figure peak = row.over([](const Score& s) { return s.off.peak_m; });
   const double delay = mean([](const Score& s) { return s.delay_s; });
   std::string then = "      -      -";
-  if (delay > 0) then = format("%7.3f %6.0f", mean([](const Score& s) { return s.delayed_mean_m; }), delay * 1000);
+  if (delay > 0)
+    then = fmt::sprintf("%7.3f %6.0f", mean([](const Score& s) { return s.delayed_mean_m; }), delay * 1000);
   std::string against = "      -     -";
   if (const Row* full = full_of(rows, row.network); full != nullptr && full != &row)
-    against = format("%6.2f%s %5.2f", row.mean_m() / full->mean_m(), is_told_apart(row, *full) ? " " : "~",
-                     row.kbps() / full->kbps());
-  return format("  %-*s %7.3f %6.3f %8.3f %7.3f %6.2f %6.2f %7.2f %8.3f %s %7.1f %6.1f  %s\n", width,
-                row.who.id.c_str(), off.mean, off.error, mean([](const Score& s) { return s.off.avatar_mean_m; }),
-                mean([](const Score& s) { return s.off.body_mean_m; }),
-                mean([](const Score& s) { return s.off.p95_m; }), peak.mean, peak.high,
-                mean([](const Score& s) { return s.fidelity.mean_m; }), then.c_str(), row.kbps(),
-                mean([](const Score& s) { return s.datagrams; }), against.c_str());
+    against = fmt::sprintf("%6.2f%s %5.2f", row.mean_m() / full->mean_m(), is_told_apart(row, *full) ? " " : "~",
+                           row.kbps() / full->kbps());
+  return fmt::sprintf("  %-*s %7.3f %6.3f %8.3f %7.3f %6.2f %6.2f %7.2f %8.3f %s %7.1f %6.1f  %s\n", width,
+                      row.who.id.c_str(), off.mean, off.error, mean([](const Score& s) { return s.off.avatar_mean_m; }),
+                      mean([](const Score& s) { return s.off.body_mean_m; }),
+                      mean([](const Score& s) { return s.off.p95_m; }), peak.mean, peak.high,
+                      mean([](const Score& s) { return s.fidelity.mean_m; }), then.c_str(), row.kbps(),
+                      mean([](const Score& s) { return s.datagrams; }), against.c_str());
 }
 
 std::string better_than_full(const std::vector<Row>& rows, const std::string& network) {
@@ -103,18 +98,18 @@ std::string table(const std::vector<Row>& rows, const Plan& plan) {
   const Setting& s = plan.setting;
   std::string inputs;
   for (const std::string& i : s.inputs) inputs += (inputs.empty() ? "" : ", ") + i;
-  std::string t = format("%s, %d peers, %g s, %zu seeds, input %s\n", s.scenario.c_str(), s.peers,
-                         static_cast<double>(s.ticks) / kTicksPerSecond, plan.seeds.size(), inputs.c_str());
+  std::string t = fmt::sprintf("%s, %d peers, %g s, %zu seeds, input %s\n", s.scenario.c_str(), s.peers,
+                               static_cast<double>(s.ticks) / kTicksPerSecond, plan.seeds.size(), inputs.c_str());
   std::size_t longest = 9;
   for (const Contestant& c : plan.contestants) longest = std::max(longest, c.id.size());
   const auto width = static_cast<int>(longest);
   for (const Network& n : plan.networks) {
     t += "\n" + network_name(n.text) + "\n";
-    t += format(
+    t += fmt::sprintf(
         "  %-*s combined inconsistency against now (m), all entities          fidelity   of the past    by a peer     "
         "times full\n",
         width, "");
-    t += format(
+    t += fmt::sprintf(
         "  %-*s    mean     +-  avatars  bodies    p95   peak highest  error m  mean m     ms  kbit/s  dgr/s       m  "
         "kbit\n",
         width, "technique");
@@ -127,7 +122,7 @@ std::string table(const std::vector<Row>& rows, const Plan& plan) {
        "to all others\ntogether, with 28 bytes of IP and UDP headers in each datagram. Of the past: error against the "
        "past that the\ntechnique shows. Below 5 mm it is noise.\n"
        "Fidelity error: distance between bodies and the result of the players' deeds alone (docs/metrics.md).\n\n";
-  for (const Contestant& c : plan.contestants) t += format("  %-*s ", width, c.id.c_str()) + c.setting() + "\n";
+  for (const Contestant& c : plan.contestants) t += fmt::sprintf("  %-*s ", width, c.id.c_str()) + c.setting() + "\n";
   return t;
 }
 
@@ -162,7 +157,7 @@ std::string csv(const std::vector<Row>& rows, const Plan& plan) {
   for (const Row& r : rows) {
     for (std::size_t i = 0; i < r.scores.size(); ++i) {
       c += r.who.id + ",\"" + r.network + "\"," + std::to_string(plan.seeds[i]);
-      for (const Field& f : kFields) c += format(",%.6g", f.of(r.scores[i]));
+      for (const Field& f : kFields) c += fmt::sprintf(",%.6g", f.of(r.scores[i]));
       c += "\n";
     }
   }

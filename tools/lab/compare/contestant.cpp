@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "common/model/user_error.h"
-#include "shell/technique_flags.h"
+#include "shell/technique_text.h"
 
 namespace padr::lab::compare {
 namespace {
@@ -114,7 +114,7 @@ void add_alternatives(std::vector<Contestant>& all) {
 
 std::string Contestant::setting() const {
   const auto* technique = std::get_if<Technique>(&how);
-  return technique != nullptr ? describe(*technique) : what;
+  return technique != nullptr ? shell::describe(*technique) : what;
 }
 
 std::vector<Contestant> all_contestants() {

@@ -1,8 +1,8 @@
 #include "tools/lab/convergence/command.h"
 
-#include <array>
+#include <fmt/printf.h>
+
 #include <cmath>
-#include <cstdio>
 #include <iostream>
 
 #include "common/model/user_error.h"
@@ -24,11 +24,8 @@ std::string table(const Takes& takes) {
     const Simulation& s = *takes.simulations[m];
     const trace::Inconsistency i = s.meter().overall();
     const Rates r = rates_of(s, 0, s.peers());
-    std::array<char, 160> line{};
-    std::snprintf(line.data(), line.size(), "%-6s  %5.3f  %5.3f  %5.2f       %6.2f    %6.3f     %6.2f\n",
-                  std::string(kNames[m]).c_str(), i.mean_m, i.shown_mean_m, i.shown_peak_m, r.snaps,
-                  r.snaps > 0 ? r.snap_m / r.snaps : 0.0, r.snap_peak_m);
-    out += line.data();
+    out += fmt::sprintf("%-6s  %5.3f  %5.3f  %5.2f       %6.2f    %6.3f     %6.2f\n", kNames[m], i.mean_m,
+                        i.shown_mean_m, i.shown_peak_m, r.snaps, r.snaps > 0 ? r.snap_m / r.snaps : 0.0, r.snap_peak_m);
   }
   return out;
 }

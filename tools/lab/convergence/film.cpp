@@ -1,8 +1,8 @@
 #include "tools/lab/convergence/film.h"
 
+#include <fmt/printf.h>
+
 #include <algorithm>
-#include <array>
-#include <cstdio>
 
 namespace padr::lab::convergence {
 namespace {
@@ -21,12 +21,6 @@ BodyDef dot() {
   BodyDef d;
   d.radius = kDot;
   return d;
-}
-
-std::string text(const char* pattern, double v) {
-  std::array<char, 80> out{};
-  std::snprintf(out.data(), out.size(), pattern, v);
-  return out.data();
 }
 
 /// What is shown of one correction by one method. Everything is drawn with the middle of the way at (0, 0).
@@ -57,7 +51,7 @@ class Shot {
       if (t > -kBefore + 1)
         largest = std::max(largest, length(shown(t) - shown(t - 1) - (shown(t - 1) - shown(t - 2))));
     }
-    frame.note = text("stride changes by %.2f m in a tick at most", static_cast<double>(largest));
+    frame.note = fmt::sprintf("stride changes by %.2f m in a tick at most", static_cast<double>(largest));
     return frame;
   }
 
@@ -92,9 +86,10 @@ plot::FilmStrip film_of(const Footage& footage, const Scene& scene) {
     shape.radius = scene.avatar.radius;
     if (of_body) shape = scene.bodies[m.entity];
     plot::FilmRow row;
-    row.label = (of_body ? "A body" : "An avatar") + text(", corrected by %.2f m", static_cast<double>(m.metres)) +
-                text(" at %.2f s", static_cast<double>(m.tick) / kTicksPerSecond);
-    row.note = text("as it stands %.0f ms later", 1000.0 * kLook / kTicksPerSecond);
+    row.label = (of_body ? "A body" : "An avatar") +
+                fmt::sprintf(", corrected by %.2f m", static_cast<double>(m.metres)) +
+                fmt::sprintf(" at %.2f s", static_cast<double>(m.tick) / kTicksPerSecond);
+    row.note = fmt::sprintf("as it stands %.0f ms later", 1000.0 * kLook / kTicksPerSecond);
     for (std::size_t method = 0; method < kMethods.size(); ++method)
       row.frames.push_back(Shot(footage, m, method).frame(shape));
     film.rows.push_back(std::move(row));

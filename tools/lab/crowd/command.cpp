@@ -1,9 +1,10 @@
 #include "tools/lab/crowd/command.h"
 
+#include <fmt/printf.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -24,13 +25,6 @@ namespace {
 constexpr int kMostPeers = 10000;
 /// Ticks between two measurements of the peers' views.
 constexpr Tick kLook = 6;
-
-template <typename... Args>
-std::string text(const char* format, Args... args) {
-  std::array<char, 256> line{};
-  std::snprintf(line.data(), line.size(), format, args...);
-  return line.data();
-}
 
 /// Who strolls so far from the edge of the crowd's ground, m, has neighbours all around, whatever the crowd's size.
 constexpr float kInner = 12;
@@ -103,19 +97,19 @@ const char* const kHead =
     "crossings/s  late\n";
 
 std::string line_of(const CrowdRow& r, const CrowdRow& base) {
-  return text("%7d %8zu %5.2f %8.1f %6.1f %10.1f %7.1f %9.1f %5.2f %5.1f %10.3f %7.3f %9.3f %12.3f %5.3f\n", r.peers,
-              r.regions, r.regions_each, r.members, r.links, r.updates, r.kbps, r.cpu_us,
-              base.cpu_us > 0 ? r.cpu_us / base.cpu_us : 0, r.neighbours, r.avatars_m, r.per_avatar_m, r.bodies_m,
-              r.handovers, r.late);
+  return fmt::sprintf("%7d %8zu %5.2f %8.1f %6.1f %10.1f %7.1f %9.1f %5.2f %5.1f %10.3f %7.3f %9.3f %12.3f %5.3f\n",
+                      r.peers, r.regions, r.regions_each, r.members, r.links, r.updates, r.kbps, r.cpu_us,
+                      base.cpu_us > 0 ? r.cpu_us / base.cpu_us : 0, r.neighbours, r.avatars_m, r.per_avatar_m,
+                      r.bodies_m, r.handovers, r.late);
 }
 
 std::string inner_of(const CrowdRow& r) {
-  return text("%7d: %d of them %g m or more from the edge: %.1f kbit/s, %.1f us/tick\n", r.peers, r.inner,
-              static_cast<double>(kInner), r.inner_kbps, r.inner_cpu_us);
+  return fmt::sprintf("%7d: %d of them %g m or more from the edge: %.1f kbit/s, %.1f us/tick\n", r.peers, r.inner,
+                      static_cast<double>(kInner), r.inner_kbps, r.inner_cpu_us);
 }
 
 std::string footnote_of(const CrowdRow& r) {
-  return text(
+  return fmt::sprintf(
       "%7d: %.2f%% of those near not seen, %.3f regions entered/s, %llu entries failed; of %zu bodies %llu times "
       "one handed over, %zu lost, %zu in two regions just now\n",
       r.peers, r.unseen * 100, r.entered, static_cast<unsigned long long>(r.failed), r.bodies.bodies,

@@ -6,6 +6,7 @@
 #include "common/model/user_error.h"
 #include "shell/command_line.h"
 #include "shell/files.h"
+#include "shell/path_csv.h"
 #include "shell/run_main.h"
 #include "tools/lab/examples/film.h"
 #include "tools/lab/examples/results.h"
@@ -99,7 +100,7 @@ int ExamplesCommand::run(const std::vector<std::string>& command) {
                     {"summary.json", summary}});
   for (const std::string& name : plan.stories)
     plot::write_into("--out", out_,
-                     {{"path-" + name + ".csv", scenarios::write_path_csv(path_of(story_by_name(name), 0))}});
+                     {{"path-" + name + ".csv", shell::write_path_csv(path_of(story_by_name(name), 0))}});
   if (json_ != "-") std::cout << table(results, plan);
   if (json_ == "-") std::cout << summary;
   if (!json_.empty() && json_ != "-") {

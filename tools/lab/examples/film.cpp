@@ -1,9 +1,9 @@
 #include "tools/lab/examples/film.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "shell/text.h"
 
 namespace padr::lab::examples {
 namespace {
@@ -11,9 +11,7 @@ namespace {
 using plot::Role;
 
 std::string metres(double v) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), v < 10 ? "%.2f m" : "%.1f m", v);
-  return text.data();
+  return shell::fixed(v, v < 10 ? 2 : 1) + " m";
 }
 
 std::string column(float seconds, bool touches) {

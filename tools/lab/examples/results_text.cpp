@@ -1,9 +1,10 @@
+#include <fmt/printf.h>
+
 #include <algorithm>
 #include <array>
 
 #include "shell/json.h"
 #include "shell/revision.h"
-#include "tools/lab/examples/format.h"
 #include "tools/lab/examples/results.h"
 
 namespace padr::lab::examples {
@@ -38,7 +39,7 @@ std::string headings() {
 
 std::string fields(const Cost& cost) {
   std::string s;
-  for (const Column& c : kColumns) s += format(",%.6g", cost.*c.value);
+  for (const Column& c : kColumns) s += fmt::sprintf(",%.6g", cost.*c.value);
   return s + "\n";
 }
 
@@ -53,11 +54,11 @@ std::string table_of_rows(const std::vector<RowOfDominoes>& rows) {
   for (const RowOfDominoes& r : rows) {
     if (r.count > 5 && r.count % 5 != 0) continue;
     const Cost& c = r.without_authority;
-    s += format("  %8d  %7.2f  %19.2f  %9.1f  %7.2f\n", r.count, c.final_m, c.final_by_body_m.front(), c.ever,
-                r.with_authority.final_m);
+    s += fmt::sprintf("  %8d  %7.2f  %19.2f  %9.1f  %7.2f\n", r.count, c.final_m, c.final_by_body_m.front(), c.ever,
+                      r.with_authority.final_m);
   }
   const Line line = cost_per_domino(rows);
-  return s + format("  every further domino costs %.2f m (R^2 = %.4f)\n", line.slope_m, line.r_squared);
+  return s + fmt::sprintf("  every further domino costs %.2f m (R^2 = %.4f)\n", line.slope_m, line.r_squared);
 }
 
 /// What the avatar truly does, over all takes.
@@ -73,8 +74,8 @@ std::string what_happens(const Result& story) {
     farthest = std::max(farthest, c.course.nearest_m);
   }
   const auto takes = static_cast<int>(story.takes.size());
-  if (touched > 0) return format("  The avatar touches in %d of %d takes.\n", touched, takes);
-  return format(
+  if (touched > 0) return fmt::sprintf("  The avatar touches in %d of %d takes.\n", touched, takes);
+  return fmt::sprintf(
       "  The avatar touches nothing: it stops %.2f to %.2f m short. Without authority and predictor, its model hits "
       "in\n"
       "  %d of %d takes.\n",
@@ -88,10 +89,10 @@ std::string table_of_verdicts(const std::vector<Verdict>& verdicts, const std::s
       "  predictor     warned before  s before  model hits  contacts foreseen  cost (m)  avoided (m)\n";
   for (const Verdict& v : verdicts) {
     if (v.story != story) continue;
-    const std::string lead = v.warned > 0 ? format("%.2f", v.lead_s) : "-";
-    const std::string foreseen = v.contacts > 0 ? format("%d of %d", v.foreseen, v.contacts) : "-";
-    s += format("  %-12s %9d of %-2d %8s %6d of %-2d %17s %9.2f %12.2f\n", v.predictor.c_str(), v.warned, v.takes,
-                lead.c_str(), v.hits, v.takes, foreseen.c_str(), v.cost_m, v.avoided_m);
+    const std::string lead = v.warned > 0 ? fmt::sprintf("%.2f", v.lead_s) : "-";
+    const std::string foreseen = v.contacts > 0 ? fmt::sprintf("%d of %d", v.foreseen, v.contacts) : "-";
+    s += fmt::sprintf("  %-12s %9d of %-2d %8s %6d of %-2d %17s %9.2f %12.2f\n", v.predictor.c_str(), v.warned, v.takes,
+                      lead.c_str(), v.hits, v.takes, foreseen.c_str(), v.cost_m, v.avoided_m);
   }
   for (const Verdict& v : verdicts)
     if (v.story == story) s += "  " + v.predictor + ": " + v.sentence + "\n";
@@ -108,7 +109,7 @@ void put(Json& j, const Verdict& v) {
 }  // namespace
 
 std::string table(const Results& r, const Plan& plan) {
-  std::string s = format(
+  std::string s = fmt::sprintf(
       "Physics-consistency cost: error of bodies in the other peer's view, caused by the model of\n"
       "one avatar. Means of %d takes of each story; netem \"%s\".\n",
       plan.takes, plan.netem_text.c_str());
@@ -116,13 +117,13 @@ std::string table(const Results& r, const Plan& plan) {
   for (std::size_t i = 0; i < r.results.size(); ++i) {
     const Result& one = r.results[i];
     if (i % variants == 0) {
-      s += format("\n%s: %s\n", one.story.c_str(), story_by_name(one.story).title.c_str()) + what_happens(one);
+      s += fmt::sprintf("\n%s: %s\n", one.story.c_str(), story_by_name(one.story).title.c_str()) + what_happens(one);
       s += "                                    bodies off (m)         > 5 cm off   untrue in\n";
       s += "  technique                     mean   peak  in the end   ever  at end    the end  updates   kbit\n";
     }
     const Cost& c = one.mean;
-    s += format("  %-27s %6.3f %6.2f %11.2f %6.1f %7.1f %10.2f %8.1f %6.1f\n", one.variant.label.c_str(), c.mean_m,
-                c.peak_m, c.final_m, c.ever, c.at_end, c.untrue_final_m, c.updates, c.kbit);
+    s += fmt::sprintf("  %-27s %6.3f %6.2f %11.2f %6.1f %7.1f %10.2f %8.1f %6.1f\n", one.variant.label.c_str(),
+                      c.mean_m, c.peak_m, c.final_m, c.ever, c.at_end, c.untrue_final_m, c.updates, c.kbit);
     if (i % variants == variants - 1) s += table_of_verdicts(r.verdicts, one.story);
   }
   if (!r.rows.empty()) s += table_of_rows(r.rows);
@@ -135,7 +136,7 @@ std::string table(const Results& r, const Plan& plan) {
 std::string csv(const Results& r) {
   std::string s = "story,bodies,technique,takes" + headings();
   for (const Result& one : r.results)
-    s += one.story + format(",%zu,", one.bodies) + one.variant.flags + format(",%zu", one.takes.size()) +
+    s += one.story + fmt::sprintf(",%zu,", one.bodies) + one.variant.flags + fmt::sprintf(",%zu", one.takes.size()) +
          fields(one.mean);
   return s;
 }
@@ -144,8 +145,8 @@ std::string verdicts_csv(const Results& r) {
   std::string s = "story,predictor,takes,warned,lead_s,hits,contacts,foreseen,cost_m,avoided_m\n";
   for (const Verdict& v : r.verdicts)
     s += v.story + "," + v.predictor +
-         format(",%d,%d,%.6g,%d,%d,%d,%.6g,%.6g\n", v.takes, v.warned, v.lead_s, v.hits, v.contacts, v.foreseen,
-                v.cost_m, v.avoided_m);
+         fmt::sprintf(",%d,%d,%.6g,%d,%d,%d,%.6g,%.6g\n", v.takes, v.warned, v.lead_s, v.hits, v.contacts, v.foreseen,
+                      v.cost_m, v.avoided_m);
   return s;
 }
 
@@ -153,7 +154,8 @@ std::string takes_csv(const Results& r) {
   std::string s = "story,bodies,technique,take" + headings();
   for (const Result& one : r.results)
     for (std::size_t t = 0; t < one.takes.size(); ++t)
-      s += one.story + format(",%zu,", one.bodies) + one.variant.flags + format(",%zu", t) + fields(one.takes[t]);
+      s += one.story + fmt::sprintf(",%zu,", one.bodies) + one.variant.flags + fmt::sprintf(",%zu", t) +
+           fields(one.takes[t]);
   return s;
 }
 

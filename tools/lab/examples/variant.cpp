@@ -2,41 +2,25 @@
 
 #include <array>
 
+#include "shell/technique_text.h"
+
 namespace padr::lab::examples {
 namespace {
 
 constexpr std::array<const char*, 4> kPredictors{"lookahead", "density", "path-density", "pcc"};
-constexpr const char* kFixed = "0.8";  // m, the paper's highest; a fixed threshold is as good as no predictor
-constexpr const char* kAdapted = "0.8:0.3";
 
+Variant variant(const std::string& label, const std::string& flags, const char* predictor = "") {
+  return {label, flags, shell::technique_of(flags), predictor};
+}
+
+/// 0.8 m is the paper's highest; a fixed threshold is as good as no predictor.
 Variant fixed(const std::string& base) {
-  Variant v{base + ", no predictor", base + " --threshold " + kFixed + " --predictor none", technique_by_name(base)};
-  set_threshold(v.technique, kFixed);
-  set_predictor(v.technique, "none");
-  return v;
+  return variant(base + ", no predictor", base + " --threshold 0.8 --predictor none");
 }
 
 Variant adapted(const std::string& base, const char* predictor) {
-  const std::string threshold = base == "adaptive" ? "" : std::string(" --threshold ") + kAdapted;
-  Variant v{base + ", " + predictor, base + threshold + " --predictor " + predictor, technique_by_name(base),
-            predictor};
-  set_threshold(v.technique, kAdapted);
-  set_predictor(v.technique, predictor);
-  return v;
-}
-
-Variant ablated(bool end, bool proxy) {
-  const char* without = !end && !proxy ? "neither of them" : end ? "no proxy updates" : "no end updates";
-  Variant v{std::string("adaptive, ") + without, "adaptive", technique_by_name("adaptive")};
-  if (!end) {
-    v.flags += " --end-update off";
-    set_end_update(v.technique, "off");
-  }
-  if (!proxy) {
-    v.flags += " --proxy-update off";
-    set_proxy_update(v.technique, "off");
-  }
-  return v;
+  const std::string threshold = base == "adaptive" ? "" : " --threshold 0.8:0.3";
+  return variant(base + ", " + predictor, base + threshold + " --predictor " + predictor, predictor);
 }
 
 }  // namespace
@@ -46,10 +30,10 @@ std::vector<Variant> variants() {
   for (const char* p : kPredictors) all.push_back(adapted("avatar-only", p));
   all.push_back(fixed("adaptive"));
   for (const char* p : kPredictors) all.push_back(adapted("adaptive", p));
-  all.push_back(ablated(false, true));
-  all.push_back(ablated(true, false));
-  all.push_back(ablated(false, false));
-  all.push_back({"full", "full", technique_by_name("full")});
+  all.push_back(variant("adaptive, no end updates", "adaptive --end-update off"));
+  all.push_back(variant("adaptive, no proxy updates", "adaptive --proxy-update off"));
+  all.push_back(variant("adaptive, neither of them", "adaptive --end-update off --proxy-update off"));
+  all.push_back(variant("full", "full"));
   return all;
 }
 

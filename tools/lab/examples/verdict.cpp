@@ -1,8 +1,8 @@
 #include "tools/lab/examples/verdict.h"
 
-#include <cassert>
+#include <fmt/printf.h>
 
-#include "tools/lab/examples/format.h"
+#include <cassert>
 
 namespace padr::lab::examples {
 namespace {
@@ -26,7 +26,7 @@ std::string reason(const Verdict& v, const Technique& t) {
                     : "It steps a copy from the avatar's true state. It saw the contact only when it was there.";
     case Predictor::kPcc:
       if (!warned)
-        return format(
+        return fmt::sprintf(
             "It steps one copy from the avatar's true state and one from its model's: they never differed by "
             "more than %g m before.",
             static_cast<double>(t.pcc_bound));
@@ -35,8 +35,8 @@ std::string reason(const Verdict& v, const Technique& t) {
                              : "It steps one copy from the avatar's true state and one from its model's: they did "
                                "different things to bodies.";
     case Predictor::kDensity:
-      return format("It counts bodies within %g m: %s %d of them were there.", static_cast<double>(t.radius),
-                    warned ? "at least" : "never", t.count);
+      return fmt::sprintf("It counts bodies within %g m: %s %d of them were there.", static_cast<double>(t.radius),
+                          warned ? "at least" : "never", t.count);
     case Predictor::kPathDensity:
       return warned ? "It looks for bodies beside the straight way to the avatar's target; when it warned, "
                       "there was one."
@@ -49,15 +49,15 @@ std::string sentence(const Verdict& v, const Technique& t) {
   std::string s = reason(v, t);
   const char* event = v.contacts > 0 ? "contact" : "model's hit";
   if (v.warned > 0)
-    s += format(" It warned in %d of %d takes, %.2f s before the %s.", v.warned, v.takes, v.lead_s, event);
+    s += fmt::sprintf(" It warned in %d of %d takes, %.2f s before the %s.", v.warned, v.takes, v.lead_s, event);
   if (v.contacts == 0) {
     const bool all = v.hits == 0;
-    s += format(" The model hit %sin %d of %d.", all ? "nothing " : "", all ? v.takes : v.hits, v.takes);
+    s += fmt::sprintf(" The model hit %sin %d of %d.", all ? "nothing " : "", all ? v.takes : v.hits, v.takes);
   }
   constexpr double kNoise = 0.005;  // m
-  if (v.avoided_m < -kNoise) return s + format(" It cost %.2f m more than no predictor.", -v.avoided_m);
+  if (v.avoided_m < -kNoise) return s + fmt::sprintf(" It cost %.2f m more than no predictor.", -v.avoided_m);
   if (v.avoided_m <= kNoise) return s + " It avoided nothing.";
-  s += format(" %.2f of %.2f m avoided", v.avoided_m, v.cost_m);
+  s += fmt::sprintf(" %.2f of %.2f m avoided", v.avoided_m, v.cost_m);
   if (v.warned > 0) return s + ".";
   return s + ", by the low threshold during a contact, without any prediction.";
 }

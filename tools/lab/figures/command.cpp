@@ -9,7 +9,7 @@
 #include "common/model/user_error.h"
 #include "shell/command_line.h"
 #include "shell/run_main.h"
-#include "shell/technique_flags.h"
+#include "shell/technique_text.h"
 #include "tools/lab/figures/html.h"
 #include "tools/lab/figures/pictures.h"
 #include "tools/lab/figures/results_text.h"

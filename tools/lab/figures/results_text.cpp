@@ -5,6 +5,7 @@
 
 #include "shell/json.h"
 #include "shell/revision.h"
+#include "shell/technique_text.h"
 #include "tools/lab/figures/words.h"
 
 namespace padr::lab::figures {
@@ -185,7 +186,7 @@ std::string json(const Plan& plan, const Results& r, const std::vector<Claim>& c
   }
   j.end_object().key("means").begin_object();
   for (const Setting& s : plan.settings) {
-    j.key(s.id).begin_object().field("technique", describe(s.technique));
+    j.key(s.id).begin_object().field("technique", shell::describe(s.technique));
     for (const Column& c : kColumns) j.field(c.name, mean_of(over_cases(plan, r, s.id, c.value)));
     j.key("by_kind_of_input").begin_object();
     for (const std::string& kind : kinds_of(plan)) {

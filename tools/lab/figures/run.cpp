@@ -7,6 +7,7 @@
 
 #include "shell/command_line.h"
 #include "shell/scenario_flags.h"
+#include "shell/technique_text.h"
 #include "tools/lab/simulation.h"
 #include "tools/plot/gnuplot.h"
 
@@ -35,9 +36,8 @@ void note_traffic(const node::ReplicaStats& stats, FigureRun& r) {
 }
 
 Setting setting(const std::string& name, const std::string& threshold, const std::string& predictor) {
-  Technique t = technique_by_name(name);
-  set_threshold(t, threshold);
-  if (!predictor.empty()) set_predictor(t, predictor);
+  const Technique t =
+      shell::technique_of(name + " --threshold " + threshold + (predictor.empty() ? "" : " --predictor " + predictor));
   std::string id = name + "-" + threshold;
   std::replace(id.begin(), id.end(), ':', '-');
   std::string title = name + " " + threshold + " m";
@@ -101,7 +101,7 @@ std::string run_command(const Case& c, const Setting& s, const std::string& scen
                                  "--settle",   seconds(kConfirmTicks),
                                  "--watch",    std::to_string(kWatcher)};
   if (!netem.empty()) words.insert(words.end(), {"--netem", netem});
-  return shell::shell_line(words) + " --technique " + describe(s.technique);
+  return shell::shell_line(words) + " --technique " + shell::describe(s.technique);
 }
 
 std::vector<Setting> figure_settings() {

@@ -1,9 +1,10 @@
 #include "tools/lab/sweep/digest.h"
 
+#include <fmt/printf.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <map>
 
@@ -11,13 +12,6 @@ namespace padr::lab::sweep {
 namespace {
 
 constexpr std::size_t kFirstKey = 3;  // behind grid, run and of
-
-template <typename... Args>
-std::string format(const char* pattern, Args... args) {
-  std::array<char, 200> text{};
-  const int n = std::snprintf(text.data(), text.size(), pattern, args...);
-  return {text.data(), static_cast<std::size_t>(n)};
-}
 
 /// Half of the 95 % interval of a mean of `n` values with this standard deviation, by Student's t.
 double half_interval(double n, double deviation) {
@@ -85,9 +79,9 @@ std::vector<Group> grouped(const StoredRows& stored, std::size_t seed) {
 
 std::string line_of(const Group& g, const Places& at) {
   const auto mean = [&g](std::size_t column) { return g.columns[column].mean; };
-  return format("%6.0f %8.3f %7.3f %8.3f %8.3f %8.2f ", g.n(), mean(at.mean), g.columns[at.mean].interval(),
-                mean(at.avatars), mean(at.bodies), mean(at.peak)) +
-         (at.has_fidelity ? format("%9.3f ", mean(at.fidelity)) : "") + format("%8.1f\n", mean(at.kbps));
+  return fmt::sprintf("%6.0f %8.3f %7.3f %8.3f %8.3f %8.2f ", g.n(), mean(at.mean), g.columns[at.mean].interval(),
+                      mean(at.avatars), mean(at.bodies), mean(at.peak)) +
+         (at.has_fidelity ? fmt::sprintf("%9.3f ", mean(at.fidelity)) : "") + fmt::sprintf("%8.1f\n", mean(at.kbps));
 }
 
 /// Whether means of a column say something: `setting` and the like are words, `confirmed_hash` is a name.
@@ -114,7 +108,7 @@ std::string digest(const StoredRows& stored, std::size_t most) {
   const Places at(names);
   if (!at.complete || stored.rows.empty()) return "";
   const std::vector<Group> groups = grouped(stored, at.seed);
-  if (groups.size() > most) return format("%zu combinations: too many for a table here\n", groups.size());
+  if (groups.size() > most) return fmt::sprintf("%zu combinations: too many for a table here\n", groups.size());
   std::string fixed;
   std::string heading;
   std::vector<std::size_t> widths(groups.front().key.size(), 0);
@@ -128,14 +122,14 @@ std::string digest(const StoredRows& stored, std::size_t most) {
     }
     widths[k] = name.size();
     for (const Group& g : groups) widths[k] = std::max(widths[k], g.key[k].size());
-    heading += format("%-*s  ", static_cast<int>(widths[k]), name.c_str());
+    heading += fmt::sprintf("%-*s  ", static_cast<int>(widths[k]), name.c_str());
   }
   std::string text = fixed + "; inconsistency in m, means over seeds; mean +- half of its 95 % interval\n" + heading +
                      "  runs     mean      +-  avatars   bodies     peak   " + (at.has_fidelity ? "fidelity   " : "") +
                      "kbit/s\n";
   for (const Group& g : groups) {
     for (std::size_t k = 0; k < widths.size(); ++k)
-      if (widths[k] > 0) text += format("%-*s  ", static_cast<int>(widths[k]), g.key[k].c_str());
+      if (widths[k] > 0) text += fmt::sprintf("%-*s  ", static_cast<int>(widths[k]), g.key[k].c_str());
     text += line_of(g, at);
   }
   return text;
@@ -154,9 +148,10 @@ std::string summary(const StoredRows& stored) {
   std::string text = line_of_fields(fields);
   for (const Group& g : grouped(stored, at.seed)) {
     fields = g.key;
-    fields.push_back(format("%.0f", g.n()));
+    fields.push_back(fmt::sprintf("%.0f", g.n()));
     for (const std::size_t c : measures)
-      fields.insert(fields.end(), {format("%.6g", g.columns[c].mean), format("%.6g", g.columns[c].interval())});
+      fields.insert(fields.end(),
+                    {fmt::sprintf("%.6g", g.columns[c].mean), fmt::sprintf("%.6g", g.columns[c].interval())});
     text += line_of_fields(fields);
   }
   return text;

@@ -1,8 +1,8 @@
 #include "tools/lab/sweep/grid.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <limits>
 
 #include "common/model/hash.h"
@@ -15,7 +15,7 @@
 #include "shell/netem_flags.h"
 #include "shell/revision.h"
 #include "shell/scenario_flags.h"
-#include "shell/technique_flags.h"
+#include "shell/technique_text.h"
 #include "tools/lab/sweep/values.h"
 
 namespace padr::lab::sweep {
@@ -171,7 +171,7 @@ std::string Grid::identify() const {
   numbers(jitter_ms_);
   numbers(loss_percent_);
   h.add(std::string_view(netem_));
-  for (const std::string& name : techniques_) h.add(std::string_view(describe(shell::technique_of(name))));
+  for (const std::string& name : techniques_) h.add(std::string_view(shell::describe(shell::technique_of(name))));
   for (std::size_t k = 0; k < knobs_.size(); ++k) {
     h.add(std::string_view(knob_columns_[k]));
     for (const std::string& v : knob_values_[k]) h.add(std::string_view(v));
@@ -186,9 +186,7 @@ std::string Grid::identify() const {
         input.substr(5, input.rfind(",loop") == std::string::npos ? std::string::npos : input.size() - 5 - 5);
     h.add(std::string_view(shell::read_file("--input", file)));
   }
-  std::array<char, 16> text{};
-  std::snprintf(text.data(), text.size(), "%08x", static_cast<unsigned>(h.value() >> 32U));
-  return text.data();
+  return fmt::format("{:08x}", h.value() >> 32U);
 }
 
 }  // namespace padr::lab::sweep

@@ -1,12 +1,12 @@
 #include "tools/lab/sweep/row.h"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "common/scenarios/bodies.h"
 #include "common/scenarios/scenarios.h"
 #include "shell/scenario_flags.h"
+#include "shell/technique_text.h"
+#include "shell/text.h"
 #include "tools/lab/rates.h"
 #include "tools/lab/sweep/rows_file.h"
 #include "tools/lab/sweep/values.h"
@@ -58,10 +58,8 @@ std::string outcome(const Simulation& s, const Technique& technique, std::option
                          f.peak_m,
                          s.fidelity()->left_out()})
     text += plot::number(v) + ",";
-  std::array<char, 20> hash{};
-  std::snprintf(hash.data(), hash.size(), "%016llx", static_cast<unsigned long long>(s.last_confirmed_hash()));
   return text + std::to_string(s.confirmed_ticks()) + "," + std::to_string(s.confirmed_mismatches()) + "," +
-         hash.data() + "," + quoted_field(describe(technique));
+         shell::hex(s.last_confirmed_hash()) + "," + quoted_field(shell::describe(technique));
 }
 
 }  // namespace

@@ -28,7 +28,6 @@ schema.link = {
   "seq", "mark_tick", "mark_count", "have", "seen_seq", "seen_age", "have_beyond", "incarnation", "to_incarnation",
 }
 
-local member = { { "peer", "uint32" }, { "address", "bytes" }, { "port", "uint32" } }
 local known = { { "address", "bytes" }, { "port", "uint32" }, { "in", "fixed32s" }, { "seeks", "fixed32s" } }
 schema.session = {
   {
@@ -41,25 +40,22 @@ schema.session = {
   {
     "welcome",
     one = {
-      { "nonce", "fixed64" }, { "peer", "uint32" }, { "slots", "uint32" }, { "wanted", "uint32" }, { "running", "bool" },
-      { "incarnation", "uint32" }, { "cookie", "fixed64" },
+      { "nonce", "fixed64" }, { "peer", "uint32" }, { "slots", "uint32" }, { "wanted", "uint32" },
+      [6] = { "incarnation", "uint32" }, [7] = { "cookie", "fixed64" },
     },
   },
   { "redirect", one = { { "nonce", "fixed64" }, { "address", "bytes" }, { "port", "uint32" } } },
   { "refuse", one = { { "nonce", "fixed64" }, { "reason", "text" } } },
   { "ping", one = { { "sent_us", "sfixed64" }, { "padding", "bytes" } } },
-  { "pong", one = { { "sent_us", "sfixed64" }, { "founder_us", "sfixed64" }, { "present", "uint32" } } },
-  { "start", one = { { "tick0_us", "sfixed64" }, { "member", many = member } } },
-  { "ready", one = { { "round_trip_us", "uint32" }, { "started", "bool" } } },
-  { "bye", one = { { "reason", "text" } } },
-  {
+  { "pong", one = { { "sent_us", "sfixed64" }, { "session_us", "sfixed64" } } },
+  [10] = {
     "ask",
     one = {
       { "nonce", "fixed64" }, { "crowd", "fixed64" }, { "about", "fixed32" }, { "in", "fixed32s" }, { "seeks", "fixed32s" },
       { "rank", "fixed32" }, { "padding", "bytes" },
     },
   },
-  {
+  [11] = {
     "tell",
     one = {
       { "nonce", "fixed64" }, { "crowd", "fixed64" }, { "about", "fixed32" }, { "in", "fixed32s" }, { "seeks", "fixed32s" },
@@ -102,6 +98,7 @@ schema.transfer = {
   { "tick", "uint32" }, { "entities", "floats" }, { "awake", "bytes" }, { "contact", many = contact },
   { "avatar", many = avatar }, { "authority", many = authority }, { "holds", "fixed64s" }, { "slot", many = slot },
   { "tail", many = passed_on }, { "gone", many = { { "address", "bytes" }, { "port", "uint32" } } },
+  [13] = { "wanted", "uint32" }, [14] = { "begin", "uint32" },
 }
 
 return schema

@@ -49,19 +49,11 @@ end
 
 local SENTENCES = {
   join = function(m) return "wants to join, " .. m.scenario.v end,
-  welcome = function(m)
-    if m.running.v then return ("welcomes peer %d to the running session"):format(m.peer.v) end
-    return ("welcomes peer %d of %d"):format(m.peer.v, m.wanted.v)
-  end,
+  welcome = function(m) return ("welcomes peer %d"):format(m.peer.v) end,
   redirect = function(m) return ("knows who to ask: port %d"):format(m.port.v) end,
   refuse = function(m) return "refuses: " .. m.reason.v end,
   ping = function() return "ping" end,
-  pong = function(m) return "pong, " .. count(m.present.v, "peer", "peers") .. " there" end,
-  start = function(m) return ("starts the session of %s"):format(count(#m.member, "peer", "peers")) end,
-  ready = function(m)
-    return (m.started.v and "has the start" or "is ready") .. (", round trip %.1f ms"):format(m.round_trip_us.v / 1000)
-  end,
-  bye = function(m) return "goes: " .. m.reason.v end,
+  pong = function() return "pong" end,
   ask = function(m) return ("asks who is near region %d"):format(m.about.v) end,
   tell = function(m)
     return ("tells who is near region %d: is in %s, knows %s"):format(m.about.v, count(#m["in"], "region", "regions"),

@@ -3,6 +3,9 @@ local schema = require("padr.schema")
 local protobuf = require("padr.protobuf")
 local updates = require("padr.updates")
 
+-- No message has a field of a higher number; some numbers are no longer in use.
+local MOST_FIELDS = 16
+
 local Show = {}
 Show.__index = Show
 
@@ -96,14 +99,15 @@ local function label_of(field, message, n)
 end
 
 function Show:message(tree, prefix, spec, message)
-  for _, field in ipairs(spec) do
-    local name, value = prefix .. "." .. field[1], message[field[1]]
-    if field.many then
-      for n, each in ipairs(value) do
+  for number = 1, MOST_FIELDS do
+    local field = spec[number]
+    local name = field and prefix .. "." .. field[1]
+    if field and field.many then
+      for n, each in ipairs(message[field[1]]) do
         self:message(self:node(tree, name, label_of(field[1], each, n), each._at, each._stop), name, field.many, each)
       end
-    elseif not field.one then
-      show_field(self, tree, name, field, value)
+    elseif field and not field.one then
+      show_field(self, tree, name, field, message[field[1]])
     end
   end
 end
@@ -229,7 +233,9 @@ function Show:transfer(tree, data)
     return
   end
   local node = self:node(tree, "padr.transfer", ("Transfer: the agreed world at tick %d"):format(transfer.tick.v), 1, #data + 1)
-  self:value(node, "padr.transfer.tick", transfer.tick)
+  for _, name in ipairs({ "tick", "wanted", "begin" }) do
+    self:value(node, "padr.transfer." .. name, transfer[name])
+  end
   self:entities(node, transfer)
   for _, field in ipairs(schema.transfer) do
     if field.many and field[1] ~= "tail" then

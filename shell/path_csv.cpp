@@ -1,3 +1,5 @@
+#include "shell/path_csv.h"
+
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -7,9 +9,8 @@
 
 #include "common/model/user_error.h"
 #include "common/scenarios/numbers.h"
-#include "common/scenarios/path.h"
 
-namespace padr::scenarios {
+namespace padr::shell {
 namespace {
 
 constexpr std::size_t kMaxRows = 1'000'000;  // more than four hours at 60 Hz
@@ -57,7 +58,7 @@ class Reader {
  public:
   Reader(std::string_view label, const PathUnits& units) : label_(label), units_(units) {}
 
-  std::vector<PathPoint> read(std::string_view text) {
+  std::vector<scenarios::PathPoint> read(std::string_view text) {
     if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
     while (!text.empty()) {
       const auto end = text.find('\n');
@@ -85,7 +86,7 @@ class Reader {
     if (points_.size() == kMaxRows) {
       fail(1, "one row too many, allowed: at most " + std::to_string(kMaxRows) + " rows");
     }
-    PathPoint point;
+    scenarios::PathPoint point;
     const auto time = value<double>(fields[0], 0, kMaxSeconds * units_.per_second, units_.time);
     point.seconds = time / units_.per_second;
     point.position.x = value<float>(fields[1], 1, kMaxMetres, units_.length);
@@ -93,8 +94,8 @@ class Reader {
     if (units_.merge && !points_.empty() && point.seconds == points_.back().seconds) points_.pop_back();
     if (!points_.empty() && point.seconds <= points_.back().seconds) {
       const std::string unit = " " + std::string(units_.time);
-      fail(fields[0].column, "t is " + number_text(time) + unit + ", allowed: more than " + number_text(last_) + unit +
-                                 ", the t of the row before");
+      fail(fields[0].column, "t is " + scenarios::number_text(time) + unit + ", allowed: more than " +
+                                 scenarios::number_text(last_) + unit + ", the t of the row before");
     }
     last_ = time;
     points_.push_back(point);
@@ -133,8 +134,8 @@ class Reader {
     const std::optional<Number> v = number<Number>(field.text);
     if (!v || !std::isfinite(*v) || *v < -limit || *v > limit) {
       fail(field.column, std::string(kNames[index]) + " is " + quoted(field.text) + (v ? "" : ", not a number") +
-                             ", allowed: " + number_text(-limit) + " .. " + number_text(limit) + " " +
-                             std::string(unit));
+                             ", allowed: " + scenarios::number_text(-limit) + " .. " + scenarios::number_text(limit) +
+                             " " + std::string(unit));
     }
     return *v;
   }
@@ -148,23 +149,23 @@ class Reader {
   double last_ = 0;  ///< t of the row before, as written
   std::size_t line_ = 0;
   bool first_ = true;
-  std::vector<PathPoint> points_;
+  std::vector<scenarios::PathPoint> points_;
 };
 
 }  // namespace
 
-Path parse_path_csv(std::string_view text, std::string_view label, const PathUnits& units) {
-  return Path(Reader(label, units).read(text));
+scenarios::Path parse_path_csv(std::string_view text, std::string_view label, const PathUnits& units) {
+  return scenarios::Path(Reader(label, units).read(text));
 }
 
-std::string write_path_csv(const Path& path) {
+std::string write_path_csv(const scenarios::Path& path) {
   std::string text = "t,x,y\n";
-  for (const PathPoint& p : path.points()) {
-    text += number_text(p.seconds) + ",";
-    text += number_text(p.position.x) + ",";
-    text += number_text(p.position.y) + "\n";
+  for (const scenarios::PathPoint& p : path.points()) {
+    text += scenarios::number_text(p.seconds) + ",";
+    text += scenarios::number_text(p.position.x) + ",";
+    text += scenarios::number_text(p.position.y) + "\n";
   }
   return text;
 }
 
-}  // namespace padr::scenarios
+}  // namespace padr::shell

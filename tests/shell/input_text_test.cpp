@@ -6,14 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "common/scenarios/input.h"
 #include "common/scenarios/scenarios.h"
 #include "common/scenarios/wander.h"
+#include "shell/input_text.h"
 #include "tests/scenarios/support.h"
 
 namespace padr::scenarios {
 namespace {
 
+using shell::InputContext;
+using shell::make_input;
 using testing::error_of;
 using testing::first_seed;
 

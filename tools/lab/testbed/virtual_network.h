@@ -29,6 +29,7 @@ struct VirtualNetworkConfig {
   wire::SealMode seal = wire::SealMode::kNone;   ///< not kNone: the session has a key, drawn with the seed
   bool refusals = false;                         ///< senders are told where nobody listens any more
   double most_ppm = 100;                         ///< how far a peer's clock may be off its rate
+  std::function<double(int person)> ppm;         ///< by how much it is; empty: drawn
   std::function<sync::Fault(int person)> fault;  ///< for tests only
   /// The machine a person runs on. Who is on the same one can be reached at its loopback address, too. Empty: everybody
   /// has a machine of their own.
@@ -55,6 +56,8 @@ class VirtualNetwork {
   /// What one person sends another vanishes, or no longer; the other way goes on as it is.
   void cut(int from, int to, bool off) { off ? (void)cuts_.insert({from, to}) : (void)cuts_.erase({from, to}); }
   void shape(const link::NetemSpec& netem);
+  /// Of one directed link, until all are shaped.
+  void shape(int from, int to, const link::NetemSpec& netem) { shim(from, to, false).set_spec(now_, netem); }
   /// Somebody says so in the name of the machine that is there.
   void tell_unreachable(int person, const Endpoint& where) { persons_[at(person)].refused.push_back(where); }
   const Endpoint& place_of(int person) const { return persons_[at(person)].place; }
@@ -84,10 +87,8 @@ class VirtualNetwork {
 
   /// A tick has become final in an incarnation of a person's.
   std::function<void(int person, int incarnation, const sync::FoldState&, std::uint64_t hash)> on_confirmed;
-  /// Somebody is about to get this way to the network; it may be spoilt.
-  std::function<void(int person, node::ChannelConfig&)> on_gate;
-  /// What becomes of what somebody who is about to start sends, before it is sealed; nothing: nothing does.
-  std::function<std::function<std::vector<node::Parcel>(node::Parcel)>(int person)> on_tamper;
+  /// Somebody is about to start with this; it may be changed.
+  std::function<void(int person, node::ParticipantConfig&)> on_start;
   /// Whatever is on its way to somebody, from a place.
   std::function<void(const Endpoint& from, int to, std::span<const std::byte> datagram)> on_datagram;
   /// Somebody who is at no person's place sends something, which arrives at once.
@@ -119,7 +120,7 @@ class VirtualNetwork {
     std::vector<std::string> notes;
   };
   static std::size_t at(int person) { return static_cast<std::size_t>(person); }
-  node::ChannelConfig channels_of(int person, Rng& rng) const;
+  node::ChannelConfig channels_of(Rng& rng) const;
   Micros local(const Person& p) const;
   void deliver();
   void turn(int person);

@@ -7,12 +7,20 @@
 #include <vector>
 
 #include "common/scenarios/path.h"
-#include "common/scenarios/path_survey.h"
+#include "shell/path_csv.h"
+#include "shell/path_survey.h"
 #include "tests/scenarios/support.h"
 
 namespace padr::scenarios {
 namespace {
 
+using shell::fit_path;
+using shell::notes_on_path;
+using shell::parse_path_csv;
+using shell::PathNotes;
+using shell::PathUnits;
+using shell::survey_path;
+using shell::write_path_csv;
 using testing::error_of;
 
 TEST(PathCsv, ReadsWhatPeopleAndTheirToolsWrite) {

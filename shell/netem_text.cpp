@@ -1,15 +1,19 @@
-#include "common/link/netem_spec.h"
+#include "shell/netem_text.h"
 
 #include <algorithm>
 #include <array>
 #include <set>
 
-#include "common/link/netem_words.h"
 #include "common/model/user_error.h"
+#include "shell/netem_words.h"
 
-namespace padr::link {
+namespace padr::shell {
 
 namespace {
+
+using link::Distribution;
+using link::Nanos;
+using link::NetemSpec;
 
 using words::Word;
 
@@ -101,10 +105,15 @@ class Parser {
     return value;
   }
 
-  Knob knob(const Word& keyword, std::string_view what) {
-    Knob knob;
+  /// `into` stays as it is if no number follows.
+  void percent_if_any(link::Chance& into, std::string_view what) {
+    if (number_follows()) into = words::percent(words_[next_++], what);
+  }
+
+  link::Knob knob(const Word& keyword, std::string_view what) {
+    link::Knob knob;
     knob.chance = words::percent(need(keyword, "a percentage"), what);
-    if (number_follows()) knob.correlation = words::percent(words_[next_++], "correlation");
+    percent_if_any(knob.correlation, "correlation");
     if (knob.chance == 0) knob = {};  // one way to say never
     return knob;
   }
@@ -118,16 +127,16 @@ class Parser {
 
   void delay(const Word& keyword) {
     delay_keyword_ = keyword;
-    DelaySpec& delay = spec_.delay;
+    link::DelaySpec& delay = spec_.delay;
     delay.jitter = 0;
     delay.correlation = 0;
     delay.mean = time(need(keyword, "a TIME"), "TIME");
     if (!number_follows()) return;
     const Word& jitter = words_[next_++];
     delay.jitter = time(jitter, "JITTER");
-    if (delay.jitter > kMaxJitter) {
+    if (delay.jitter > link::kMaxJitter) {
       warn(jitter, "cut to 2.147483647s, as the kernel does");
-      delay.jitter = kMaxJitter;
+      delay.jitter = link::kMaxJitter;
     }
     if (!number_follows()) return;
     const Word& correlation = words_[next_++];
@@ -157,8 +166,8 @@ class Parser {
   }
 
   void random_loss(const Word& keyword) {
-    const Knob k = knob(keyword, "percentage");
-    if (k.correlation != 0 && k.chance != 0 && k.chance != kAlways) {
+    const link::Knob k = knob(keyword, "percentage");
+    if (k.correlation != 0 && k.chance != 0 && k.chance != link::kAlways) {
       warn(words_[next_ - 1],
            "correlated random loss does not keep its mean (5% 25% loses 0.2%); for bursts use loss gemodel P R");
     }
@@ -166,27 +175,27 @@ class Parser {
   }
 
   void state_loss(const Word& keyword) {
-    FourStateLoss s;
+    link::FourStateLoss s;
     s.p13 = words::percent(need(keyword, "P13, a percentage"), "P13");
-    s.p31 = kAlways - s.p13;
-    s.p23 = kAlways;
-    if (number_follows()) s.p31 = words::percent(words_[next_++], "P31");
-    if (number_follows()) s.p32 = words::percent(words_[next_++], "P32");
-    if (number_follows()) s.p23 = words::percent(words_[next_++], "P23");
-    if (number_follows()) s.p14 = words::percent(words_[next_++], "P14");
-    if (s.p13 > kAlways - s.p14) words::fail(keyword, "P13 + P14 must not be more than 100%");
-    if (s.p31 > kAlways - s.p32) words::fail(keyword, "P31 + P32 must not be more than 100%");
+    s.p31 = link::kAlways - s.p13;
+    s.p23 = link::kAlways;
+    percent_if_any(s.p31, "P31");
+    percent_if_any(s.p32, "P32");
+    percent_if_any(s.p23, "P23");
+    percent_if_any(s.p14, "P14");
+    if (s.p13 > link::kAlways - s.p14) words::fail(keyword, "P13 + P14 must not be more than 100%");
+    if (s.p31 > link::kAlways - s.p32) words::fail(keyword, "P31 + P32 must not be more than 100%");
     spec_.loss = s;
   }
 
   void gemodel_loss(const Word& keyword) {
-    GilbertElliottLoss g;
+    link::GilbertElliottLoss g;
     g.p = words::percent(need(keyword, "P, a percentage"), "P");
-    g.r = kAlways - g.p;
-    g.lose_bad = kAlways;
-    if (number_follows()) g.r = words::percent(words_[next_++], "R");
-    if (number_follows()) g.lose_bad = words::percent(words_[next_++], "1-H");
-    if (number_follows()) g.lose_good = words::percent(words_[next_++], "1-K");
+    g.r = link::kAlways - g.p;
+    g.lose_bad = link::kAlways;
+    percent_if_any(g.r, "R");
+    percent_if_any(g.lose_bad, "1-H");
+    percent_if_any(g.lose_good, "1-K");
     spec_.loss = g;
   }
 
@@ -214,22 +223,22 @@ class Parser {
   }
 
   void rate(const Word& keyword) {
-    RateSpec& rate = spec_.rate;
+    link::RateSpec& rate = spec_.rate;
     rate = {};
     const Word& value = need(keyword, "a RATE, such as 1mbit");
     bool bytes = false;
     rate.bits_per_second = words::rate(value, &bytes);
     if (bytes) warn(value, "bps is BYTES per second, as in tc; bit is bits per second");
     if (signed_number_follows()) {
-      rate.overhead =
-          static_cast<std::int32_t>(words::integer(words_[next_++], "OVERHEAD", -kMaxOverhead, kMaxOverhead));
+      rate.overhead = static_cast<std::int32_t>(
+          words::integer(words_[next_++], "OVERHEAD", -link::kMaxOverhead, link::kMaxOverhead));
     }
     if (number_follows()) {
-      rate.cell = static_cast<std::uint32_t>(words::integer(words_[next_++], "CELL", 0, kMaxOverhead));
+      rate.cell = static_cast<std::uint32_t>(words::integer(words_[next_++], "CELL", 0, link::kMaxOverhead));
     }
     if (signed_number_follows()) {
-      rate.cell_overhead =
-          static_cast<std::int32_t>(words::integer(words_[next_++], "CELLOVERHEAD", -kMaxOverhead, kMaxOverhead));
+      rate.cell_overhead = static_cast<std::int32_t>(
+          words::integer(words_[next_++], "CELLOVERHEAD", -link::kMaxOverhead, link::kMaxOverhead));
     }
     if (rate.cell == 0 && rate.cell_overhead != 0) {
       warn(words_[next_ - 1], "CELLOVERHEAD without a CELL has no effect");
@@ -239,7 +248,7 @@ class Parser {
   }
 
   void slot(const Word& keyword) {
-    SlotSpec& slot = spec_.slot;
+    link::SlotSpec& slot = spec_.slot;
     slot = {};
     const Word& first = need(keyword, "a TIME, or distribution");
     if (words::looks_like_number(first)) {
@@ -265,13 +274,14 @@ class Parser {
   }
 
   void slot_distribution(const Word& keyword) {
-    SlotSpec& slot = spec_.slot;
+    link::SlotSpec& slot = spec_.slot;
     slot.on = true;
     slot.distribution = words::distribution(need(keyword, "uniform, normal, pareto or paretonormal"));
     slot.delay = time(need(keyword, "NAME DELAY JITTER"), "DELAY");
     const Word& jitter = need(keyword, "NAME DELAY JITTER");
     slot.jitter = time(jitter, "JITTER");
-    if (slot.jitter == 0 || slot.jitter > kMaxJitter) words::fail(jitter, "JITTER must be from 1ns to 2.147483647s");
+    if (slot.jitter == 0 || slot.jitter > link::kMaxJitter)
+      words::fail(jitter, "JITTER must be from 1ns to 2.147483647s");
   }
 
   void seed(const Word& keyword) { spec_.seed = words::seed(need(keyword, "a whole number")); }
@@ -316,4 +326,4 @@ NetemSpec parse_netem(std::string_view text, std::vector<std::string>* warnings)
   return Parser(text, warnings).parse();
 }
 
-}  // namespace padr::link
+}  // namespace padr::shell

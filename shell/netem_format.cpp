@@ -3,29 +3,33 @@
 #include <string>
 #include <variant>
 
-#include "common/link/netem_spec.h"
+#include "shell/netem_text.h"
 
-namespace padr::link {
+namespace padr::shell {
 
 namespace {
 
+using link::Chance;
+using link::Distribution;
+using link::Nanos;
+
 /// The largest unit that leaves a whole number.
 std::string time_text(Nanos t) {
-  if (t % kNanosPerSecond == 0) return std::to_string(t / kNanosPerSecond) + "s";
+  if (t % link::kNanosPerSecond == 0) return std::to_string(t / link::kNanosPerSecond) + "s";
   if (t % 1'000'000 == 0) return std::to_string(t / 1'000'000) + "ms";
-  if (t % kNanosPerMicro == 0) return std::to_string(t / kNanosPerMicro) + "us";
+  if (t % link::kNanosPerMicro == 0) return std::to_string(t / link::kNanosPerMicro) + "us";
   return std::to_string(t) + "ns";
 }
 
 /// The shortest decimal that reads back as the same fixed-point value.
 std::string percent_text(Chance c) {
-  const double exact = 100.0 * c / kAlways;
+  const double exact = 100.0 * c / link::kAlways;
   char buffer[32];
   for (int digits = 0; digits < 17; ++digits) {
     const auto end = std::to_chars(buffer, buffer + sizeof buffer, exact, std::chars_format::fixed, digits).ptr;
     double back = 0;
     std::from_chars(buffer, end, back);
-    if (std::llround(back / 100.0 * kAlways) == static_cast<long long>(c)) return std::string(buffer, end) + "%";
+    if (std::llround(back / 100.0 * link::kAlways) == static_cast<long long>(c)) return std::string(buffer, end) + "%";
   }
   return std::to_string(exact) + "%";
 }
@@ -48,13 +52,13 @@ class Writer {
   Writer& time(Nanos t) { return word(time_text(t)); }
   Writer& number(std::int64_t n) { return word(std::to_string(n)); }
 
-  void knob(std::string_view name, const Knob& k) {
+  void knob(std::string_view name, const link::Knob& k) {
     if (k.chance == 0) return;
     word(name).percent(k.chance);
     if (k.correlation != 0) percent(k.correlation);
   }
 
-  void delay(const DelaySpec& d) {
+  void delay(const link::DelaySpec& d) {
     if (d.mean == 0 && d.jitter == 0) return;
     word("delay").time(d.mean);
     if (d.jitter == 0) return;
@@ -63,17 +67,17 @@ class Writer {
     if (d.distribution != Distribution::kUniform) word("distribution").word(to_string(d.distribution));
   }
 
-  void loss(const NetemSpec& spec) {
-    if (const auto* random = std::get_if<Knob>(&spec.loss)) {
+  void loss(const link::NetemSpec& spec) {
+    if (const auto* random = std::get_if<link::Knob>(&spec.loss)) {
       knob("loss", *random);
-    } else if (const auto* s = std::get_if<FourStateLoss>(&spec.loss)) {
+    } else if (const auto* s = std::get_if<link::FourStateLoss>(&spec.loss)) {
       word("loss").word("state").percent(s->p13).percent(s->p31).percent(s->p32).percent(s->p23).percent(s->p14);
-    } else if (const auto* g = std::get_if<GilbertElliottLoss>(&spec.loss)) {
+    } else if (const auto* g = std::get_if<link::GilbertElliottLoss>(&spec.loss)) {
       word("loss").word("gemodel").percent(g->p).percent(g->r).percent(g->lose_bad).percent(g->lose_good);
     }
   }
 
-  void rate(const RateSpec& r) {
+  void rate(const link::RateSpec& r) {
     if (r.bits_per_second == 0) return;
     word("rate").word(rate_text(r.bits_per_second));
     if (r.overhead == 0 && r.cell == 0 && r.cell_overhead == 0) return;
@@ -83,7 +87,7 @@ class Writer {
     if (r.cell_overhead != 0) number(r.cell_overhead);
   }
 
-  void slot(const SlotSpec& s) {
+  void slot(const link::SlotSpec& s) {
     if (!s.on) return;
     word("slot");
     if (s.distribution) {
@@ -118,7 +122,7 @@ std::string_view to_string(Distribution distribution) {
   return "uniform";
 }
 
-std::string to_string(const NetemSpec& spec) {
+std::string to_string(const link::NetemSpec& spec) {
   Writer w;
   w.delay(spec.delay);
   w.loss(spec);
@@ -128,9 +132,9 @@ std::string to_string(const NetemSpec& spec) {
   if (spec.gap > 1) w.word("gap").number(spec.gap);
   w.rate(spec.rate);
   w.slot(spec.slot);
-  if (spec.limit != NetemSpec{}.limit) w.word("limit").number(spec.limit);
+  if (spec.limit != link::NetemSpec{}.limit) w.word("limit").number(spec.limit);
   if (spec.seed) w.word("seed").word(std::to_string(*spec.seed));
   return std::move(w).text();
 }
 
-}  // namespace padr::link
+}  // namespace padr::shell

@@ -1,4 +1,4 @@
-#include "common/scenarios/path_survey.h"
+#include "shell/path_survey.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include "common/model/user_error.h"
 #include "common/scenarios/numbers.h"
 
-namespace padr::scenarios {
+namespace padr::shell {
 namespace {
 
 // An avatar that is drawn this much slower than it could go is hardly drawn at all.
@@ -18,7 +18,7 @@ bool inside(Vec2 p, const Scene& s) {
 
 /// To three digits, large numbers in full.
 std::string measure(double v) {
-  return std::abs(v) >= 100 ? number_text(std::round(v)) : rough_text(v);
+  return std::abs(v) >= 100 ? scenarios::number_text(std::round(v)) : scenarios::rough_text(v);
 }
 
 std::string range(float low, float high) {
@@ -35,28 +35,28 @@ std::string share(std::size_t part, std::size_t whole) {
 
 /// The least factor, to a tenth, by which the path's times have to grow for an avatar to keep up. Its speed over a
 /// second does not fall in proportion.
-double slow_enough(const Path& path, const Scene& scene) {
+double slow_enough(const scenarios::Path& path, const Scene& scene) {
   const auto most = static_cast<double>(scene.avatar.max_speed);
   double factor = 1;
   for (double fastest = survey_path(path, scene).fastest; fastest > most;) {
     factor = std::ceil(std::max(factor * fastest / most, factor + 0.05) * 10) / 10;
-    std::vector<PathPoint> points = path.points();
-    for (PathPoint& p : points) p.seconds *= factor;
-    fastest = survey_path(Path(std::move(points)), scene).fastest;
+    std::vector<scenarios::PathPoint> points = path.points();
+    for (scenarios::PathPoint& p : points) p.seconds *= factor;
+    fastest = survey_path(scenarios::Path(std::move(points)), scene).fastest;
   }
   return factor;
 }
 
 }  // namespace
 
-PathSurvey survey_path(const Path& path, const Scene& scene) {
-  const std::vector<PathPoint>& points = path.points();
+PathSurvey survey_path(const scenarios::Path& path, const Scene& scene) {
+  const std::vector<scenarios::PathPoint>& points = path.points();
   PathSurvey s;
   s.points = points.size();
   s.seconds = path.duration();
   s.lower = s.upper = points.front().position;
   const double span = std::min(1.0, path.duration());
-  for (const PathPoint& p : points) {
+  for (const scenarios::PathPoint& p : points) {
     s.lower = {std::min(s.lower.x, p.position.x), std::min(s.lower.y, p.position.y)};
     s.upper = {std::max(s.upper.x, p.position.x), std::max(s.upper.y, p.position.y)};
     if (!inside(p.position, scene)) ++s.outside;
@@ -69,7 +69,7 @@ PathSurvey survey_path(const Path& path, const Scene& scene) {
   return s;
 }
 
-PathNotes notes_on_path(const Path& path, std::string_view label, const Scene& scene) {
+PathNotes notes_on_path(const scenarios::Path& path, std::string_view label, const Scene& scene) {
   const PathSurvey s = survey_path(path, scene);
   const auto most = static_cast<double>(scene.avatar.max_speed);
   const std::string name = "path " + std::string(label);
@@ -86,19 +86,19 @@ PathNotes notes_on_path(const Path& path, std::string_view label, const Scene& s
     notes.warnings.push_back(name + ": at " + share(s.too_fast, s.points) +
                              " it asks for more than an avatar can do: up to " + measure(s.fastest) +
                              " m/s, but an avatar reaches only " + measure(most) + " m/s; padr-lab path --stretch " +
-                             rough_text(slow_enough(path, scene)) + " makes it slow enough");
+                             scenarios::rough_text(slow_enough(path, scene)) + " makes it slow enough");
   if (s.fastest < kIdle * most)
     notes.warnings.push_back(name + ": it hardly moves, at most " + measure(s.fastest) +
                              " m/s; are its times milliseconds?" + hint);
   return notes;
 }
 
-Path fit_path(const Path& path, std::string_view label, const Scene& scene, bool turned) {
-  std::vector<PathPoint> points = path.points();
+scenarios::Path fit_path(const scenarios::Path& path, std::string_view label, const Scene& scene, bool turned) {
+  std::vector<scenarios::PathPoint> points = path.points();
   if (turned)
-    for (PathPoint& p : points) p.position.y = -p.position.y;
+    for (scenarios::PathPoint& p : points) p.position.y = -p.position.y;
   const double begin = points.front().seconds;
-  const PathSurvey s = survey_path(Path(points), scene);
+  const PathSurvey s = survey_path(scenarios::Path(points), scene);
   const auto side = [](float low, float high) { return static_cast<double>(high) - static_cast<double>(low); };
   const double width = side(s.lower.x, s.upper.x);
   const double height = side(s.lower.y, s.upper.y);
@@ -114,12 +114,12 @@ Path fit_path(const Path& path, std::string_view label, const Scene& scene, bool
     const double world = (static_cast<double>(world_low) + static_cast<double>(world_high)) / 2;
     return static_cast<float>(world + (static_cast<double>(v) - middle) * scale);
   };
-  for (PathPoint& p : points) {
+  for (scenarios::PathPoint& p : points) {
     p.seconds -= begin;
     p.position = {fitted(p.position.x, s.lower.x, s.upper.x, scene.lower.x, scene.upper.x),
                   fitted(p.position.y, s.lower.y, s.upper.y, scene.lower.y, scene.upper.y)};
   }
-  return Path(std::move(points));
+  return scenarios::Path(std::move(points));
 }
 
-}  // namespace padr::scenarios
+}  // namespace padr::shell

@@ -1,23 +1,23 @@
-#include "common/participant/late_joiner.h"
+#include "common/participant/entry.h"
 
 #include <algorithm>
 
 namespace padr::node {
 
-LateJoiner::LateJoiner(SessionState& session, const Endpoint& by, const wire::Welcome& welcome, Micros local)
+Entry::Entry(SessionState& session, const Endpoint& by, const wire::Welcome& welcome, Micros local)
     : session_(session), by_(by), nonce_(welcome.nonce), cookie_(welcome.cookie), heard_(local) {
   advance(local);
 }
 
-void LateJoiner::on_pong(const Endpoint& from, const wire::Pong& pong, Micros local) {
-  if (from != by_ || pong.sent > local || local - pong.sent > SessionPace::kSilence || pong.sent < session_.born)
-    return;
+void Entry::on_pong(const Endpoint& from, const wire::Pong& pong, Micros local) {
+  if (from != by_ || pong.sent > local || local - pong.sent > kOldestPong || pong.sent < session_.born) return;
   heard_ = local;
-  offset_.add(pong.sent, pong.founder, local);
+  offset_.add(pong.sent, pong.session, local);
+  if (ready_) session_.clock.set(offset_.offset());
   finish_if_complete();
 }
 
-void LateJoiner::on_piece(const Endpoint& from, const wire::Piece& piece, Micros local) {
+void Entry::on_piece(const Endpoint& from, const wire::Piece& piece, Micros local) {
   if (from != by_ || piece.nonce != nonce_ || ready_) return;
   if (pieces_.empty()) {
     pieces_.resize(piece.count);
@@ -30,14 +30,14 @@ void LateJoiner::on_piece(const Endpoint& from, const wire::Piece& piece, Micros
   finish_if_complete();
 }
 
-void LateJoiner::finish_if_complete() {
+void Entry::finish_if_complete() {
   if (ready_ || pieces_.empty() || missing_ > 0 || offset_.samples() < kSamples) return;
   for (const wire::Bytes& p : pieces_) transfer_.insert(transfer_.end(), p.begin(), p.end());
   session_.clock.set(offset_.offset());
   ready_ = true;
 }
 
-void LateJoiner::pull(Micros local) {
+void Entry::pull(Micros local) {
   pulled_ = local;
   wire::Pull p{nonce_, 0, ~std::uint64_t{0}, cookie_};
   if (!pieces_.empty()) {
@@ -50,32 +50,36 @@ void LateJoiner::pull(Micros local) {
   session_.send(by_, p);
 }
 
-void LateJoiner::on_redirect(const Endpoint& from, const wire::Redirect& redirect) {
+void Entry::on_redirect(const Endpoint& from, const wire::Redirect& redirect) {
   if (from == by_ && redirect.nonce == nonce_ && entering_) lost_ = true;
 }
 
 // Not at once: whoever looks between two advances must not take for the end what is only another beginning.
-void LateJoiner::on_unreachable(const Endpoint& at) {
+void Entry::on_unreachable(const Endpoint& at) {
   if (at == by_) lost_ = true;
 }
 
-void LateJoiner::advance(Micros local) {
+void Entry::advance(Micros local) {
   lost_ = lost_ || local - heard_ > kPatience;
   if (lost_)
     return session_.fail("peer at " + to_string(by_) +
                          " has ended, is silent, or names another peer, before this peer was admitted");
-  // With the clock agreed it is only to hear whether who lets us in is still there, until its word is all we wait for.
-  const bool measures = offset_.samples() < OffsetEstimator::kKept;
-  if (local - pinged_ >= (measures ? kPing : kIdlePing) && (measures || !entering_)) {
-    pinged_ = local;
-    session_.send(by_, wire::Ping{local});
-  }
+  measure(local);
   const Micros again = std::max(kAgain, offset_.round_trip() + offset_.round_trip() / 2);
   if ((pieces_.empty() || missing_ > 0) && local - pulled_ >= again) pull(local);
   if (entering_ && local - entered_ >= kAgain) enter(local);
 }
 
-void LateJoiner::enter(Micros local) {
+// With the clock agreed it is only to hear whether who lets us in is still there, until its word is all we wait for.
+void Entry::measure(Micros local) {
+  const bool measures = offset_.samples() < OffsetEstimator::kKept;
+  if (local - heard_ > kPatience) return;  // it is gone, or has forgotten us
+  if (local - pinged_ < (measures ? kPing : kIdlePing) || (!measures && entering_)) return;
+  pinged_ = local;
+  session_.send(by_, wire::Ping{local});
+}
+
+void Entry::enter(Micros local) {
   entering_ = true;
   entered_ = local;
   session_.send(by_, wire::Enter{nonce_});

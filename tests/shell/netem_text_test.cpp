@@ -1,4 +1,4 @@
-#include "common/link/netem_spec.h"
+#include "shell/netem_text.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,10 @@
 #include "common/model/user_error.h"
 #include "tests/link/harness.h"
 
-namespace padr::link {
+namespace padr::shell {
 namespace {
+
+using link::NetemSpec;
 
 /// The one line of the error; a failure if there is none.
 std::string error_of(std::string_view text) {
@@ -130,7 +132,7 @@ constexpr Accepted kAccepted[] = {
     {"loss .5", "loss 0.5%"},
 };
 
-TEST(NetemSpec, AcceptsWhatTcAccepts) {
+TEST(NetemText, AcceptsWhatTcAccepts) {
   for (const Accepted& a : kAccepted) {
     SCOPED_TRACE(a.text);
     NetemSpec spec;
@@ -215,7 +217,7 @@ constexpr Rejected kRejected[] = {
     {"delay \x01\xff", "word 2 \"\\x01\\xff\"", "s, ms, us or ns"},
 };
 
-TEST(NetemSpec, RejectsAndNamesTheWord) {
+TEST(NetemText, RejectsAndNamesTheWord) {
   for (const Rejected& r : kRejected) {
     SCOPED_TRACE(r.text);
     const std::string message = error_of(r.text);
@@ -225,13 +227,13 @@ TEST(NetemSpec, RejectsAndNamesTheWord) {
   }
 }
 
-TEST(NetemSpec, ValuesAreFixedPoint) {
+TEST(NetemText, ValuesAreFixedPoint) {
   const NetemSpec spec = parse_netem("loss 50% corrupt 100%");
-  EXPECT_EQ(std::get<Knob>(spec.loss).chance, 0x80000000U);
-  EXPECT_EQ(spec.corrupt.chance, kAlways);
+  EXPECT_EQ(std::get<link::Knob>(spec.loss).chance, 0x80000000U);
+  EXPECT_EQ(spec.corrupt.chance, link::kAlways);
 }
 
-TEST(NetemSpec, WarnsOfWhatIsRarelyMeant) {
+TEST(NetemText, WarnsOfWhatIsRarelyMeant) {
   struct Case {
     const char* text;
     const char* says;
@@ -255,13 +257,13 @@ TEST(NetemSpec, WarnsOfWhatIsRarelyMeant) {
 
 /// Words of the grammar and noise, in any order: a specification that reads back as itself and that a shim can run,
 /// or one printable line.
-TEST(NetemSpec, SurvivesGarbage) {
+TEST(NetemText, SurvivesGarbage) {
   const char* const kWords[] = {
       "limit",   "delay", "latency",   "loss",         "drop",   "random", "state",   "gemodel", "ecn",  "reorder",
       "corrupt", "gap",   "duplicate", "distribution", "normal", "pareto", "uniform", "rate",    "slot", "packets",
       "bytes",   "seed",  "1ms",       "20ms",         "5%",     "100%",   "25",      "0",       "-3",   "1mbit",
       "8kbps",   "9e99",  ".",         "1.2.3",        "0x10",   "%",      "1e",      "d",       "r",    "\xC3\xA4"};
-  Rng rng(testing::seed());
+  Rng rng(link::testing::seed());
   int accepted = 0;
   for (std::uint32_t i = 0; i < 50'000; ++i) {
     std::string text;
@@ -274,13 +276,13 @@ TEST(NetemSpec, SurvivesGarbage) {
       }
       text += ' ';
     }
-    SCOPED_TRACE(testing::seed_note() + " text: " + text);
+    SCOPED_TRACE(link::testing::seed_note() + " text: " + text);
     try {
       const NetemSpec spec = parse_netem(text);
       ++accepted;
       ASSERT_EQ(parse_netem(to_string(spec)), spec) << to_string(spec);
-      Shim shim(spec, i);
-      for (int n = 0; n < 5; ++n) shim.accept(n * 1000, testing::numbered(7));
+      link::Shim shim(spec, i);
+      for (int n = 0; n < 5; ++n) shim.accept(n * 1000, link::testing::numbered(7));
       while (shim.release(Micros{1} << 50U)) continue;
       ASSERT_EQ(shim.in_flight(), 0U);
     } catch (const UserError& e) {
@@ -292,4 +294,4 @@ TEST(NetemSpec, SurvivesGarbage) {
 }
 
 }  // namespace
-}  // namespace padr::link
+}  // namespace padr::shell

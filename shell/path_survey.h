@@ -8,7 +8,7 @@
 #include "common/model/scene.h"
 #include "common/scenarios/path.h"
 
-namespace padr::scenarios {
+namespace padr::shell {
 
 /// What a path asks for, beside what a scene has.
 struct PathSurvey {
@@ -21,18 +21,18 @@ struct PathSurvey {
   double fastest = 0;
   std::size_t too_fast = 0;  ///< points after which that is more than the avatar's greatest speed
 };
-PathSurvey survey_path(const Path& path, const Scene& scene);
+PathSurvey survey_path(const scenarios::Path& path, const Scene& scene);
 
 /// For people: what the path asks for and what the world has.
 struct PathNotes {
   std::string summary;
   std::vector<std::string> warnings;  ///< that its units are others, or it is of another world
 };
-PathNotes notes_on_path(const Path& path, std::string_view label, const Scene& scene);
+PathNotes notes_on_path(const scenarios::Path& path, std::string_view label, const Scene& scene);
 
 /// The path scaled alike in x and y and moved, so that its box fills the play area, less the avatar's radius, in the
 /// middle; its first point is at 0 s. `turned`: y grows downwards in it, as in pictures and windows. Throws UserError,
 /// which begins with `label`, if it does not move.
-Path fit_path(const Path& path, std::string_view label, const Scene& scene, bool turned);
+scenarios::Path fit_path(const scenarios::Path& path, std::string_view label, const Scene& scene, bool turned);
 
-}  // namespace padr::scenarios
+}  // namespace padr::shell

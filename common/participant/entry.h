@@ -6,12 +6,12 @@
 
 namespace padr::node {
 
-/// A newcomer to a session that runs: agrees its clock with the coordinator, pulls the agreed world piece by piece, and
-/// then asks to be admitted. What gets lost is asked for again.
-class LateJoiner {
+/// What follows a Welcome: agrees the clock with whoever lets us in, pulls the agreed world piece by piece, and then
+/// asks to be admitted. What gets lost is asked for again.
+class Entry {
  public:
   /// `by` has welcomed our Join.
-  LateJoiner(SessionState& session, const Endpoint& by, const wire::Welcome& welcome, Micros local);
+  Entry(SessionState& session, const Endpoint& by, const wire::Welcome& welcome, Micros local);
 
   void on_pong(const Endpoint& from, const wire::Pong& pong, Micros local);
   void on_piece(const Endpoint& from, const wire::Piece& piece, Micros local);
@@ -20,6 +20,8 @@ class LateJoiner {
   /// The machine at `at` says that nobody listens there.
   void on_unreachable(const Endpoint& at);
   void advance(Micros local);
+  /// Asks for the time, until it is known as well as it ever will be.
+  void measure(Micros local);
   /// Asks to be admitted from now on.
   void enter(Micros local);
 
@@ -33,6 +35,7 @@ class LateJoiner {
 
   static constexpr Micros kPing = 10'000;
   static constexpr Micros kIdlePing = 500'000;
+  static constexpr Micros kOldestPong = 5'000'000;
   static constexpr std::size_t kSamples = 8;
   static constexpr Micros kAgain = 50'000;        ///< between two Enters, and Pulls of what is missing at least
   static constexpr Micros kPatience = 2'500'000;  ///< with a coordinator that says nothing any more

@@ -1,4 +1,4 @@
-#include "common/link/netem_words.h"
+#include "shell/netem_words.h"
 
 #include <algorithm>
 #include <array>
@@ -8,10 +8,15 @@
 #include <utility>
 
 #include "common/model/user_error.h"
+#include "shell/netem_text.h"
 
-namespace padr::link::words {
+namespace padr::shell::words {
 
 namespace {
+
+using link::Chance;
+using link::Distribution;
+using link::Nanos;
 
 struct Unit {
   std::string_view name;
@@ -148,14 +153,14 @@ bool looks_like_signed_number(const Word& word) {
 }
 
 Nanos duration(const Word& word, std::string_view what, bool* bare) {
-  const std::string allowed = wanted(
-      what, "0 to " + std::to_string(kMaxTime / kNanosPerSecond) + "s, with s, ms, us or ns, as in 20ms or 1.5s");
+  const std::string allowed = wanted(what, "0 to " + std::to_string(link::kMaxTime / link::kNanosPerSecond) +
+                                               "s, with s, ms, us or ns, as in 20ms or 1.5s");
   const auto number = leading_number(word.text);
   if (!number) fail(word, allowed);
   const auto [value, unit] = *number;
   *bare = unit.empty();
   const auto factor = *bare ? std::optional<double>(1e3) : factor_of(kTimeUnits, unit);
-  if (!factor || value * *factor > static_cast<double>(kMaxTime)) fail(word, allowed);
+  if (!factor || value * *factor > static_cast<double>(link::kMaxTime)) fail(word, allowed);
   return std::llround(value * *factor);
 }
 
@@ -164,14 +169,14 @@ Chance percent(const Word& word, std::string_view what) {
   if (!number || !(number->second.empty() || number->second == "%") || number->first > 100.0) {
     fail(word, wanted(what, "0% to 100%, the % may be left out"));
   }
-  return static_cast<Chance>(std::llround(number->first / 100.0 * kAlways));
+  return static_cast<Chance>(std::llround(number->first / 100.0 * link::kAlways));
 }
 
 std::uint64_t rate(const Word& word, bool* bytes_per_second) {
   const auto number = leading_number(word.text);
   const auto factor = number ? factor_of(kRateUnits, number->second) : std::nullopt;
   const double bits = factor ? number->first * *factor : -1.0;
-  if (bits < 0 || (bits > 0 && bits < 1) || bits > static_cast<double>(kMaxRate)) {
+  if (bits < 0 || (bits > 0 && bits < 1) || bits > static_cast<double>(link::kMaxRate)) {
     fail(word, wanted("RATE",
                       "0 (unlimited) or 1bit to 10tbit a second, with bit, kbit, mbit, gbit (bits) or bps, kbps, mbps, "
                       "gbps (BYTES); a share of an interface's speed is unknown here"));
@@ -218,4 +223,4 @@ Distribution distribution(const Word& word) {
                     "paretonormal"));
 }
 
-}  // namespace padr::link::words
+}  // namespace padr::shell::words

@@ -1,15 +1,15 @@
-#include "tools/lab/chaos/virtual_network.h"
+#include "tools/lab/testbed/virtual_network.h"
 
 #include <cmath>
 #include <utility>
 
 #include "common/world/world.h"
+#include "shell/input_text.h"
 
 namespace padr::lab {
 namespace {
 
 constexpr std::size_t kSocketBuffer = 300;  // datagrams
-constexpr int kStepsPerTurn = 8;
 
 Endpoint place(int host, std::uint16_t port) {
   return ipv4({10, 0, static_cast<std::uint8_t>(host >> 8), static_cast<std::uint8_t>(host)}, port);
@@ -37,10 +37,10 @@ int VirtualNetwork::start(std::optional<int> by, bool over_loopback) {
   p.place = place(p.host + 1, static_cast<std::uint16_t>(config_.host ? 7000 + n : 7000));
   p.offset = static_cast<Micros>(rng.below(1'000'000)) * 10'000;
   p.rate = 1 + rng.uniform(-config_.most_ppm, config_.most_ppm) * 1e-6;
+  if (config_.ppm) p.rate = 1 + config_.ppm(n) * 1e-6;
   p.born = now_;
   const auto spawns = static_cast<int>(config_.scene.avatar.spawns.size());
-  p.input =
-      scenarios::make_input("wander", {config_.scene, n % spawns, derive_seed(config_.seed, 7, rng.next_u64()), {}});
+  p.input = shell::make_input("wander", {config_.scene, n % spawns, derive_seed(config_.seed, 7, rng.next_u64()), {}});
   node::ParticipantConfig c;
   if (by) c.session.join = over_loopback ? on_loopback(persons_[at(*by)].place) : persons_[at(*by)].place;
   p.by = by;
@@ -56,20 +56,19 @@ int VirtualNetwork::start(std::optional<int> by, bool over_loopback) {
   c.on_confirmed = [this, n](int incarnation, const sync::FoldState& s, std::uint64_t hash) {
     if (on_confirmed) on_confirmed(n, incarnation, s, hash);
   };
-  if (config_.seal != wire::SealMode::kNone) c.channels = channels_of(n, rng);
-  if (on_tamper) c.tamper = on_tamper(n);
+  if (config_.seal != wire::SealMode::kNone) c.channels = channels_of(rng);
+  if (on_start) on_start(n, c);
   by_place_[p.place] = n;
   p.peer = std::make_unique<node::Participant>(config_.scene, std::move(c), local(p));
   return n;
 }
 
-node::ChannelConfig VirtualNetwork::channels_of(int person, Rng& rng) const {
+node::ChannelConfig VirtualNetwork::channels_of(Rng& rng) const {
   node::ChannelConfig g;
   g.mode = config_.seal;
   Rng key(derive_seed(config_.seed, 0x5EA1));
   for (auto& b : g.session) b = static_cast<std::uint8_t>(key.below(256));
   for (auto& b : g.seed) b = static_cast<std::uint8_t>(rng.below(256));
-  if (on_gate) on_gate(person, g);
   return g;
 }
 
@@ -157,7 +156,7 @@ void VirtualNetwork::turn(int person) {
   }
   for (const Endpoint& e : std::exchange(p.refused, {})) p.peer->unreachable(e, now);
   if (now >= p.peer->next_due()) p.peer->advance(now);
-  for (int i = 0; i < kStepsPerTurn && p.peer->playing() && now >= p.peer->next_step(); ++i) {
+  while (p.peer->step_due(now)) {
     if (p.took < 0) p.took = now_ - p.born;
     const Vec2 target = attraction_.value_or(p.input->target(p.peer->replica().now() + 1));
     p.peer->step(target, now);

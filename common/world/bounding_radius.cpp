@@ -1,8 +1,8 @@
-#include "common/sync/bounding_radius.h"
+#include "common/world/bounding_radius.h"
 
 #include <algorithm>
 
-namespace padr::sync {
+namespace padr::world {
 namespace {
 
 // Box2D gives polygons a skin of 1 cm and lets shapes touch as soon as their skins do; the rest is for rounding.
@@ -21,18 +21,18 @@ std::vector<float> reaches(const Scene& scene, int slots) {
   return all;
 }
 
-void replace_contacts(world::Snapshot& into, const world::Snapshot& part, const std::vector<bool>& left_out) {
+void replace_contacts(Snapshot& into, const Snapshot& part, const std::vector<bool>& left_out) {
   const auto is_replaced = [&left_out](std::uint32_t key) {
     const auto is_in = [&left_out](EntityId e) { return e < left_out.size() && !left_out[e]; };
-    return is_in(world::first_of(key)) || is_in(world::second_of(key));
+    return is_in(first_of(key)) || is_in(second_of(key));
   };
-  std::erase_if(into.contacts, [&](const world::ContactState& c) { return is_replaced(c.key); });
+  std::erase_if(into.contacts, [&](const ContactState& c) { return is_replaced(c.key); });
   std::erase_if(into.parted, is_replaced);
   if (!part.contacts.empty()) {
     into.contacts.insert(into.contacts.end(), part.contacts.begin(), part.contacts.end());
-    world::sort_by_key(into.contacts);
+    sort_by_key(into.contacts);
   }
   into.parted.insert(into.parted.end(), part.parted.begin(), part.parted.end());
 }
 
-}  // namespace padr::sync
+}  // namespace padr::world

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/lab/chaos/virtual_network.h"
+#include "tools/lab/testbed/virtual_network.h"
 
 namespace padr::lab {
 

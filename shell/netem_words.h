@@ -8,8 +8,8 @@
 
 #include "common/link/netem_spec.h"
 
-/// The words of a netem specification and the values they spell. Used by netem_spec.cpp only.
-namespace padr::link::words {
+/// The words of a netem specification and the values they spell. Used by netem_text.cpp only.
+namespace padr::shell::words {
 
 struct Word {
   std::string_view text;
@@ -32,14 +32,14 @@ bool looks_like_number(const Word& word);
 bool looks_like_signed_number(const Word& word);
 
 /// Each throws UserError through fail() when `word` is no such value or out of range. `what` names the value.
-Nanos duration(const Word& word, std::string_view what, bool* bare);
-Chance percent(const Word& word, std::string_view what);
+link::Nanos duration(const Word& word, std::string_view what, bool* bare);
+link::Chance percent(const Word& word, std::string_view what);
 std::uint64_t rate(const Word& word, bool* bytes_per_second);
 /// Whole number in [lo, hi].
 std::int64_t integer(const Word& word, std::string_view what, std::int64_t lo, std::int64_t hi);
 std::uint64_t seed(const Word& word);
 /// A number with tc's size suffixes (k, kb = 1024, m, mb, g, gb, kbit, mbit, gbit), in [0, 2^32).
 std::uint32_t size(const Word& word, std::string_view what);
-Distribution distribution(const Word& word);
+link::Distribution distribution(const Word& word);
 
-}  // namespace padr::link::words
+}  // namespace padr::shell::words

@@ -1,4 +1,4 @@
-#include "tools/lab/chaos/judge.h"
+#include "tools/lab/testbed/judge.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include "common/model/scene.h"
 #include "common/world/snapshot.h"
 
-namespace padr::sync {
+namespace padr::world {
 
 // For playing some entities of a world apart from the others.
 
@@ -44,6 +44,6 @@ inline bool within_reach(Vec2 a, float reach_a, Vec2 b, float reach_b) {
 }
 
 /// Puts the contacts of `part` in place of those in `into` of entities whose bit in `left_out` is clear.
-void replace_contacts(world::Snapshot& into, const world::Snapshot& part, const std::vector<bool>& left_out);
+void replace_contacts(Snapshot& into, const Snapshot& part, const std::vector<bool>& left_out);
 
-}  // namespace padr::sync
+}  // namespace padr::world

@@ -1,4 +1,4 @@
-#include "common/scenarios/input.h"
+#include "shell/input_text.h"
 
 #include <algorithm>
 #include <charconv>
@@ -7,11 +7,12 @@
 #include "common/model/user_error.h"
 #include "common/scenarios/path.h"
 #include "common/scenarios/wander.h"
+#include "shell/path_csv.h"
 
-namespace padr::scenarios {
+namespace padr::shell {
 namespace {
 
-class Rest : public InputSource {
+class Rest : public scenarios::InputSource {
  public:
   explicit Rest(Vec2 where) : where_(where) {}
   Vec2 target(Tick /*tick*/) override { return where_; }
@@ -20,13 +21,13 @@ class Rest : public InputSource {
   Vec2 where_;
 };
 
-class PathInput : public InputSource {
+class PathInput : public scenarios::InputSource {
  public:
-  PathInput(Path path, bool loop) : path_(std::move(path)), loop_(loop) {}
+  PathInput(scenarios::Path path, bool loop) : path_(std::move(path)), loop_(loop) {}
   Vec2 target(Tick tick) override { return path_.at(static_cast<double>(tick) / kTicksPerSecond, loop_); }
 
  private:
-  Path path_;
+  scenarios::Path path_;
   bool loop_;
 };
 
@@ -34,7 +35,8 @@ class PathInput : public InputSource {
   throw UserError("input: \"" + std::string(spec) + "\" " + why);
 }
 
-std::unique_ptr<InputSource> path_input(std::string_view spec, std::string_view file, const InputContext& context) {
+std::unique_ptr<scenarios::InputSource> path_input(std::string_view spec, std::string_view file,
+                                                   const InputContext& context) {
   constexpr std::string_view kLoop = ",loop";
   const bool loop = file.ends_with(kLoop);
   if (loop) file.remove_suffix(kLoop.size());
@@ -55,7 +57,7 @@ std::uint64_t seed_of(std::string_view spec, std::string_view text) {
 
 }  // namespace
 
-std::unique_ptr<InputSource> make_input(std::string_view spec, const InputContext& context) {
+std::unique_ptr<scenarios::InputSource> make_input(std::string_view spec, const InputContext& context) {
   const std::vector<Vec2>& spawns = context.scene.avatar.spawns;
   if (context.slot < 0 || static_cast<std::size_t>(context.slot) >= spawns.size()) {
     refuse(spec, "is for avatar slot " + std::to_string(context.slot) + ", allowed in scenario " + context.scene.name +
@@ -64,13 +66,14 @@ std::unique_ptr<InputSource> make_input(std::string_view spec, const InputContex
   constexpr std::string_view kPath = "path:";
   constexpr std::string_view kWanderSeed = "wander:";
   if (spec == "rest") return std::make_unique<Rest>(spawns[static_cast<std::size_t>(context.slot)]);
-  if (spec == "wander") return std::make_unique<Wander>(wander_options(context.scene, context.slot), context.seed);
+  if (spec == "wander")
+    return std::make_unique<scenarios::Wander>(scenarios::wander_options(context.scene, context.slot), context.seed);
   if (spec.starts_with(kWanderSeed)) {
     const std::uint64_t seed = seed_of(spec, spec.substr(kWanderSeed.size()));
-    return std::make_unique<Wander>(wander_options(context.scene, context.slot), seed);
+    return std::make_unique<scenarios::Wander>(scenarios::wander_options(context.scene, context.slot), seed);
   }
   if (spec.starts_with(kPath)) return path_input(spec, spec.substr(kPath.size()), context);
   refuse(spec, "is no input, allowed: path:FILE, path:FILE,loop, wander, wander:SEED or rest");
 }
 
-}  // namespace padr::scenarios
+}  // namespace padr::shell

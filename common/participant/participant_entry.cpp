@@ -1,0 +1,200 @@
+// A Participant's coming into a session: the first time, and each time anew.
+#include <algorithm>
+#include <utility>
+
+#include "common/model/observed_address.h"
+#include "common/model/rng.h"
+#include "common/participant/participant.h"
+#include "common/wire/signature.h"
+#include "common/wire/transfer_codec.h"
+
+namespace padr::node {
+namespace {
+
+/// A transfer's tick against the session's by our clock: what lies further off is not of this session, or would take us
+/// for ever to step up to. Ticks.
+constexpr Tick kMostAhead = 2 * kTicksPerSecond;
+constexpr Tick kMostBehind = 120 * kTicksPerSecond;
+/// A newcomer steps so many ticks in one call at most: datagrams must get their turn.
+constexpr Tick kAtOnce = kTicksPerSecond;
+/// Between two attempts to come back.
+constexpr Micros kTryAgain = 500'000;
+constexpr Micros kReturnPatience = 6 * kMicrosPerSecond;
+
+}  // namespace
+
+ReplicaConfig Participant::replica_config(const Session& session) const {
+  ReplicaConfig c = config_.replica;
+  c.self = session.self();
+  c.slots = session.slots();
+  c.session = session.number();
+  c.incarnation = session.incarnation();
+  c.wanted = session.wanted();
+  if (channels_)
+    c.sign = [key = channels_->signing_key(), said = wire::Said{c.session, c.incarnation}](const sync::Bundle& b) {
+      return wire::sign_update(key, said, b);
+    };
+  return c;
+}
+
+std::optional<RecordedReplica::Recording> Participant::recording() const {
+  return config_.recording ? config_.recording(begun_) : std::nullopt;
+}
+
+Replica::ConfirmedSink Participant::sink() {
+  if (!config_.on_confirmed) return {};
+  return [this, incarnation = begun_](const sync::FoldState& s, std::uint64_t hash) {
+    config_.on_confirmed(incarnation, s, hash);
+  };
+}
+
+void Participant::bring_in_next(Micros local) {
+  Session& s = *next_.session;
+  if (s.phase() == SessionPhase::kFailed && current_.session) {
+    collect(next_);
+    next_ = {};
+    try_again_ = local + kTryAgain;
+  } else if (s.lost_introducer()) {
+    ask_again(local);
+  } else if (!next_.replica && s.phase() == SessionPhase::kMember) {
+    found();
+  } else if (!next_.replica && s.may_enter()) {
+    if (const std::string why = no_room_for(s); !why.empty()) return s.state().fail(why);
+    begin_with_transfer(local);
+  } else if (next_.replica && next_.replica->replica().member()) {
+    s.admitted();
+    take_over();
+  } else if (next_.membership) {
+    watch(next_, local);
+  } else if (next_.replica) {
+    catch_up(next_, local);
+  }
+}
+
+// Who was letting us in for the first time has ended: somebody else will.
+void Participant::ask_again(Micros local) {
+  SessionConfig c = config_.session;
+  if (c.patience > 0) c.patience -= local - began_;
+  if (config_.session.patience > 0 && c.patience <= 0) return;
+  collect(next_);
+  next_ = {};
+  c.seed = derive_seed(c.seed, 0xA6A, ++tries_);
+  next_.session = std::make_unique<Session>(c, local);
+}
+
+// The number of slots is the founder's to say: it may be mistaken, or lie.
+std::string Participant::no_room_for(const Session& session) const {
+  const std::size_t places = scene_.avatar.spawns.size();
+  if (static_cast<std::size_t>(session.slots()) <= places) return "";
+  return "the session has more avatar slots (" + std::to_string(session.slots()) +
+         ") than the scenario has places to start from (" + std::to_string(places) + ")";
+}
+
+// Not in yet: steps along, so that it is up to date when it is.
+void Participant::watch(Incarnation& incarnation, Micros local) {
+  const Micros now = incarnation.session->session_now(local);
+  for (Tick i = 0; i < kAtOnce && tick_start(incarnation.replica->replica().now() + 1) <= now; ++i) {
+    incarnation.replica->step({});
+    incarnation.membership->advance(local);
+  }
+}
+
+// From the tick of the agreed world that it was given to the present one; then it asks to be let in.
+void Participant::catch_up(Incarnation& incarnation, Micros local) {
+  if (!incarnation.replica->catch_up(kAtOnce)) return;
+  incarnation.membership = std::make_unique<Membership>(incarnation.session->state(), *incarnation.replica);
+  // Members among them are forgotten again; a slot's address says nothing, its peer may be gone.
+  for (const Endpoint& at : std::exchange(incarnation.gone, {})) incarnation.membership->remember(at);
+  incarnation.session->hand_over_to(incarnation.membership.get());
+  incarnation.session->enter(local);
+}
+
+// A session begins at tick 0 with its founder in it, a region of a crowd at the tick that its crowd is at.
+void Participant::found() {
+  const ReplicaConfig c = replica_config(*next_.session);
+  if (const auto begins_at = config_.session.begins_at) {
+    const auto now = static_cast<Tick>(*begins_at * kTicksPerSecond / kMicrosPerSecond);
+    const sync::Transfer start = sync::founding(scene_, c.slots, c.technique.authority, now, c.incarnation);
+    next_.replica = std::make_unique<RecordedReplica>(scene_, c, start, now, recording(), sink());
+    next_.replica->catch_up(0);  // it is there already
+  } else {
+    next_.replica = std::make_unique<RecordedReplica>(scene_, c, recording(), sink());
+  }
+  take_over();
+}
+
+void Participant::begin_with_transfer(Micros local) {
+  Session& s = *next_.session;
+  auto transfer = wire::decode_transfer(s.transfer(), scene_, s.slots());
+  if (!transfer || transfer->slots.size() <= s.introducer_number()) {
+    s.state().fail("the transfer of " + to_string(s.introducer()) + " does not decode");
+    return;
+  }
+  const Tick now = static_cast<Tick>(s.session_now(local) * kTicksPerSecond / kMicrosPerSecond);
+  const Tick then = transfer->state.tick;
+  if (then > now + kMostAhead || then < now - kMostBehind) {
+    s.state().fail("the transfer of " + to_string(s.introducer()) + " is of tick " + std::to_string(then) +
+                   ", but the session is at " + std::to_string(now));
+    return;
+  }
+  transfer->slots[s.introducer_number()].at = s.introducer();
+  if (channels_ && !said(*transfer, s.number())) {
+    s.state().fail("the transfer of " + to_string(s.introducer()) + " has updates without a valid signature");
+    return;
+  }
+  for (sync::Transfer::Slot& slot : transfer->slots)
+    if (slot.at.is_set()) slot.at = as_seen_from(slot.at, s.introducer());
+  if (current_.replica) {
+    const sync::FoldState* ours = current_.replica->replica().agreed().confirmed_at(then);
+    const std::string difference = ours == nullptr ? "" : first_difference(*ours, transfer->state);
+    if (!difference.empty()) s.state().note("here and there " + difference, true);
+  }
+  next_.replica =
+      std::make_unique<RecordedReplica>(scene_, replica_config(s), *transfer, std::max(now, then), recording(), sink());
+  for (const Endpoint& at : transfer->gone) next_.gone.push_back(as_seen_from(at, s.introducer()));
+  catch_up(next_, local);
+}
+
+void Participant::take_over() {
+  Incarnation before = std::move(current_);
+  current_ = std::move(next_);
+  next_ = {};
+  ++begun_;
+  if (!current_.membership) {
+    current_.membership = std::make_unique<Membership>(current_.session->state(), *current_.replica);
+    current_.session->hand_over_to(current_.membership.get());
+  }
+  if (left_at_) plan_farewell();  // told to leave before it was in
+  if (!before.session) return;
+  collect(before);
+  for (PeerId p = 0; p < before.session->slots(); ++p)
+    current_.membership->remember(before.replica->replica().other(p).at);
+  before.replica->finish(true);
+}
+
+void Participant::look_for_way_back(Micros local) {
+  if (left_at_) return;
+  const auto where = current_.membership->way_back();
+  if (where) current_.membership->announce_way_back();
+  if (!where && next_.session && !next_.replica) next_ = {};  // no need any more
+  if (next_.session || local < try_again_ || !where || !where->is_set()) return;
+  SessionConfig c = config_.session;
+  c.join = *where;
+  c.seed = derive_seed(c.seed, 0xBAC, ++tries_);
+  c.patience = kReturnPatience;
+  next_.session = std::make_unique<Session>(c, local);
+}
+
+// Whoever goes on waiting may well be joined by those who are still missing.
+void Participant::give_up_waiting(Micros local) {
+  const Micros patience = config_.session.patience;
+  const sync::Start start = replica().start();
+  const bool all_there = session().present() >= start.wanted;
+  if (left_at_ || patience == 0 || all_there || local - began_ < patience) return;
+  current_.session->state().failure = "only " + std::to_string(session().present()) + " of " +
+                                      std::to_string(start.wanted) + " peers came within " +
+                                      std::to_string(patience / kMicrosPerSecond) + " s";
+  leave(local);
+}
+
+}  // namespace padr::node
