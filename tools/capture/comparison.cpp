@@ -20,7 +20,8 @@ std::uint64_t content_of(std::span<const std::byte> b) {
   return std::hash<std::string_view>()({reinterpret_cast<const char*>(b.data()), b.size()});
 }
 
-/// Copies of one datagram are no further apart, ticks: the other one may have passed before the capture began.
+/// The network turns the order of datagrams round by no more than this, ticks. So near to where it begins or ends a capture
+/// may lack a datagram, or one of its copies, and have those told before and after it.
 constexpr Tick kEdge = kTicksPerSecond;
 
 void judge(const Passage& p, Tick first, Tick last, bool sender_clean, Tick sender_end, LinkStory& l) {
@@ -28,6 +29,7 @@ void judge(const Passage& p, Tick first, Tick last, bool sender_clean, Tick send
   l.captured += p.captured;
   l.received += p.received;
   const bool within = p.tick >= first && p.tick <= last;
+  const bool at_edge = p.tick <= first + kEdge || p.tick >= last - kEdge;
   if (p.captured > std::max(p.sent, 1U)) l.duplicates += p.captured - std::max(p.sent, 1U);
   if (l.sender_told && p.sent == 0) {
     if (!sender_clean && p.tick >= sender_end) {
@@ -35,9 +37,9 @@ void judge(const Passage& p, Tick first, Tick last, bool sender_clean, Tick send
     } else {
       l.contradictions.push_back(p);
     }
-  } else if (p.captured == 0 && !within) {
+  } else if (p.captured == 0 && (!within || (at_edge && p.received > 0))) {
     ++l.outside;
-  } else if (p.received > p.captured && (p.captured == 0 || p.tick > first + kEdge)) {
+  } else if (p.received > p.captured && !at_edge) {
     l.contradictions.push_back(p);
   } else if (p.captured == 0) {
     l.lost_before.push_back(p);

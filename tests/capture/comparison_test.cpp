@@ -1,0 +1,96 @@
+#include "tools/capture/comparison.h"
+
+#include <functional>
+#include <string>
+
+#include "common/trace/trace_writer.h"
+#include "common/wire/codec.h"
+#include "common/wire/seal.h"
+#include "tests/shell.h"
+
+// A capture against the traces of a sender, peer 0, and a receiver, peer 1.
+namespace padr::capture {
+namespace {
+
+constexpr std::uint16_t kSession = 5;
+constexpr Tick kSent = 600;  ///< a datagram each tick, of which all arrive
+
+class ComparisonTest : public test::Shell {
+ protected:
+  /// `seq`: and the tick, too.
+  static wire::Bytes datagram(std::uint32_t seq, PeerId from = 0) {
+    sync::StatePacket p;
+    p.seq = seq;
+    p.mark_tick = static_cast<Tick>(seq);
+    return wire::seal({wire::Kind::kState, from, kSession}, wire::encode(p));
+  }
+  void trace_of(PeerId peer, Comparison& c) const {
+    std::string text;
+    trace::Header h;
+    h.peer = peer;
+    h.peers = h.slots = 2;
+    h.session = kSession;
+    trace::TraceWriter w(h, [&](std::span<const std::byte> b) {
+      text.append(reinterpret_cast<const char*>(b.data()), b.size());
+    });
+    const trace::LiveView nothing{std::vector<BodyState>(2), std::vector<Vec2>(2)};
+    w.step({}, nothing);
+    for (Tick t = 1; t <= kSent; ++t) {
+      trace::Step step;
+      step.tick = t;
+      w.step(step, nothing);
+      const wire::Bytes d = datagram(static_cast<std::uint32_t>(t));
+      if (peer == 0) w.sent(1, t, d);
+      if (peer == 1) w.received(t, d);
+    }
+    if (peer == 1) w.sent(0, kSent, datagram(1, 1));
+    w.footer({});
+    const std::string name = "peer" + std::to_string(peer) + ".trace";
+    write(name, text);
+    c.add_trace(path(name));
+  }
+  static Endpoint end(PeerId peer) {
+    Endpoint e;
+    e.port = static_cast<std::uint16_t>(4001 + peer);
+    return e;
+  }
+  static void capture(const wire::Bytes& payload, PeerId from, Comparison& c) {
+    Datagram d;
+    d.from = end(from);
+    d.to = end(1 - from);
+    d.payload = payload;
+    c.add(d);
+  }
+  /// Of peer 0's datagrams, those for which `has` says so; of peer 1's the one that tells who it is.
+  LinkStory link(const std::function<bool(Tick)>& has) const {
+    Comparison c;
+    trace_of(0, c);
+    trace_of(1, c);
+    capture(datagram(1, 1), 1, c);
+    for (Tick t = 1; t <= kSent; ++t)
+      if (has(t)) capture(datagram(static_cast<std::uint32_t>(t)), 0, c);
+    for (const LinkStory& l : c.links())
+      if (l.from.slot == 0) return l;
+    ADD_FAILURE() << "no link from peer 0";
+    return {};
+  }
+};
+
+// The network turns the order of datagrams round: where a capture begins or ends, an older one may be in it and a newer one not.
+TEST_F(ComparisonTest, OrderAtTheEdgesOfACaptureIsNoContradiction) {
+  const LinkStory begins = link([](Tick t) { return t >= 200 && t != 201; });
+  EXPECT_TRUE(begins.contradictions.empty());
+  EXPECT_EQ(begins.outside, 200U);
+  const LinkStory ends = link([](Tick t) { return t <= 400 && t != 399; });
+  EXPECT_TRUE(ends.contradictions.empty());
+  EXPECT_EQ(ends.outside, 201U);
+}
+
+TEST_F(ComparisonTest, WhatArrivedAndIsMissingInTheMiddleContradicts) {
+  const LinkStory l = link([](Tick t) { return t >= 200 && t != 400; });
+  ASSERT_EQ(l.contradictions.size(), 1U);
+  EXPECT_EQ(l.contradictions.front().tick, 400);
+}
+
+}  // namespace
+}  // namespace padr::capture
