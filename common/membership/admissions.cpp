@@ -128,12 +128,15 @@ void Admissions::on_ping(const Endpoint& from, const wire::Ping& ping, Micros lo
 }
 
 void Admissions::on_pull(const Endpoint& from, const wire::Pull& pull, const Replica& replica,
-                         std::vector<Endpoint> gone, Commands& out) {
+                         std::vector<Endpoint> gone, Micros local, Commands& out) {
   Guest* guest = guest_at(from, pull.nonce);
   // All pieces together are many times as long as a Pull: an address that is not proven gets none.
   if (guest == nullptr || pull.cookie != guest->cookie) return;
   guest->proven = true;
   if (guest->pieces.empty()) {
+    guest->since = local;  // nobody is forgotten who waits
+    const auto coming_in = [&](const Guest& g) { return !g.pieces.empty() && !g.ordered && local - g.since < kTurn; };
+    if (std::count_if(guests_.begin(), guests_.end(), coming_in) >= kAtOnce) return;
     sync::Transfer t = replica.transfer();
     t.gone = std::move(gone);
     const wire::Bytes all = wire::encode_transfer(t);

@@ -17,13 +17,18 @@ class Admissions {
   void on_ping(const Endpoint& from, const wire::Ping& ping, Micros local, Commands& out);
   /// `gone`: see sync::Transfer.
   void on_pull(const Endpoint& from, const wire::Pull& pull, const Replica& replica, std::vector<Endpoint> gone,
-               Commands& out);
+               Micros local, Commands& out);
   /// `may_admit`: no eviction is under way.
   void on_enter(const Endpoint& from, const wire::Enter& enter, const Replica& replica, bool may_admit, Commands& out);
   /// Another peer is the coordinator now: redirects the joiner to it, unless it is admitted already.
   void pass_on(const Endpoint& from, const wire::Enter& enter, const Endpoint& coordinator, Commands& out);
   /// Time to show that its address is its own: somebody who invents addresses takes no slot from others for longer; us.
   static constexpr Micros kUnproven = 3 * kMicrosPerSecond;
+  /// Most joiners that are given the world at the same time. Each admission is work for all members, so a crowd that
+  /// comes at once overloads a slow machine unless its members take turns.
+  static constexpr std::ptrdiff_t kAtOnce = 4;
+  /// Time after which a joiner no longer keeps the others waiting: it may have vanished, or be slow; us.
+  static constexpr Micros kTurn = 2 * kMicrosPerSecond;
 
   /// Forgets joiners that have not come in.
   void advance(Micros local);
@@ -38,7 +43,7 @@ class Admissions {
     bool proven = false;  ///< it has received the cookie at its address
     PeerId slot = kNoPeer;
     std::uint32_t incarnation = 0;
-    Micros since = 0;
+    Micros since = 0;  ///< its Join, or the last Pull before its turn
     std::vector<wire::Bytes> pieces;
     std::vector<std::uint32_t> have;  ///< with the pieces
     bool ordered = false;

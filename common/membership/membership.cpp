@@ -45,7 +45,7 @@ void Membership::receive(const Endpoint& from, const wire::Header& header, const
   if (const auto* probe = std::get_if<wire::Probe>(&message))
     return merge_.on_probe(from, header.sender, *probe, bytes, view, local, commands_);
   if (const auto* pull = std::get_if<wire::Pull>(&message))
-    return admissions_.on_pull(from, *pull, view, merge_.gone(), commands_);
+    return admissions_.on_pull(from, *pull, view, merge_.gone(), local, commands_);
   if (const auto* enter = std::get_if<wire::Enter>(&message)) {
     const PeerId c = coordinator();
     if (c != session_.self && c != kNoPeer) return admissions_.pass_on(from, *enter, view.other(c).at, commands_);

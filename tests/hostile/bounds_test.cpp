@@ -37,7 +37,7 @@ TEST(Bounds, NewcomersAreAsManyAsThereAreSlotsAndAreForgotten) {
   for (std::uint16_t n = 0; n < 1000; ++n) {
     now += 40'000;  // as often as anybody is answered
     admissions.on_join(place(n), {n + 1U, 0, 0, true, ""}, replica.replica(), now, out);
-    admissions.on_pull(place(n), {n + 1U, 0, ~std::uint64_t{0}}, replica.replica(), {}, out);
+    admissions.on_pull(place(n), {n + 1U, 0, ~std::uint64_t{0}}, replica.replica(), {}, now, out);
     admissions.advance(now);
     EXPECT_LE(admissions.guests(), std::size_t{kSlots - 1});
     state.outgoing.clear();

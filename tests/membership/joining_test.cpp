@@ -1,4 +1,6 @@
 // Coming into a running session, and leaving it.
+#include "common/wire/membership_codec.h"
+#include "common/wire/seal.h"
 #include "tests/membership/party.h"
 
 namespace padr::test {
@@ -59,6 +61,45 @@ TEST(Joining, ManyAtOnceGetSlotsOfTheirOwn) {
   const auto took = party.run_until(10, [&] { return party.united(); });
   ASSERT_TRUE(took.has_value()) << party.story();
   party.run(5);
+  EXPECT_EQ(party.judge().violation(), "");
+}
+
+// So that a slow machine, or a narrow link, is not overloaded by all of them together.
+TEST(Joining, ACrowdTakesTurns) {
+  std::set<Endpoint> given;  // a piece of the world
+  std::size_t most = 0;
+  Party* running = nullptr;
+  lab::VirtualNetworkConfig config = party_config(2, "delay 40ms 10ms loss 3%", 15);
+  config.slots = 24;
+  Party party(
+      config,
+      [&](lab::VirtualNetwork& net) {
+        net.on_start = [&](int person, node::ParticipantConfig& c) {
+          if (person != 0) return;
+          c.tamper = [&](node::Parcel p) {
+            wire::SealError error = wire::SealError::kNone;
+            const auto o = wire::open(p.bytes, error);
+            const auto m = o && o->header.kind == wire::Kind::kMembership
+                               ? wire::decode_membership(o->payload)
+                               : std::nullopt;
+            if (running != nullptr && m && std::holds_alternative<wire::Piece>(*m)) {
+              given.insert(p.to);
+              most = std::max(most, given.size() - static_cast<std::size_t>(running->net().peer(0).session().present() - 2));
+            }
+            return std::vector{std::move(p)};
+          };
+        };
+      },
+      2);
+  party.run(3);
+  given.clear();
+  running = &party;
+  for (int i = 0; i < 20; ++i) party.net().start(0);
+  const auto took = party.run_until(10, [&] { return party.united(); });
+  ASSERT_TRUE(took.has_value()) << party.story();
+  EXPECT_EQ(given.size(), 20U);
+  EXPECT_LE(most, 8U) << "four, and those whose admission is under way";
+  party.run(2);
   EXPECT_EQ(party.judge().violation(), "");
 }
 

@@ -336,6 +336,8 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("again_us", node::Entry::kAgain);
   add("patience_us", node::Entry::kPatience);
   add("unproven_us", node::Admissions::kUnproven);
+  add("at_once", node::Admissions::kAtOnce);
+  add("turn_us", node::Admissions::kTurn);
   add("unheard_us", Pace::kUnheard);
   add("start_lead", sync::kStartLead);
   add("doubt", node::kDoubt);
