@@ -40,17 +40,20 @@ bool Evictions::follows(PeerId from, const wire::Poll& poll, const Replica& repl
 }
 
 void Evictions::on_poll(PeerId from, const wire::Poll& poll, const Replica& replica, Commands& out) {
-  if (poll.freeze && !follows(from, poll, replica)) return;  // not ours to follow, or not yet
+  std::uint32_t& number = numbers_[from];
+  if (poll.number < number) return;  // taken back meanwhile
+  if (poll.number > number) forget_answers(from);
+  number = poll.number;
   wire::Answer answer;
-  answer.frozen = poll.freeze;
+  answer.frozen = poll.freeze && follows(from, poll, replica);
   answer.tick = replica.now();
+  answer.number = number;
   for (const wire::Seat& s : poll.lost) {
     if (s.slot >= session_.slots || s.slot == session_.self || s.slot == from) continue;
     const Neighbour& n = replica.other(s.slot);
     const bool same = n.incarnation == s.incarnation;
-    if (poll.freeze) {
+    if (answer.frozen) {
       if (n.reachable() && same && !n.frozen) out.freeze(s.slot, true);
-      if (n.frozen) frozen_for_[s.slot] = from;
       answered_[{from, s.slot}] = s.incarnation;
     }
     answer.lost.push_back({s.slot, s.incarnation, replica.agreed().log().have(s.slot)});
@@ -61,15 +64,20 @@ void Evictions::on_poll(PeerId from, const wire::Poll& poll, const Replica& repl
   if (!answer.lost.empty()) out.send(replica.other(from).at, answer);
 }
 
-void Evictions::on_answer(PeerId from, const wire::Answer& answer, const Replica& replica) {
+void Evictions::on_answer(PeerId from, const wire::Answer& answer, const Replica& replica, Commands& out) {
+  if (answer.number != number_) return;
+  unaware_.erase(from);
   for (const wire::Seat& s : answer.lost) {
+    const Tick heard = s.heard > 0 ? std::min(answer.tick, replica.now()) + 1 - static_cast<Tick>(s.heard) : -1;
     const auto doubted = doubted_.find(s.slot);
-    if (doubted != doubted_.end() && doubted->second.incarnation == s.incarnation)
-      doubted->second.heard[from] =
-          s.heard > 0 ? std::min(answer.tick, replica.now()) + 1 - static_cast<Tick>(s.heard) : -1;
-    if (!answer.frozen) continue;
+    if (doubted != doubted_.end() && doubted->second.incarnation == s.incarnation) doubted->second.heard[from] = heard;
     const auto it = lost_.find(s.slot);
     if (it == lost_.end() || it->second.incarnation != s.incarnation) continue;
+    if (!answer.frozen) {
+      it->second.hears[from] = heard;
+      if (is_vetoed(s.slot, it->second, replica)) return take_back(replica, out);
+      continue;
+    }
     // No log has more beyond what another lacks.
     const std::uint32_t most = replica.agreed().log().have(s.slot) + sync::UpdateLog::kMostBeyond;
     if (it->second.have.insert_or_assign(from, std::min(s.have, most)).second) moved_ = replica.now();
@@ -95,16 +103,57 @@ void Evictions::on_fetched(const wire::Fetched& fetched, const Replica& replica,
     }
 }
 
+// Until whoever asked is gone, or takes the question back, it may evict by the answer.
 void Evictions::thaw(const Replica& replica, Commands& out) {
-  for (auto it = frozen_for_.begin(); it != frozen_for_.end();) {
-    if (!replica.other(it->first).frozen) {  // it is out, or somebody else sits there
-      it = frozen_for_.erase(it);
-    } else if (!replica.other(it->second).reachable()) {  // who asked is gone, and so is the question
-      out.freeze(it->first, false);
-      it = frozen_for_.erase(it);
-    } else {
-      ++it;
-    }
+  for (PeerId p = 0; p < replica.config().slots; ++p) {
+    if (!replica.other(p).frozen || lost_.contains(p)) continue;
+    const bool asked = std::any_of(answered_.begin(), answered_.end(), [&](const auto& entry) {
+      return entry.first.second == p && entry.second == replica.other(p).incarnation &&
+             replica.other(entry.first.first).there();
+    });
+    if (!asked) out.freeze(p, false);
+  }
+}
+
+// Of members that hear it again while the others answer: they follow only when it is silent to them, too.
+bool Evictions::is_vetoed(PeerId p, const Lost& lost, const Replica& replica) const {
+  LastHeard h = lost.grounds;
+  h.now = replica.now();
+  h.heard.clear();
+  for (const auto& [q, heard] : lost.hears)
+    if (q != p && counts(q, replica) && replica.unanswered(q) < kDoubt && !lost.have.contains(q))
+      h.heard.push_back(heard);
+  return stays_by_word(h);
+}
+
+void Evictions::take_back(const Replica& replica, Commands& out) {
+  if (ordered() || number_ == wire::kMostPollNumber) return;
+  taken_back_.clear();
+  for (const auto& [p, lost] : lost_) {
+    taken_back_.push_back({p, lost.incarnation});
+    out.freeze(p, false);
+    out.note("peer " + std::to_string(p) + " is heard by others again: it stays", true);
+  }
+  if (taken_back_.size() > wire::kMostLost) taken_back_.resize(wire::kMostLost);
+  lost_.clear();
+  missing_.reset();
+  ++number_;
+  unaware_.clear();
+  for (PeerId p = 0; p < replica.config().slots; ++p)
+    if (p != session_.self && replica.other(p).there()) unaware_.insert(p);
+  told_ = replica.now() - kAskAgain;
+}
+
+// Any poll with the new number says it; those about somebody else may have nobody to be about.
+void Evictions::tell_taken_back(const Replica& replica, Commands& out) {
+  std::erase_if(unaware_, [&](PeerId p) { return !replica.other(p).there(); });
+  if (unaware_.empty() || replica.now() - told_ < kAskAgain) return;
+  told_ = replica.now();
+  for (const PeerId p : unaware_) {
+    wire::Poll poll{{}, false, number_};
+    for (const wire::Seat& s : taken_back_)
+      if (s.slot != p) poll.lost.push_back(s);
+    if (!poll.lost.empty() && counts(p, replica)) out.send(replica.other(p).at, poll);
   }
 }
 
@@ -118,7 +167,7 @@ bool Evictions::is_first_well(const Replica& replica) const {
 
 void Evictions::doubt(const Replica& replica, Commands& out) {
   const bool first = is_first_well(replica);
-  wire::Poll question;
+  wire::Poll question{{}, false, number_};
   for (PeerId p = 0; p < replica.config().slots; ++p) {
     const Neighbour& n = replica.other(p);
     if (!first || p == session_.self || !n.there() || replica.unanswered(p) < kDoubt || lost_.contains(p)) {
@@ -155,7 +204,8 @@ void Evictions::notice(const Replica& replica, Commands& out) {
     if (coordinator(replica) != session_.self) return;
     const auto doubted = doubted_.find(p);
     if (doubted == doubted_.end()) continue;
-    if (const LastHeard h = hearsay(p, replica); !may_evict(h)) {
+    const LastHeard h = hearsay(p, replica);
+    if (!may_evict(h)) {
       if (is_heard(h) && !h.deaf && !std::exchange(doubted->second.told, true))
         out.note("peer " + std::to_string(p) + " does not answer, but others hear it: it stays", true);
       continue;
@@ -163,6 +213,7 @@ void Evictions::notice(const Replica& replica, Commands& out) {
     doubted_.erase(doubted);
     out.freeze(p, true);
     lost_[p].incarnation = replica.other(p).incarnation;
+    lost_[p].grounds = h;
     asked_ = replica.now() - kAskAgain;
     moved_ = replica.now();
     out.note("peer " + std::to_string(p) + " has been silent for " + std::to_string(kSilence / kTicksPerSecond) +
@@ -202,7 +253,7 @@ bool Evictions::all_answered(const Replica& replica) const {
 void Evictions::ask(const Replica& replica, Commands& out) {
   if (replica.now() - asked_ < kAskAgain) return;
   asked_ = replica.now();
-  wire::Poll question{{}, true};
+  wire::Poll question{{}, true, number_};
   for (const auto& [slot, lost] : lost_)
     if (question.lost.size() < wire::kMostLost) question.lost.push_back({slot, lost.incarnation});
   poll(question, replica, out);
@@ -215,6 +266,7 @@ void Evictions::poll(const wire::Poll& poll, const Replica& replica, Commands& o
 
 void Evictions::advance(const Replica& replica, Commands& out) {
   thaw(replica, out);
+  tell_taken_back(replica, out);
   doubt(replica, out);
   notice(replica, out);
   std::erase_if(lost_, [&](const auto& entry) { return !replica.other(entry.first).frozen; });

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -19,13 +20,14 @@ class MisbehaviourPolicy;
 /// member that replies takes no more updates from the lost peer, so the highest reply is the end of its log. The
 /// coordinator publishes in its own log the updates that a member lacks, and then the removal, with the number of the
 /// last update, at its present tick. These are delivered and repeated like any update. If the coordinator is lost
-/// meanwhile, the next one evicts both.
+/// meanwhile, the next one evicts both. If a member hears the peer again and does not follow, the coordinator takes
+/// its question back: polls are numbered, and one with a higher number undoes those before it.
 class Evictions {
  public:
   explicit Evictions(const SessionView& session) : session_(session) {}
 
   void on_poll(PeerId from, const wire::Poll& poll, const Replica& replica, Commands& out);
-  void on_answer(PeerId from, const wire::Answer& answer, const Replica& replica);
+  void on_answer(PeerId from, const wire::Answer& answer, const Replica& replica, Commands& out);
   void on_fetch(PeerId from, const wire::Fetch& fetch, const Replica& replica, Commands& out);
   void on_fetched(const wire::Fetched& fetched, const Replica& replica, const MisbehaviourPolicy& misbehaviour);
   /// Once a tick.
@@ -37,7 +39,8 @@ class Evictions {
   static bool suspected(const Replica& replica, PeerId p) { return replica.unanswered(p) >= kSilence; }
   /// Another peer has the slot now: polls of the former one do not count for it.
   void forget_asker(PeerId slot) {
-    std::erase_if(answered_, [slot](const auto& entry) { return entry.first.first == slot; });
+    forget_answers(slot);
+    numbers_.erase(slot);
   }
   /// Members that are heard but, for kWithheld, have not replied to a poll or not sent an update that they claim to
   /// have. They block every eviction.
@@ -65,10 +68,18 @@ class Evictions {
     std::uint32_t most = 0;                         ///< no member has updates from this on
     bool ordered = false;
     std::size_t fetches = 0;
+    LastHeard grounds;             ///< when it was frozen
+    std::map<PeerId, Tick> hears;  ///< by members that do not follow: when they have heard it last; -1: never
   };
   /// Whether `from` may evict somebody, as far as this peer can tell.
   bool follows(PeerId from, const wire::Poll& poll, const Replica& replica) const;
+  void forget_answers(PeerId asker) {
+    std::erase_if(answered_, [asker](const auto& entry) { return entry.first.first == asker; });
+  }
   void thaw(const Replica& replica, Commands& out);
+  bool is_vetoed(PeerId p, const Lost& lost, const Replica& replica) const;
+  void take_back(const Replica& replica, Commands& out);
+  void tell_taken_back(const Replica& replica, Commands& out);
   void doubt(const Replica& replica, Commands& out);
   bool is_first_well(const Replica& replica) const;
   LastHeard hearsay(PeerId p, const Replica& replica) const;
@@ -92,10 +103,14 @@ class Evictions {
   const SessionView& session_;
   std::map<PeerId, Doubted> doubted_;
   Tick doubts_asked_ = 0;
-  std::map<PeerId, Lost> lost_;  ///< as the coordinator
+  std::map<PeerId, Lost> lost_;              ///< as the coordinator
+  std::uint32_t number_ = 0;                 ///< of this peer's polls; grows with each that is taken back
+  std::vector<wire::Seat> taken_back_;       ///< whom the polls with lower numbers were about
+  std::set<PeerId> unaware_;                 ///< members that may not know yet that they are taken back
+  Tick told_ = 0;                            ///< when they were told last
+  std::map<PeerId, std::uint32_t> numbers_;  ///< of the newest poll, by asker
   std::map<std::pair<PeerId, PeerId>, std::uint32_t>
-      answered_;                         ///< replied to, by asker and slot: the incarnation asked about
-  std::map<PeerId, PeerId> frozen_for_;  ///< peers frozen here, and for whose poll
+      answered_;  ///< replied to, by asker and slot: the incarnation asked about
   Tick asked_ = 0;
   Tick moved_ = 0;  ///< tick of the last progress: news of a lost peer, or one more lost
   struct Missing {

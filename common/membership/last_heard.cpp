@@ -11,11 +11,21 @@ bool is_heard(const LastHeard& h) {
                      [alive](const std::optional<Tick>& heard) { return heard && *heard > alive; });
 }
 
+namespace {
+
+Tick silent(const LastHeard& h) {
+  return h.refused ? kSilence + h.now - *h.refused : h.unanswered;
+}
+
+}  // namespace
+
+bool stays_by_word(const LastHeard& h) {
+  return !h.given_up && !h.deaf && silent(h) < kBelieved && is_heard(h);
+}
+
 bool may_evict(const LastHeard& h) {
   if (h.given_up) return true;
-  const Tick silent = h.refused ? kSilence + h.now - *h.refused : h.unanswered;
-  if (silent < kSilence) return false;
-  if (!h.deaf && silent < kBelieved && is_heard(h)) return false;
+  if (silent(h) < kSilence || stays_by_word(h)) return false;
   const auto answered = [](const std::optional<Tick>& heard) { return heard.has_value(); };
   const Tick asked_for = h.refused ? h.now - *h.refused : h.unanswered - kDoubt;
   return asked_for >= kAnswerPatience || std::all_of(h.heard.begin(), h.heard.end(), answered);

@@ -35,6 +35,8 @@ inline constexpr Tick kBelieved = 7 * kTicksPerSecond;
 
 /// Whether a member replied that it hears the peer.
 bool is_heard(const LastHeard& h);
+/// Whether the peer stays because a member replied so.
+bool stays_by_word(const LastHeard& h);
 /// Whether the peer may be evicted. Either nobody hears it, or it takes nothing from us, although others could relay
 /// it: that is what a peer does that is about to evict us.
 bool may_evict(const LastHeard& h);

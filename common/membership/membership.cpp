@@ -54,7 +54,7 @@ void Membership::receive(const Endpoint& from, const wire::Header& header, const
   const PeerId member = header.sender;
   if (!is_at(member, from) || !view.other(member).reachable() || !hears(member)) return;
   if (const auto* poll = std::get_if<wire::Poll>(&message)) evictions_.on_poll(member, *poll, view, commands_);
-  if (const auto* answer = std::get_if<wire::Answer>(&message)) evictions_.on_answer(member, *answer, view);
+  if (const auto* answer = std::get_if<wire::Answer>(&message)) evictions_.on_answer(member, *answer, view, commands_);
   if (const auto* fetch = std::get_if<wire::Fetch>(&message)) {
     evictions_.on_fetch(member, *fetch, view, commands_);
     relay_.on_fetch(member, *fetch, view, commands_);

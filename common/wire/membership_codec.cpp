@@ -42,11 +42,13 @@ struct Encoder {
   void operator()(const Poll& m) const {
     put_seats(m.lost, *out.mutable_poll()->mutable_lost());
     out.mutable_poll()->set_freeze(m.freeze);
+    out.mutable_poll()->set_number(m.number);
   }
   void operator()(const Answer& m) const {
     put_seats(m.lost, *out.mutable_answer()->mutable_lost());
     out.mutable_answer()->set_frozen(m.frozen);
     out.mutable_answer()->set_tick(static_cast<std::uint32_t>(m.tick));
+    out.mutable_answer()->set_number(m.number);
   }
   void operator()(const Fetch& m) const {
     out.mutable_fetch()->set_slot(m.slot);
@@ -113,14 +115,15 @@ bool take_seats(const RepeatedPtrField<Membership::Seat>& in, std::size_t most, 
 }
 
 Taken take(const Membership::Poll& in) {
-  Poll m{{}, in.freeze()};
+  if (in.number() > kMostPollNumber) return std::nullopt;
+  Poll m{{}, in.freeze(), in.number()};
   if (!take_seats(in.lost(), kMostLost, m.lost)) return std::nullopt;
   return m;
 }
 
 Taken take(const Membership::Answer& in) {
-  if (in.tick() > kMaxTick) return std::nullopt;
-  Answer m{{}, in.frozen(), static_cast<Tick>(in.tick())};
+  if (in.tick() > kMaxTick || in.number() > kMostPollNumber) return std::nullopt;
+  Answer m{{}, in.frozen(), static_cast<Tick>(in.tick()), in.number()};
   if (!take_seats(in.lost(), kMostLost, m.lost)) return std::nullopt;
   return m;
 }

@@ -48,17 +48,21 @@ struct Seat {
 /// Who asks and who answers are not among the lost.
 inline constexpr std::size_t kMostLost = kMaxPeers - 2;
 inline constexpr std::uint32_t kMostHeard = 0x3FFF;
+inline constexpr std::uint32_t kMostPollNumber = 0x3FFF;
 
 struct Poll {
   std::vector<Seat> lost;  ///< 1 .. kMostLost, by ascending slot
   bool freeze = false;     ///< take nothing more from them; otherwise it is only asked who hears them
+  /// Takes back what the sender has asked with a lower number.
+  std::uint32_t number = 0;  ///< at most kMostPollNumber
   friend bool operator==(const Poll&, const Poll&) = default;
 };
 
 struct Answer {
-  std::vector<Seat> lost;  ///< 1 .. kMostLost, by ascending slot
-  bool frozen = false;     ///< as the Poll that is answered
-  Tick tick = 0;           ///< of the sender
+  std::vector<Seat> lost;    ///< 1 .. kMostLost, by ascending slot
+  bool frozen = false;       ///< as the Poll that is answered
+  Tick tick = 0;             ///< of the sender
+  std::uint32_t number = 0;  ///< as the Poll that is answered
   friend bool operator==(const Answer&, const Answer&) = default;
 };
 

@@ -30,9 +30,8 @@ class ComparisonTest : public test::Shell {
     h.peer = peer;
     h.peers = h.slots = 2;
     h.session = kSession;
-    trace::TraceWriter w(h, [&](std::span<const std::byte> b) {
-      text.append(reinterpret_cast<const char*>(b.data()), b.size());
-    });
+    trace::TraceWriter w(
+        h, [&](std::span<const std::byte> b) { text.append(reinterpret_cast<const char*>(b.data()), b.size()); });
     const trace::LiveView nothing{std::vector<BodyState>(2), std::vector<Vec2>(2)};
     w.step({}, nothing);
     for (Tick t = 1; t <= kSent; ++t) {
@@ -76,7 +75,8 @@ class ComparisonTest : public test::Shell {
   }
 };
 
-// The network turns the order of datagrams round: where a capture begins or ends, an older one may be in it and a newer one not.
+// The network turns the order of datagrams round: where a capture begins or ends, an older one may be in it and a newer
+// one not.
 TEST_F(ComparisonTest, OrderAtTheEdgesOfACaptureIsNoContradiction) {
   const LinkStory begins = link([](Tick t) { return t >= 200 && t != 201; });
   EXPECT_TRUE(begins.contradictions.empty());

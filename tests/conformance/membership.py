@@ -5,6 +5,7 @@ from updates import MOST_PEERS, MOST_TICK, UPDATE_FIELDS, decode_update
 
 MOST_PIECES, MOST_PIECE = 2048, 1150
 MOST_HEARD = 0x3FFF
+MOST_POLL_NUMBER = 0x3FFF
 
 SEAT_FIELDS = {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("have", "uint32"), 4: ("heard", "uint32")}
 TOLD_FIELDS = {2: ("mark_tick", "uint32"), 3: ("mark_count", "uint32"), 9: ("update", UPDATE_FIELDS)}
@@ -13,8 +14,8 @@ MEMBERSHIP_MESSAGES = {
                   4: ("cookie", "fixed64")}),
     2: ("piece", {1: ("nonce", "fixed64"), 2: ("index", "uint32"), 3: ("count", "uint32"), 4: ("bytes", "bytes")}),
     3: ("enter", {1: ("nonce", "fixed64")}),
-    4: ("poll", {1: ("lost", SEAT_FIELDS), 2: ("freeze", "bool")}),
-    5: ("answer", {1: ("lost", SEAT_FIELDS), 2: ("frozen", "bool"), 3: ("tick", "uint32")}),
+    4: ("poll", {1: ("lost", SEAT_FIELDS), 2: ("freeze", "bool"), 3: ("number", "uint32")}),
+    5: ("answer", {1: ("lost", SEAT_FIELDS), 2: ("frozen", "bool"), 3: ("tick", "uint32"), 4: ("number", "uint32")}),
     6: ("fetch", {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("from", "uint32")}),
     7: ("fetched", {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("updates", Single(TOLD_FIELDS))}),
     8: ("probe", {1: ("incarnation", "uint32"), 2: ("member", SEAT_FIELDS), 3: ("knows_you", "bool"), 4: ("newest", "uint32")}),
@@ -30,6 +31,7 @@ def decode_membership(payload):
         if column in out:
             check_seats(out[column], most)
     require(out.get("tick", 0) <= MOST_TICK + 1, "a tick that is none")
+    require(out.get("number", 0) <= MOST_POLL_NUMBER, "a number that is none")
     if name == "pull":
         require(out["from"] < MOST_PIECES, "from beyond the last piece")
         require(out["cookie"] != 0, "no cookie")

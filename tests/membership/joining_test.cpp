@@ -79,12 +79,12 @@ TEST(Joining, ACrowdTakesTurns) {
           c.tamper = [&](node::Parcel p) {
             wire::SealError error = wire::SealError::kNone;
             const auto o = wire::open(p.bytes, error);
-            const auto m = o && o->header.kind == wire::Kind::kMembership
-                               ? wire::decode_membership(o->payload)
-                               : std::nullopt;
+            const auto m =
+                o && o->header.kind == wire::Kind::kMembership ? wire::decode_membership(o->payload) : std::nullopt;
             if (running != nullptr && m && std::holds_alternative<wire::Piece>(*m)) {
               given.insert(p.to);
-              most = std::max(most, given.size() - static_cast<std::size_t>(running->net().peer(0).session().present() - 2));
+              most = std::max(most,
+                              given.size() - static_cast<std::size_t>(running->net().peer(0).session().present() - 2));
             }
             return std::vector{std::move(p)};
           };

@@ -9,6 +9,7 @@
 namespace padr::test {
 namespace {
 
+using node::LastHeard;
 using Heard = std::vector<std::optional<Tick>>;
 constexpr std::optional<Tick> kNoAnswer;
 constexpr std::optional<Tick> kNever = -1;
@@ -51,6 +52,17 @@ TEST(LastHeard, Table) {
   };
   for (const Row& r : rows)
     EXPECT_EQ(node::may_evict({kNow, r.unanswered, r.refused, r.given_up, r.deaf, r.heard}), r.gone) << r.name;
+}
+
+// By words alone: neither what this peer hears itself nor a reply that is missing.
+TEST(LastHeard, StaysByWord) {
+  constexpr Tick kNow = 10'000;
+  const auto stays = [](const LastHeard& h) { return node::stays_by_word(h); };
+  EXPECT_TRUE(stays({kNow, 180, {}, false, false, {kNever, 9'881}}));
+  EXPECT_FALSE(stays({kNow, 180, {}, false, false, {kNever, 9'880, kNoAnswer}})) << "heard too long ago";
+  EXPECT_FALSE(stays({kNow, 420, {}, false, false, {9'999}})) << "nobody's word is believed for ever";
+  EXPECT_FALSE(stays({kNow, 180, {}, true, false, {9'999}})) << "cut off";
+  EXPECT_FALSE(stays({kNow, 180, {}, false, true, {9'999}})) << "takes nothing from here";
 }
 
 }  // namespace

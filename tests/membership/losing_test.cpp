@@ -59,6 +59,27 @@ TEST(Losing, OneWordOfItsMachineIsNotBelieved) {
   EXPECT_EQ(party.judge().violation(), "");
 }
 
+// Those that hear it again sooner do not follow who began to evict it: they are asked in vain, unless the question is
+// taken back.
+TEST(Losing, WhoComesBackAtTheLastMomentStaysOrGoesButHoldsUpNobody) {
+  int taken_back = 0;
+  for (int i = 0; i < 40; ++i) {
+    Party party(5, "delay 60ms 40ms loss 10%", 700 + static_cast<std::uint64_t>(i));
+    party.run(6);
+    party.net().pause(0, true);
+    party.run(2.9 + 0.01 * i);
+    party.net().pause(0, false);
+    ASSERT_TRUE(party.run_until(4, [&] { return party.united() && party.lag(1) < 60; }).has_value())
+        << "try " << i << "\n"
+        << party.story();
+    party.run(2);
+    EXPECT_TRUE(party.united()) << "try " << i << "\n" << party.story();
+    EXPECT_EQ(party.judge().violation(), "") << "try " << i;
+    for (int p = 1; p < 5; ++p) taken_back += party.noted(p, "is heard by others again") ? 1 : 0;
+  }
+  EXPECT_GT(taken_back, 0);
+}
+
 TEST(Losing, LiveAndPredictedGoOnWhileConfirmedWaits) {
   Party party(3, "delay 50ms", 22);
   party.run(6);

@@ -121,10 +121,11 @@ struct MembershipLister {
   }
   std::string operator()(const wire::Enter& m) const { return line("enter.nonce = %llu\n", ull(m.nonce)); }
   std::string operator()(const wire::Poll& m) const {
-    return seats("poll.lost", m.lost) + line("poll.freeze = %d\n", flag(m.freeze));
+    return seats("poll.lost", m.lost) + line("poll.freeze = %d\npoll.number = %u\n", flag(m.freeze), m.number);
   }
   std::string operator()(const wire::Answer& m) const {
-    return seats("answer.lost", m.lost) + line("answer.frozen = %d\nanswer.tick = %d\n", flag(m.frozen), m.tick);
+    return seats("answer.lost", m.lost) +
+           line("answer.frozen = %d\nanswer.tick = %d\nanswer.number = %u\n", flag(m.frozen), m.tick, m.number);
   }
   std::string operator()(const wire::Fetch& m) const {
     return line("fetch.slot = %d\nfetch.incarnation = %u\nfetch.from = %u\n", int{m.slot}, m.incarnation, m.from);

@@ -229,9 +229,10 @@ wire::MembershipMessage any_membership(Rng& rng, std::size_t kind) {
     case 2:
       return wire::Enter{1 + rng.next_u64() / 2};
     case 3:
-      return wire::Poll{any_seats(rng), rng.chance(0.5)};
+      return wire::Poll{any_seats(rng), rng.chance(0.5), rng.below(wire::kMostPollNumber + 1)};
     case 4:
-      return wire::Answer{any_seats(rng, true), rng.chance(0.5), static_cast<Tick>(any_count(rng) >> 1U)};
+      return wire::Answer{any_seats(rng, true), rng.chance(0.5), static_cast<Tick>(any_count(rng) >> 1U),
+                          rng.below(wire::kMostPollNumber + 1)};
     case 5:
       return wire::Fetch{slot, any_count(rng), any_count(rng)};
     case 6:

@@ -20,8 +20,8 @@ std::uint64_t content_of(std::span<const std::byte> b) {
   return std::hash<std::string_view>()({reinterpret_cast<const char*>(b.data()), b.size()});
 }
 
-/// The network turns the order of datagrams round by no more than this, ticks. So near to where it begins or ends a capture
-/// may lack a datagram, or one of its copies, and have those told before and after it.
+/// The network turns the order of datagrams round by no more than this, ticks. So near to where it begins or ends a
+/// capture may lack a datagram, or one of its copies, and have those told before and after it.
 constexpr Tick kEdge = kTicksPerSecond;
 
 void judge(const Passage& p, Tick first, Tick last, bool sender_clean, Tick sender_end, LinkStory& l) {

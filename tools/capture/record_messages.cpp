@@ -126,12 +126,14 @@ class MembershipFields {
   void operator()(const wire::Poll& m) const {
     seats(m.lost, {"padr.poll.lost.slot", "padr.poll.lost.incarnation", "padr.poll.lost.have", "padr.poll.lost.heard"});
     r_.flag("padr.poll.freeze", m.freeze);
+    r_.number("padr.poll.number", m.number);
   }
   void operator()(const wire::Answer& m) const {
     seats(m.lost,
           {"padr.answer.lost.slot", "padr.answer.lost.incarnation", "padr.answer.lost.have", "padr.answer.lost.heard"});
     r_.flag("padr.answer.frozen", m.frozen);
     r_.number("padr.answer.tick", static_cast<std::uint32_t>(m.tick));
+    r_.number("padr.answer.number", m.number);
   }
   void operator()(const wire::Fetch& m) const {
     r_.number("padr.fetch.slot", m.slot);

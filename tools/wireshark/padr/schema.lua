@@ -75,8 +75,8 @@ schema.membership = {
   },
   { "piece", one = { { "nonce", "fixed64" }, { "index", "uint32" }, { "count", "uint32" }, { "bytes", "bytes" } } },
   { "enter", one = { { "nonce", "fixed64" } } },
-  { "poll", one = { { "lost", many = seat }, { "freeze", "bool" } } },
-  { "answer", one = { { "lost", many = seat }, { "frozen", "bool" }, { "tick", "uint32" } } },
+  { "poll", one = { { "lost", many = seat }, { "freeze", "bool" }, { "number", "uint32" } } },
+  { "answer", one = { { "lost", many = seat }, { "frozen", "bool" }, { "tick", "uint32" }, { "number", "uint32" } } },
   { "fetch", one = { { "slot", "uint32" }, { "incarnation", "uint32" }, { "from", "uint32" } } },
   { "fetched", one = { { "slot", "uint32" }, { "incarnation", "uint32" }, { "state", one = told } } },
   {

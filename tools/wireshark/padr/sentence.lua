@@ -64,7 +64,7 @@ local SENTENCES = {
     return ("piece %d of %d%s"):format(m.index.v + 1, m.count.v, found.transfer and ", the last one missing" or "")
   end,
   enter = function() return "asks to be let in" end,
-  poll = function(m) return (m.freeze.v and "takes nothing more from the silent: peer " or "asks who hears peer ") .. peers(m.lost) end,
+  poll = function(m) return (m.number.v > 0 and ("question %d: "):format(m.number.v) or "") .. (m.freeze.v and "takes nothing more from the silent: peer " or "asks who hears peer ") .. peers(m.lost) end,
   answer = function(m)
     local parts = {}
     for n, seat in ipairs(m.lost) do parts[n] = ("has %d of peer %d"):format(seat.have.v, seat.slot.v) end
