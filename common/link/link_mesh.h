@@ -1,9 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "common/link/link_seed.h"
@@ -11,32 +15,49 @@
 
 namespace padr::link {
 
-/// The impaired links between peers 0 .. n-1 on virtual time, one for each ordered pair.
+/// The impaired links between parties 0, 1, 2, ... on virtual time: one for each ordered pair, from its first datagram
+/// on.
 class LinkMesh {
  public:
-  LinkMesh(std::size_t peers, const NetemSpec& spec, std::uint64_t netem_seed) : peers_(peers) {
-    for (PeerId from = 0; from < peers; ++from)
-      for (PeerId to = 0; to < peers; ++to)
-        links_.push_back(std::make_unique<Shim>(spec, link_seed(netem_seed, from, to)));
-  }
+  using Seed = std::function<std::uint64_t(std::size_t from, std::size_t to)>;
 
-  void send(PeerId from, PeerId to, Micros now, std::span<const std::byte> datagram) {
-    links_[index(from, to)]->accept(now, datagram);
+  LinkMesh(NetemSpec spec, Seed seed) : spec_(std::move(spec)), seed_(std::move(seed)) {}
+  /// Between the peers of a session, as real peers' links.
+  LinkMesh(NetemSpec spec, std::uint64_t netem_seed)
+      : LinkMesh(std::move(spec), [netem_seed](std::size_t from, std::size_t to) {
+          return link_seed(netem_seed, static_cast<PeerId>(from), static_cast<PeerId>(to));
+        }) {}
+
+  /// From now on each of so many parties may send in a thread of its own.
+  void reserve(std::size_t parties) { links_.resize(std::max(links_.size(), parties)); }
+  void send(std::size_t from, std::size_t to, Micros now, std::span<const std::byte> datagram) {
+    link(from, to).accept(now, datagram);
   }
-  /// Calls take(to, datagram) for each that has arrived by now: by sender, then receiver, then time.
+  /// Calls take(from, to, when, datagram) for each that arrives by `until`: by sender, then receiver, then time.
   template <typename Take>
-  void deliver(Micros now, const Take& take) {
-    for (PeerId from = 0; from < peers_; ++from)
-      for (PeerId to = 0; to < peers_; ++to)
-        while (const auto datagram = links_[index(from, to)]->release(now)) take(to, *datagram);
+  void deliver(Micros until, const Take& take) {
+    for (std::size_t from = 0; from < links_.size(); ++from)
+      for (auto& [to, link] : links_[from])
+        for (auto due = link->next_due(); due && *due <= until; due = link->next_due())
+          if (auto datagram = link->release(*due)) take(from, to, *due, std::move(*datagram));
   }
-  const Shim& link(PeerId from, PeerId to) const { return *links_[index(from, to)]; }
+  /// New rules for all links from `now` on, those that are still to come included.
+  void set_spec(Micros now, const NetemSpec& spec) {
+    spec_ = spec;
+    for (auto& receivers : links_)
+      for (auto& [to, link] : receivers) link->set_spec(now, spec);
+  }
+  Shim& link(std::size_t from, std::size_t to) {
+    reserve(from + 1);
+    auto& link = links_[from][to];
+    if (!link) link = std::make_unique<Shim>(spec_, seed_(from, to));
+    return *link;
+  }
 
  private:
-  std::size_t index(PeerId from, PeerId to) const { return from * peers_ + to; }
-
-  std::size_t peers_;
-  std::vector<std::unique_ptr<Shim>> links_;
+  NetemSpec spec_;
+  Seed seed_;
+  std::vector<std::map<std::size_t, std::unique_ptr<Shim>>> links_;  ///< by sender, then receiver
 };
 
 }  // namespace padr::link

@@ -20,8 +20,7 @@ class Mesh {
  public:
   Mesh(int peers, const char* netem, std::uint64_t seed, const Technique& technique = {},
        const char* scenario = "arena")
-      : scene_(scenarios::load_embedded(scenario, 1)),
-        links_(static_cast<std::size_t>(peers), shell::parse_netem(netem), seed) {
+      : scene_(scenarios::load_embedded(scenario, 1)), links_(shell::parse_netem(netem), seed) {
     for (PeerId p = 0; p < peers; ++p) {
       ReplicaConfig c;
       c.self = p;
@@ -38,7 +37,7 @@ class Mesh {
   void step(const std::vector<bool>& running) {
     ++now_;
     const Micros t = tick_start(now_);
-    links_.deliver(t, [&](PeerId to, std::span<const std::byte> datagram) {
+    links_.deliver(t, [&](std::size_t /*from*/, std::size_t to, Micros /*when*/, const auto& datagram) {
       if (running[to]) nodes_[to]->receive(datagram, t);
     });
     for (PeerId p = 0; p < nodes_.size(); ++p) {

@@ -39,7 +39,7 @@ struct RecordedRun {
       : traces(static_cast<std::size_t>(c.peers)),
         scene_(scenarios::load_embedded(c.scenario, c.seed)),
         inputs_(inputs_of(c, scene_)),
-        links_(static_cast<std::size_t>(c.peers), shell::parse_netem(c.netem), c.seed) {
+        links_(shell::parse_netem(c.netem), c.seed) {
     for (PeerId p = 0; p < c.peers; ++p) {
       nodes.push_back(std::make_unique<node::RecordedReplica>(scene_, config_of(c, p), recording_of(c, p)));
     }
@@ -85,8 +85,9 @@ struct RecordedRun {
   }
 
   void step(Tick t) {
-    links_.deliver(tick_start(t),
-                   [&](PeerId to, std::span<const std::byte> d) { nodes[to]->receive(d, tick_start(t)); });
+    links_.deliver(tick_start(t), [&](std::size_t /*from*/, std::size_t to, Micros /*when*/, const auto& d) {
+      nodes[to]->receive(d, tick_start(t));
+    });
     for (PeerId p = 0; p < nodes.size(); ++p) {
       nodes[p]->step(inputs_[p]->target(t), 100 * t);
       for (const node::Outgoing& o : nodes[p]->outgoing()) links_.send(p, o.to, tick_start(t), o.bytes);

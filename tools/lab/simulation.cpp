@@ -8,7 +8,7 @@
 namespace padr::lab {
 Simulation::Simulation(SimulationConfig config)
     : config_(std::move(config)),
-      links_(static_cast<std::size_t>(config_.peers), config_.netem, config_.netem_seed),
+      links_(config_.netem, config_.netem_seed),
       meter_(config_.peers, static_cast<int>(config_.scene.bodies.size())),
       flips_(static_cast<int>(config_.scene.bodies.size())) {
   const auto n = static_cast<std::size_t>(config_.peers);
@@ -58,7 +58,9 @@ void Simulation::run(const std::function<void(Tick)>& on_tick) {
 
 void Simulation::deliver() {
   const Micros now = tick_start(now_);
-  links_.deliver(now, [&](PeerId to, std::span<const std::byte> datagram) { nodes_[to]->receive(datagram, now); });
+  links_.deliver(now, [&](std::size_t /*from*/, std::size_t to, Micros /*when*/, const auto& datagram) {
+    nodes_[to]->receive(datagram, now);
+  });
 }
 
 void Simulation::step() {

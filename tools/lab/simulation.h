@@ -54,7 +54,6 @@ class Simulation {
   Tick now() const { return now_; }
   int peers() const { return config_.peers; }
   const node::Replica& replica(PeerId p) const { return nodes_[p]->replica(); }
-  const link::Shim& shim(PeerId from, PeerId to) const { return links_.link(from, to); }
   const trace::InconsistencyMeter& meter() const { return meter_; }
   /// What this peer alone has seen, at the ticks with input alone.
   trace::InconsistencySeries seen_with_input(PeerId p) const;

@@ -18,7 +18,7 @@ std::vector<PeerId> all_of(int peers) {
 
 AlternativeRun::AlternativeRun(SessionConfig config)
     : config_(std::move(config)),
-      links_(static_cast<std::size_t>(config_.peers), config_.netem, config_.netem_seed),
+      links_(config_.netem, config_.netem_seed),
       meter_(config_.peers, static_cast<int>(config_.scene.bodies.size())),
       fidelity_(config_.scene, config_.peers, all_of(config_.peers)),
       targets_(static_cast<std::size_t>(config_.peers)),
@@ -33,8 +33,9 @@ AlternativeRun::AlternativeRun(SessionConfig config)
 
 void AlternativeRun::step() {
   ++now_;
-  links_.deliver(tick_start(now_),
-                 [&](PeerId to, std::span<const std::byte> datagram) { peers_[to]->receive(datagram); });
+  links_.deliver(tick_start(now_), [&](std::size_t /*from*/, std::size_t to, Micros /*when*/, const auto& datagram) {
+    peers_[to]->receive(datagram);
+  });
   for (PeerId p = 0; p < peers_.size(); ++p) {
     targets_[p] = config_.inputs[p]->target(now_);
     peers_[p]->step(targets_[p]);

@@ -49,8 +49,13 @@ std::uint64_t side_of(const sync::FoldState& s) {
 CrowdRun::CrowdRun(CrowdRunConfig config)
     : config_(std::move(config)),
       stride_(stride_of(config_.netem)),
+      links_(config_.netem,
+             [seed = config_.seed](std::size_t from, std::size_t to) {
+               return derive_seed(seed, 0x11A7, from << 32U | to);
+             }),
       persons_(static_cast<std::size_t>(config_.peers)),
       workers_(config_.threads) {
+  links_.reserve(persons_.size());
   for (int i = 0; i < config_.peers; ++i) place(i);
 }
 
@@ -107,7 +112,9 @@ void CrowdRun::stop_input() {
 }
 
 void CrowdRun::advance() {
-  deliver(time_of(now_ + stride_));
+  links_.deliver(time_of(now_ + stride_), [this](std::size_t from, std::size_t to, Micros when, wire::Bytes datagram) {
+    persons_[to].inbox.push_back({when, from, std::move(datagram)});
+  });
   workers_.run(persons_.size(), [this](std::size_t i) { work(i); });
   now_ += stride_;
   compare();
@@ -128,7 +135,7 @@ void CrowdRun::work_a_tick(std::size_t person, Micros time) {
   Person& p = persons_[person];
   const double before = thread_seconds();
   const auto next = std::find_if(p.inbox.begin(), p.inbox.end(), [time](const Arrival& a) { return a.at > time; });
-  for (auto a = p.inbox.begin(); a != next; ++a) p.peer->receive(persons_[at(a->from)].place, a->bytes, time);
+  for (auto a = p.inbox.begin(); a != next; ++a) p.peer->receive(persons_[a->from].place, a->bytes, time);
   p.inbox.erase(p.inbox.begin(), next);
   p.peer->turn([this, person](Tick t) { return target_of(person, t); }, time);
   const std::span<const node::Parcel> parcels = p.peer->take_outgoing();
@@ -136,12 +143,7 @@ void CrowdRun::work_a_tick(std::size_t person, Micros time) {
   for (const node::Parcel& d : parcels) {
     const int to = person_at(d.to);
     if (to < 0) continue;
-    auto& link = p.links[to];
-    if (!link) {
-      const std::uint64_t ends = static_cast<std::uint64_t>(person) << 32U | static_cast<std::uint64_t>(to);
-      link = std::make_unique<link::Shim>(config_.netem, derive_seed(config_.seed, 0x11A7, ends));
-    }
-    link->accept(time, d.bytes);
+    links_.send(person, at(to), time, d.bytes);
     p.spoken_to.insert(to);
   }
 }
@@ -170,16 +172,6 @@ void CrowdRun::shove(std::size_t person, Tick t) {
   if (near.empty()) return;
   const auto& [region, body] = near[rng.below(static_cast<std::uint32_t>(near.size()))];
   p.peer->push(region, body, Vec2{static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))} * kSpeed);
-}
-
-void CrowdRun::deliver(Micros until) {
-  for (int i = 0; i < persons(); ++i)
-    for (auto& [to, link] : persons_[at(i)].links)
-      for (auto due = link->next_due(); due && *due <= until; due = link->next_due()) {
-        auto datagram = link->release(*due);
-        if (!datagram) break;
-        persons_[at(to)].inbox.push_back({*due, i, std::move(*datagram)});
-      }
 }
 
 void CrowdRun::compare() {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/crowd/crowd_peer.h"
-#include "common/link/shim.h"
+#include "common/link/link_mesh.h"
 #include "common/scenarios/input.h"
 #include "tools/lab/crowd/worker_group.h"
 
@@ -82,15 +82,14 @@ class CrowdRun {
   };
   struct Arrival {
     Micros at;
-    int from;
+    std::size_t from;
     wire::Bytes bytes;
   };
   struct Person {
     std::unique_ptr<crowd::CrowdPeer> peer;
     std::unique_ptr<scenarios::InputSource> input;
     Endpoint place;
-    std::map<int, std::unique_ptr<link::Shim>> links;  ///< by receiver
-    std::vector<Arrival> inbox;                        ///< by time
+    std::vector<Arrival> inbox;  ///< by time
     std::vector<Confirmed> confirmed;
     std::set<int> spoken_to;
     double cpu = 0;
@@ -104,8 +103,6 @@ class CrowdRun {
   static Micros time_of(Tick t) { return tick_start(t) + 1; }
   void work(std::size_t person);
   void work_a_tick(std::size_t person, Micros time);
-  /// What arrives by then.
-  void deliver(Micros until);
   Vec2 target_of(std::size_t person, Tick t);
   void shove(std::size_t person, Tick t);
   void compare();
@@ -114,6 +111,7 @@ class CrowdRun {
   CrowdRunConfig config_;
   Tick stride_;
   Tick now_ = 0;
+  link::LinkMesh links_;
   std::vector<Person> persons_;
   std::map<Endpoint, int> by_place_;
   std::map<crowd::Region, std::vector<int>> members_;

@@ -15,6 +15,11 @@ Endpoint place(int host, std::uint16_t port) {
   return ipv4({10, 0, static_cast<std::uint8_t>(host >> 8), static_cast<std::uint8_t>(host)}, port);
 }
 
+link::LinkMesh links_of(const VirtualNetworkConfig& c) {
+  return {c.netem,
+          [seed = c.seed](std::size_t from, std::size_t to) { return derive_seed(seed, 0x11A7, from << 32U | to); }};
+}
+
 /// The same on the machine itself.
 Endpoint on_loopback(const Endpoint& place) {
   return ipv4({127, 0, 0, 1}, place.port);
@@ -22,7 +27,8 @@ Endpoint on_loopback(const Endpoint& place) {
 
 }  // namespace
 
-VirtualNetwork::VirtualNetwork(VirtualNetworkConfig config) : config_(std::move(config)) {}
+VirtualNetwork::VirtualNetwork(VirtualNetworkConfig config)
+    : config_(std::move(config)), links_(links_of(config_)), loopback_links_(links_of(config_)) {}
 VirtualNetwork::~VirtualNetwork() = default;
 
 Micros VirtualNetwork::local(const Person& p) const {
@@ -98,8 +104,8 @@ void VirtualNetwork::move(int person, const Endpoint& place) {
 }
 
 void VirtualNetwork::shape(const link::NetemSpec& netem) {
-  config_.netem = netem;
-  for (auto& [ends, s] : shims_) s->set_spec(now_, netem);
+  links_.set_spec(now_, netem);
+  loopback_links_.set_spec(now_, netem);
 }
 
 bool VirtualNetwork::connected(int a, int b) const {
@@ -120,29 +126,22 @@ std::optional<int> VirtualNetwork::at_place(const Person& seen_by, const Endpoin
   return it == by_place_.end() ? std::nullopt : std::optional(it->second);
 }
 
-link::Shim& VirtualNetwork::shim(int from, int to, bool local) {
-  auto& s = shims_[{from, to, local}];
-  if (!s)
-    s = std::make_unique<link::Shim>(
-        config_.netem,
-        derive_seed(config_.seed, 0x11A7, static_cast<std::uint64_t>(from) << 32U | static_cast<std::uint64_t>(to)));
-  return *s;
+void VirtualNetwork::deliver() {
+  for (const bool loopback : {false, true})
+    (loopback ? loopback_links_ : links_)
+        .deliver(now_, [&](std::size_t from, std::size_t to, Micros /*when*/, std::vector<std::byte> datagram) {
+          arrive(from, to, loopback, std::move(datagram));
+        });
 }
 
-void VirtualNetwork::deliver() {
-  for (auto& [ends, s] : shims_) {
-    const auto [sender, receiver, local] = ends;
-    Person& from = persons_[at(sender)];
-    Person& to = persons_[at(receiver)];
-    while (auto datagram = s->release(now_)) {
-      if (!connected(sender, receiver)) continue;
-      if (!to.runs) {
-        if (config_.refusals) from.refused.push_back(local ? on_loopback(to.place) : to.place);
-        continue;
-      }
-      if (to.buffer.size() < kSocketBuffer)
-        to.buffer.emplace_back(local ? on_loopback(from.place) : from.place, std::move(*datagram));
-    }
+void VirtualNetwork::arrive(std::size_t sender, std::size_t receiver, bool loopback, std::vector<std::byte> datagram) {
+  Person& from = persons_[sender];
+  Person& to = persons_[receiver];
+  if (!connected(static_cast<int>(sender), static_cast<int>(receiver))) return;
+  if (!to.runs) {
+    if (config_.refusals) from.refused.push_back(loopback ? on_loopback(to.place) : to.place);
+  } else if (to.buffer.size() < kSocketBuffer) {
+    to.buffer.emplace_back(loopback ? on_loopback(from.place) : from.place, std::move(datagram));
   }
 }
 
@@ -165,7 +164,7 @@ void VirtualNetwork::turn(int person) {
     const auto to = at_place(p, d.to);
     if (!to) continue;
     if (on_datagram) on_datagram(p.place, *to, d.bytes);
-    shim(person, *to, d.to.is_loopback()).accept(now_, d.bytes);
+    (d.to.is_loopback() ? loopback_links_ : links_).send(at(person), at(*to), now_, d.bytes);
   }
   for (const node::SessionNote& n : p.peer->take_notes())
     p.notes.push_back(std::to_string(static_cast<double>(now_) / 1e6) + " " + n.text);

@@ -9,10 +9,9 @@
 #include <set>
 #include <span>
 #include <string>
-#include <tuple>
 #include <vector>
 
-#include "common/link/shim.h"
+#include "common/link/link_mesh.h"
 #include "common/model/rng.h"
 #include "common/participant/participant.h"
 #include "common/scenarios/input.h"
@@ -57,7 +56,7 @@ class VirtualNetwork {
   void cut(int from, int to, bool off) { off ? (void)cuts_.insert({from, to}) : (void)cuts_.erase({from, to}); }
   void shape(const link::NetemSpec& netem);
   /// Of one directed link, until all are shaped.
-  void shape(int from, int to, const link::NetemSpec& netem) { shim(from, to, false).set_spec(now_, netem); }
+  void shape(int from, int to, const link::NetemSpec& netem) { links_.link(at(from), at(to)).set_spec(now_, netem); }
   /// Somebody says so in the name of the machine that is there.
   void tell_unreachable(int person, const Endpoint& where) { persons_[at(person)].refused.push_back(where); }
   const Endpoint& place_of(int person) const { return persons_[at(person)].place; }
@@ -128,14 +127,15 @@ class VirtualNetwork {
   bool connected(int a, int b) const;
   /// Who is at this place as somebody sees it.
   std::optional<int> at_place(const Person& seen_by, const Endpoint& place) const;
-  /// `local`: over the loopback address of a machine that both are on.
-  link::Shim& shim(int from, int to, bool local);
+  /// `loopback`: over that address of a machine that both are on.
+  void arrive(std::size_t sender, std::size_t receiver, bool loopback, std::vector<std::byte> datagram);
 
   VirtualNetworkConfig config_;
   Micros now_ = 0;
   std::vector<Person> persons_;
   std::map<Endpoint, int> by_place_;
-  std::map<std::tuple<int, int, bool>, std::unique_ptr<link::Shim>> shims_;
+  link::LinkMesh links_;
+  link::LinkMesh loopback_links_;
   std::map<int, int> sides_;
   std::set<std::pair<int, int>> cuts_;
   std::optional<Vec2> attraction_;
