@@ -31,8 +31,9 @@ class Knobs(Case):
 
     def test_a_network_is_felt(self):
         b = self.browser
+        # A busy machine alone makes tens of milliseconds; the long ones are above 150.
         delays = "return padr.session.present().flatMap((p) => p.links.map((l) => l.delay_ms))"
-        wait(lambda: len(b.script(delays)) == PEERS * (PEERS - 1) and all(d is not None and d < 60 for d in b.script(delays)), "short delays")
+        wait(lambda: len(b.script(delays)) == PEERS * (PEERS - 1) and all(d is not None and d < 100 for d in b.script(delays)), "short delays")
         self.choose("network", "delay 250ms 100ms loss 20%")
         self.assertIn("✓", self.status("network"))
         spec = "return document.querySelector('[name=spec]').value"
@@ -42,7 +43,7 @@ class Knobs(Case):
         box = b.find('[name="spec"]')
         box.clear()
         box.send_keys("delay 5ms", Keys.ENTER)
-        wait(lambda: all(d < 60 for d in b.script(delays)), "short delays again")
+        wait(lambda: all(d < 100 for d in b.script(delays)), "short delays again")
 
     def test_a_wrong_network_is_refused_in_its_place(self):
         b = self.browser
