@@ -72,6 +72,14 @@ void send(udp::socket& socket, const padr::node::Parcel& parcel) {
   socket.send_to(boost::asio::buffer(parcel.bytes), {boost::asio::ip::address_v4(address), parcel.to.port}, 0, lost);
 }
 
+void tell(const padr::node::SessionEvent& event) {
+  using Kind = padr::node::SessionEvent::Kind;
+  if (event.kind == Kind::kAdmitted) std::printf("in the session as player %d\n", int{event.peer});
+  if (event.kind == Kind::kJoined) std::printf("player %d joins\n", int{event.peer});
+  if (event.kind == Kind::kLeft) std::printf("player %d has left\n", int{event.peer});
+  if (event.kind == Kind::kLost) std::printf("player %d is lost\n", int{event.peer});
+}
+
 int main(int argc, char** argv) try {
   if (argc < 2) return std::puts("usage: own_game PORT [JOIN_PORT]"), 2;
   // 3. The participant has neither clock nor socket. Both are yours.
@@ -103,7 +111,7 @@ int main(int argc, char** argv) try {
       over = peer.done(time);
     }
     for (const padr::node::Parcel& parcel : peer.take_outgoing()) send(socket, parcel);
-    for (const padr::node::SessionNote& note : peer.take_notes()) std::printf("%s\n", note.text.c_str());
+    for (const padr::node::SessionEvent& event : peer.take_events()) tell(event);
     if (peer.failed()) return std::fprintf(stderr, "own_game: %s\n", peer.session().failure().c_str()), 1;
   }
   return peer.replica().stats().hash_mismatches == 0 ? 0 : 1;

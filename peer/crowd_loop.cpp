@@ -8,6 +8,7 @@
 #include "common/world/world.h"
 #include "shell/run_main.h"
 #include "shell/scenario_flags.h"
+#include "shell/session_words.h"
 #include "shell/technique_text.h"
 #include "shell/unpredictable.h"
 
@@ -74,9 +75,9 @@ void CrowdLoop::note_playing(Micros now) {
 }
 
 void CrowdLoop::tell() {
-  for (const auto& [region, note] : peer_->take_notes())
-    log_.session->log(note.problem ? spdlog::level::warn : spdlog::level::debug, "region {},{}: {}", region.x, region.y,
-                      note.text);
+  for (const auto& [region, event] : peer_->take_events())
+    log_.session->log(shell::is_problem(event) ? spdlog::level::warn : spdlog::level::debug, "region {},{}: {}",
+                      region.x, region.y, shell::words_of(event));
 }
 
 void CrowdLoop::leave(const std::string& why, Micros now) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "shell/netem_flags.h"
+#include "shell/session_words.h"
 #include "shell/technique_text.h"
 
 namespace padr::peer {
@@ -199,8 +200,8 @@ void Player::watch_hashes() {
 }
 
 void Player::tell() {
-  for (const node::SessionNote& n : participant_.take_notes())
-    log_.session->log(n.problem ? spdlog::level::warn : spdlog::level::info, "{}", n.text);
+  for (const node::SessionEvent& e : participant_.take_events())
+    log_.session->log(shell::is_problem(e) ? spdlog::level::warn : spdlog::level::info, "{}", shell::words_of(e));
   for (const node::MemberChange& c : participant_.take_changes()) {
     if (has_begun()) history_.change(c);
     if (watcher_ != nullptr) watcher_->changed(c);

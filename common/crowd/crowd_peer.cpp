@@ -24,7 +24,7 @@ constexpr Micros kPatience = 4 * kMicrosPerSecond;
 constexpr Micros kLinger = 4 * kMicrosPerSecond;
 /// Between two knocks at those who are in one of our regions on another side.
 constexpr Micros kKnock = 400'000;
-constexpr std::size_t kNotesKept = 256;
+constexpr std::size_t kEventsKept = 256;
 /// A keeper's avatar is told of no farther outside than this, m: what lies farther out is not believed.
 constexpr float kFarthest = 16;
 
@@ -348,8 +348,8 @@ void CrowdPeer::end_places(Micros local) {
 std::span<const node::Parcel> CrowdPeer::take_outgoing() {
   for (auto& [region, place] : places_) {
     outgoing_.add(place.peer->take_outgoing());
-    for (node::SessionNote& n : place.peer->take_notes())
-      if (notes_.size() < kNotesKept) notes_.emplace_back(region, std::move(n));
+    for (node::SessionEvent& e : place.peer->take_events())
+      if (events_.size() < kEventsKept) events_.emplace_back(region, std::move(e));
     place.peer->take_changes();
   }
   outgoing_.add(finder_.take_outgoing());
@@ -359,8 +359,8 @@ std::span<const node::Parcel> CrowdPeer::take_outgoing() {
   return all;
 }
 
-std::vector<std::pair<Region, node::SessionNote>> CrowdPeer::take_notes() {
-  return std::exchange(notes_, {});
+std::vector<std::pair<Region, node::SessionEvent>> CrowdPeer::take_events() {
+  return std::exchange(events_, {});
 }
 
 std::vector<Post> CrowdPeer::posts() const {

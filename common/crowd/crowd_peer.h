@@ -57,7 +57,7 @@ class CrowdPeer {
   /// As in Participant.
   std::span<const node::Parcel> take_outgoing();
   /// What people should know, and of which region; empty afterwards.
-  std::vector<std::pair<Region, node::SessionNote>> take_notes();
+  std::vector<std::pair<Region, node::SessionEvent>> take_events();
   /// Says goodbye everywhere, and no more than that from now on.
   void leave(Micros local);
   /// After leaving: it may end.
@@ -113,7 +113,7 @@ class CrowdPeer {
   node::Outbox outgoing_;
   std::uint64_t past_updates_ = 0;  ///< of regions it has left
   std::uint64_t attempts_ = 0;
-  std::vector<std::pair<Region, node::SessionNote>> notes_;
+  std::vector<std::pair<Region, node::SessionEvent>> events_;
   Micros knocked_ = 0;
   bool leaving_ = false;
 };

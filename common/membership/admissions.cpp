@@ -41,7 +41,7 @@ std::uint64_t Admissions::cookie_for(const Endpoint& where, std::uint64_t nonce)
 
 void Admissions::refuse(const Endpoint& from, const wire::Join& join, const std::string& reason, Commands& out) {
   out.send(from, wire::Refuse{join.nonce, reason});
-  out.note("refused " + to_string(from) + ": " + reason, true);
+  out.tell({.kind = SessionEvent::Kind::kRefused, .at = from, .text = reason});
 }
 
 void Admissions::on_join(const Endpoint& from, const wire::Join& join, const Replica& replica, Micros local,

@@ -36,8 +36,7 @@ class Commands {
 
   /// So many members are there, this one included.
   void count_present(int members) { session_.present = members; }
-  /// For people.
-  void note(std::string text, bool problem = false) { session_.note(std::move(text), problem); }
+  void tell(SessionEvent event) { session_.tell(std::move(event)); }
 
  private:
   SessionState& session_;

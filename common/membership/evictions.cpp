@@ -132,7 +132,7 @@ void Evictions::take_back(const Replica& replica, Commands& out) {
   for (const auto& [p, lost] : lost_) {
     taken_back_.push_back({p, lost.incarnation});
     out.freeze(p, false);
-    out.note("peer " + std::to_string(p) + " is heard by others again: it stays", true);
+    out.tell({.kind = SessionEvent::Kind::kHeardAgain, .peer = p});
   }
   if (taken_back_.size() > wire::kMostLost) taken_back_.resize(wire::kMostLost);
   lost_.clear();
@@ -207,7 +207,7 @@ void Evictions::notice(const Replica& replica, Commands& out) {
     const LastHeard h = hearsay(p, replica);
     if (!may_evict(h)) {
       if (is_heard(h) && !h.deaf && !std::exchange(doubted->second.told, true))
-        out.note("peer " + std::to_string(p) + " does not answer, but others hear it: it stays", true);
+        out.tell({.kind = SessionEvent::Kind::kHeard, .peer = p});
       continue;
     }
     doubted_.erase(doubted);
@@ -216,9 +216,7 @@ void Evictions::notice(const Replica& replica, Commands& out) {
     lost_[p].grounds = h;
     asked_ = replica.now() - kAskAgain;
     moved_ = replica.now();
-    out.note("peer " + std::to_string(p) + " has been silent for " + std::to_string(kSilence / kTicksPerSecond) +
-                 " s: asking the others for its updates",
-             true);
+    out.tell({.kind = SessionEvent::Kind::kSuspected, .peer = p});
   }
 }
 

@@ -6,6 +6,18 @@
 namespace padr::node {
 namespace {
 
+SessionEvent::Kind kind_of(const MemberChange& c, PeerId self) {
+  switch (c.kind) {
+    case MemberChange::Kind::kAdmitted:
+      return c.slot == self ? SessionEvent::Kind::kAdmitted : SessionEvent::Kind::kJoined;
+    case MemberChange::Kind::kLeft:
+      return SessionEvent::Kind::kLeft;
+    case MemberChange::Kind::kRemoved:
+      return SessionEvent::Kind::kLost;
+  }
+  return {};
+}
+
 /// The confirmed world may wait until a peer is declared gone; only a longer wait means that this peer is stuck.
 constexpr Tick kStuck = 12 * kTicksPerSecond;
 /// That nobody listens there has to be said for so long, and nothing heard meanwhile.
@@ -82,7 +94,7 @@ void Membership::on_unreachable(const Endpoint& at) {
     if (n.other(p).heard >= since) {
       since = n.now();
     } else if (n.now() - since >= kRefused && !Evictions::suspected(n, p)) {
-      commands_.note("nobody listens at peer " + std::to_string(p) + "'s address any more", true);
+      commands_.tell({.kind = SessionEvent::Kind::kUnreachable, .peer = p});
       commands_.give_up(p, false);
     }
   }
@@ -115,14 +127,7 @@ void Membership::end_former_incarnations() {
 void Membership::follow_changes() {
   const std::vector<MemberChange> changes = replica_.take_changes();
   for (const MemberChange& c : changes) {
-    const std::string who = "peer " + std::to_string(c.slot);
-    if (c.kind == MemberChange::Kind::kAdmitted && c.slot != session_.self)
-      commands_.note(who + " at " + to_string(c.at) + " joins at tick " + std::to_string(c.tick));
-    if (c.kind == MemberChange::Kind::kAdmitted && c.slot == session_.self)
-      commands_.note("admitted at tick " + std::to_string(c.tick) + " as " + who);
-    if (c.kind == MemberChange::Kind::kLeft) commands_.note(who + " has left");
-    if (c.kind == MemberChange::Kind::kRemoved)
-      commands_.note(who + " is lost: out from tick " + std::to_string(c.tick), true);
+    commands_.tell({.kind = kind_of(c, session_.self), .peer = c.slot, .tick = c.tick, .at = c.at});
     if (c.kind == MemberChange::Kind::kAdmitted) evictions_.forget_asker(c.slot);
     merge_.on_change(c);
     changes_.push_back(c);
@@ -186,7 +191,8 @@ std::optional<Endpoint> Membership::way_back() const {
 
 void Membership::announce_way_back() {
   const std::string why = why_back();
-  if (!why.empty() && !std::exchange(told_, true)) commands_.note(why + ": joining anew", true);
+  if (!why.empty() && !std::exchange(told_, true))
+    commands_.tell({.kind = SessionEvent::Kind::kReturning, .text = why});
 }
 
 }  // namespace padr::node

@@ -237,9 +237,10 @@ void MisbehaviourPolicy::tell(PeerId p, DropReason why, Watch& w, Micros local, 
   Watch::Told& told = w.told[static_cast<std::size_t>(why)];
   ++told.drops;
   if (local - told.at < kTellAgain) return;
-  out.note("dropped " + std::to_string(told.drops) + (told.drops == 1 ? " datagram" : " datagrams") + " of peer " +
-               std::to_string(p) + ": " + std::string(sync::kDropNames[static_cast<std::size_t>(why)]),
-           true);
+  out.tell({.kind = SessionEvent::Kind::kDropped,
+            .peer = p,
+            .count = told.drops,
+            .text = std::string(sync::kDropNames[static_cast<std::size_t>(why)])});
   told = {0, local};
 }
 
@@ -256,9 +257,7 @@ void MisbehaviourPolicy::cut_off(PeerId p, Watch& w, const std::string& why, con
   bar(p, !by_network, replica);
   w.unlawful.reset();
   w.deaf_until = for_good ? kForGood : replica.now() + kMuted;
-  out.note("peer " + std::to_string(p) + " " + why + ": " +
-               (for_good ? "cut off" : "ignored for " + std::to_string(kMuted / kTicksPerSecond) + " s"),
-           true);
+  out.tell({.kind = for_good ? SessionEvent::Kind::kCutOff : SessionEvent::Kind::kMuted, .peer = p, .text = why});
   out.cut_off(p, for_good, why);
 }
 

@@ -76,9 +76,7 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
   const Side us = ours(replica);
   if (outranks(probe.members, us)) {
     if (!winner_)
-      out.note("met " + std::to_string(probe.members.size()) + " peers that go on without us, who are " +
-                   std::to_string(us.size()) + ": joining them by " + to_string(from),
-               true);
+      out.tell({.kind = SessionEvent::Kind::kOutvoted, .at = from, .count = probe.members.size(), .own = us.size()});
     winner_ = from;
     won_at_ = replica.now();
     return;

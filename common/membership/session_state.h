@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "common/membership/session_clock.h"
-#include "common/model/endpoint.h"
-#include "common/model/ids.h"
+#include "common/membership/session_event.h"
 #include "common/wire/membership_codec.h"
 #include "common/wire/session_codec.h"
 
@@ -49,11 +48,6 @@ struct SessionDatagram {
   wire::Bytes bytes;
 };
 
-struct SessionNote {
-  bool problem = false;
-  std::string text;
-};
-
 /// How often peers repeat themselves, and how long they wait; us.
 struct SessionPace {
   static constexpr Micros kTick = 10'000;      ///< timers are looked at this often
@@ -79,7 +73,7 @@ struct SessionState : SessionView {
   std::string failure;
   Micros born = 0;
   std::vector<SessionDatagram> outgoing;
-  std::vector<SessionNote> notes;
+  std::vector<SessionEvent> events;
 
   void send(const Endpoint& to, const wire::SessionMessage& message) {
     outgoing.push_back({to, wire::seal({wire::Kind::kSession, self, number}, wire::encode_session(message))});
@@ -103,8 +97,8 @@ struct SessionState : SessionView {
     answers_ -= 1;
     return true;
   }
-  void note(std::string text, bool problem = false) {
-    if (notes.size() < kNotesKept) notes.push_back({problem, std::move(text)});
+  void tell(SessionEvent event) {
+    if (events.size() < kEventsKept) events.push_back(std::move(event));
   }
   void fail(std::string text) {
     phase = SessionPhase::kFailed;
@@ -113,7 +107,7 @@ struct SessionState : SessionView {
 
  private:
   static constexpr double kAnswers = 50;
-  static constexpr std::size_t kNotesKept = 64;
+  static constexpr std::size_t kEventsKept = 64;
   double answers_ = kAnswers;
   Micros answered_ = 0;
 };

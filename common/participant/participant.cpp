@@ -64,16 +64,14 @@ void Participant::warn_of_drops(const Endpoint& place, Micros local) {
   const std::uint64_t drops =
       dropped[static_cast<std::size_t>(ChannelDrop::kUnsealed)] + dropped[static_cast<std::size_t>(ChannelDrop::kTag)];
   if (drops == drops_told_ || local - warned_ < kWarnAgain) return;
-  notes_.push_back({true, std::to_string(drops - drops_told_) + " datagrams were not made with this session's key, " +
-                              "the last by " + to_string(place)});
+  events_.push_back({.kind = SessionEvent::Kind::kWrongKey, .at = place, .count = drops - drops_told_});
   drops_told_ = drops;
   warned_ = local;
 }
 
 void Participant::warn_of_last_key() {
   if (!channels_->has_told_all_keys() || std::exchange(last_key_told_, true)) return;
-  notes_.push_back({true, "the keys of " + std::to_string(config_.channels->most_keys) +
-                              " peers have been logged, and no more will be"});
+  events_.push_back({.kind = SessionEvent::Kind::kLastKeyLogged, .count = config_.channels->most_keys});
 }
 
 void Participant::post(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes) {
@@ -233,7 +231,7 @@ bool Participant::nobody_to_tell() const {
 void Participant::collect(Incarnation& incarnation) {
   if (!incarnation.session) return;
   for (const SessionDatagram& d : incarnation.session->take_outgoing()) post(d.to, kNoPeer, d.bytes);
-  for (SessionNote& n : incarnation.session->take_notes()) notes_.push_back(std::move(n));
+  for (SessionEvent& e : incarnation.session->take_events()) events_.push_back(std::move(e));
   if (!incarnation.membership) return;
   for (const MemberChange& c : incarnation.membership->take_changes()) changes_.push_back(c);
 }
@@ -242,8 +240,8 @@ std::span<const Parcel> Participant::take_outgoing() {
   return channels_ ? channels_->take_outgoing() : outgoing_.take();
 }
 
-std::vector<SessionNote> Participant::take_notes() {
-  return std::exchange(notes_, {});
+std::vector<SessionEvent> Participant::take_events() {
+  return std::exchange(events_, {});
 }
 
 std::vector<MemberChange> Participant::take_changes() {

@@ -84,7 +84,8 @@ class Participant {
 
   /// What to send, in order; empty afterwards. Good until the next call of any other function.
   std::span<const Parcel> take_outgoing();
-  std::vector<SessionNote> take_notes();
+  /// What happened since the last call.
+  std::vector<SessionEvent> take_events();
   /// Who came and went, since the last call.
   std::vector<MemberChange> take_changes();
 
@@ -162,7 +163,7 @@ class Participant {
   Micros try_again_ = 0;
   std::uint64_t tries_ = 0;
   Outbox outgoing_;
-  std::vector<SessionNote> notes_;
+  std::vector<SessionEvent> events_;
   std::vector<MemberChange> changes_;
 };
 

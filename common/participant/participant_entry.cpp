@@ -147,7 +147,7 @@ void Participant::begin_with_transfer(Micros local) {
   if (current_.replica) {
     const sync::FoldState* ours = current_.replica->replica().agreed().confirmed_at(then);
     const std::string difference = ours == nullptr ? "" : first_difference(*ours, transfer->state);
-    if (!difference.empty()) s.state().note("here and there " + difference, true);
+    if (!difference.empty()) s.state().tell({.kind = SessionEvent::Kind::kDiffered, .text = difference});
   }
   next_.replica =
       std::make_unique<RecordedReplica>(scene_, replica_config(s), *transfer, std::max(now, then), recording(), sink());

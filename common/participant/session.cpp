@@ -80,7 +80,7 @@ bool Session::receive(const Endpoint& from, const wire::Opened& opened, Micros l
 
 void Session::unreachable(const Endpoint& at, Micros local) {
   if (membership_ != nullptr) membership_->on_unreachable(at);
-  if (session_.phase == SessionPhase::kEntering) entry_->on_unreachable(at);
+  if (session_.phase == SessionPhase::kEntering) pull_->on_unreachable(at);
   if (joiner_) joiner_->on_unreachable(at, local);
 }
 
@@ -97,7 +97,7 @@ void Session::take_membership(const Endpoint& from, const wire::Opened& opened, 
   }
   ++stats_.session;
   if (const auto* piece = std::get_if<wire::Piece>(&*message)) {
-    if (session_.phase == SessionPhase::kEntering) entry_->on_piece(from, *piece, local);
+    if (session_.phase == SessionPhase::kEntering) pull_->on_piece(from, *piece, local);
   } else if (membership_ != nullptr) {
     membership_->receive(from, header, *message, opened.datagram.size(), local);
   }
@@ -114,18 +114,18 @@ void Session::dispatch(const Endpoint& from, const wire::Header& header, const w
   if (join != nullptr) joiner_->on_join(from, *join, local);
   if (const auto* welcome = std::get_if<wire::Welcome>(&message)) {
     joiner_->on_welcome(from, header, *welcome);
-    if (session_.phase == SessionPhase::kEntering && !entry_) {
+    if (session_.phase == SessionPhase::kEntering && !pull_) {
       admissions_ = header.sender;
-      entry_ = std::make_unique<Entry>(session_, from, *welcome, local);
+      pull_ = std::make_unique<TransferPull>(session_, from, *welcome, local);
     }
   }
   if (const auto* redirect = std::get_if<wire::Redirect>(&message)) {
-    if (entry_) entry_->on_redirect(from, *redirect);
+    if (pull_) pull_->on_redirect(from, *redirect);
     joiner_->on_redirect(from, *redirect, local);
   }
   if (const auto* refuse = std::get_if<wire::Refuse>(&message)) joiner_->on_refuse(from, *refuse);
   const auto* pong = std::get_if<wire::Pong>(&message);
-  if (pong != nullptr && entry_ && !settled_) entry_->on_pong(from, *pong, local);
+  if (pong != nullptr && pull_ && !settled_) pull_->on_pong(from, *pong, local);
 }
 
 // Magic, version, kind and tag are where they are in every version of the protocol, and a Join always fills a datagram
@@ -141,12 +141,12 @@ void Session::other_version(const Endpoint& from, std::size_t bytes, std::uint8_
   const std::string reason = "protocol version differs: " + std::to_string(wire::kProtocolVersion) +
                              " in the session, " + std::to_string(version) + " in the newcomer";
   session_.send(from, wire::Refuse{0, reason});
-  session_.note("refused " + to_string(from) + ": " + reason, true);
+  session_.tell({.kind = SessionEvent::Kind::kRefused, .at = from, .text = reason});
 }
 
 void Session::advance(Micros local) {
-  if (session_.phase == SessionPhase::kEntering) entry_->advance(local);
-  if (session_.phase == SessionPhase::kMember && entry_ && !settled_) entry_->measure(local);
+  if (session_.phase == SessionPhase::kEntering) pull_->advance(local);
+  if (session_.phase == SessionPhase::kMember && pull_ && !settled_) pull_->measure(local);
   if (session_.phase == SessionPhase::kJoining) joiner_->advance(local);
   next_due_ = local + SessionPace::kTick;
 }
@@ -155,8 +155,8 @@ std::vector<SessionDatagram> Session::take_outgoing() {
   return std::exchange(session_.outgoing, {});
 }
 
-std::vector<SessionNote> Session::take_notes() {
-  return std::exchange(session_.notes, {});
+std::vector<SessionEvent> Session::take_events() {
+  return std::exchange(session_.events, {});
 }
 
 }  // namespace padr::node

@@ -10,7 +10,7 @@
 #include "common/membership/session_state.h"
 #include "common/model/endpoint.h"
 #include "common/model/ids.h"
-#include "common/participant/entry.h"
+#include "common/participant/transfer_pull.h"
 
 namespace padr::node {
 
@@ -54,13 +54,13 @@ class Session {
   /// What to send, in order; empty afterwards.
   std::vector<SessionDatagram> take_outgoing();
   /// What people should know; empty afterwards.
-  std::vector<SessionNote> take_notes();
+  std::vector<SessionEvent> take_events();
 
   SessionPhase phase() const { return session_.phase; }
   /// Why, once the phase is kFailed.
   const std::string& failure() const { return session_.failure; }
   /// It failed because who was letting us in has ended, fallen silent, or sent us elsewhere.
-  bool lost_introducer() const { return session_.phase == SessionPhase::kFailed && entry_ && entry_->lost(); }
+  bool lost_introducer() const { return session_.phase == SessionPhase::kFailed && pull_ && pull_->lost(); }
   /// This peer's number; kNoPeer until it is a member.
   PeerId self() const { return session_.self; }
   /// Drawn by the founder, never 0; 0 until known.
@@ -70,17 +70,17 @@ class Session {
   /// Members that are there, this one included.
   int present() const { return session_.present; }
   /// Least round trip to whoever lets or let us in so far, us; 0 for the founder.
-  Micros round_trip() const { return entry_ ? entry_->round_trip() : 0; }
+  Micros round_trip() const { return pull_ ? pull_->round_trip() : 0; }
   const SessionStats& stats() const { return stats_; }
 
   /// While kEntering: the agreed world has come, see transfer(), and the clock runs.
-  bool may_enter() const { return entry_ && entry_->ready(); }
-  const wire::Bytes& transfer() const { return entry_->transfer(); }
+  bool may_enter() const { return pull_ && pull_->ready(); }
+  const wire::Bytes& transfer() const { return pull_->transfer(); }
   /// Who lets us in.
-  const Endpoint& introducer() const { return entry_->by(); }
+  const Endpoint& introducer() const { return pull_->by(); }
   PeerId introducer_number() const { return admissions_; }
   /// Asks to be admitted; `admitted` when that has happened.
-  void enter(Micros local) { entry_->enter(local); }
+  void enter(Micros local) { pull_->enter(local); }
   void admitted() { session_.phase = SessionPhase::kMember; }
   /// Play has begun: from now on the clock is no longer stepped, only steered.
   void settle_clock() { settled_ = true; }
@@ -103,8 +103,8 @@ class Session {
   void other_version(const Endpoint& from, std::size_t bytes, std::uint8_t version, Micros local);
 
   SessionState session_;
-  std::unique_ptr<Joiner> joiner_;  ///< unless it founds
-  std::unique_ptr<Entry> entry_;    ///< once welcomed
+  std::unique_ptr<Joiner> joiner_;      ///< unless it founds
+  std::unique_ptr<TransferPull> pull_;  ///< once welcomed
   PeerId admissions_ = kNoPeer;
   bool settled_ = false;
   Membership* membership_ = nullptr;

@@ -53,7 +53,7 @@ void Joiner::on_welcome(const Endpoint& from, const wire::Header& header, const 
   session_.wanted = welcome.wanted;
   session_.incarnation = welcome.incarnation;
   session_.phase = SessionPhase::kEntering;
-  session_.note("welcomed by " + to_string(target_) + " as peer " + std::to_string(session_.self));
+  session_.tell({.kind = SessionEvent::Kind::kWelcomed, .peer = session_.self, .at = target_});
 }
 
 // Whoever we were passed on to may have crashed just now: then ask again where we asked first.
@@ -76,7 +76,7 @@ void Joiner::on_redirect(const Endpoint& from, const wire::Redirect& redirect, M
     return session_.fail("too many redirects from member to member, the last by " + to_string(from));
   redirected_ = local;
   target_ = as_seen_from(redirect.to, from);
-  session_.note(to_string(from) + " passes us on to " + to_string(target_));
+  session_.tell({.kind = SessionEvent::Kind::kPassedOn, .at = from, .to = target_});
   ask(local);
 }
 

@@ -83,7 +83,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     founder.advance(now);
     while (founder.step_due(now)) founder.step({5, 5}, now);
     founder.take_outgoing();
-    founder.take_notes();
+    founder.take_events();
     founder.take_changes();
   }
   return 0;

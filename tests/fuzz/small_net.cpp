@@ -72,7 +72,7 @@ void SmallNet::turn() {
     if (now_ >= peer.next_due()) peer.advance(now_);
     while (peer.step_due(now_)) peer.step({5.0F + static_cast<float>(p), 5}, now_);
     for (const node::Parcel& parcel : peer.take_outgoing()) post(p, parcel);
-    peer.take_notes();
+    peer.take_events();
     peer.take_changes();
   }
 }

@@ -64,13 +64,14 @@ TEST(WayBack, WhatIsStuckIsStuckWhetherAnybodyHasAskedOrNot) {
   Trio unasked;
   unasked.run_to(120, 3);
   unasked.run_to(stuck + 30, 2);
-  unasked.state().notes.clear();
+  unasked.state().events.clear();
   EXPECT_EQ(unasked.membership().way_back(), unasked.first());
-  EXPECT_TRUE(unasked.state().notes.empty()) << "asking says nothing";
+  EXPECT_TRUE(unasked.state().events.empty()) << "asking says nothing";
   unasked.membership().announce_way_back();
   unasked.membership().announce_way_back();
-  ASSERT_EQ(unasked.state().notes.size(), 1U);
-  EXPECT_NE(unasked.state().notes[0].text.find("nothing has been confirmed for 12 s"), std::string::npos);
+  ASSERT_EQ(unasked.state().events.size(), 1U);
+  EXPECT_EQ(unasked.state().events[0].kind, node::SessionEvent::Kind::kReturning);
+  EXPECT_EQ(unasked.state().events[0].text, "nothing has been confirmed for 12 s");
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 #include "common/membership/relay.h"
 #include "common/membership/session_state.h"
 #include "common/model/hash.h"
-#include "common/participant/entry.h"
+#include "common/participant/transfer_pull.h"
 #include "common/sync/authority.h"
 #include "common/sync/validation.h"
 #include "common/wire/codec.h"
@@ -328,13 +328,13 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   whole("admit_control", limits.max_control);
   add("admit_ahead", limits.max_ahead);
   add("join_us", Pace::kJoin);
-  add("ping_us", node::Entry::kPing);
-  add("idle_ping_us", node::Entry::kIdlePing);
-  add("clock_samples", node::Entry::kSamples);
+  add("ping_us", node::TransferPull::kPing);
+  add("idle_ping_us", node::TransferPull::kIdlePing);
+  add("clock_samples", node::TransferPull::kSamples);
   add("clock_samples_kept", node::OffsetEstimator::kKept);
-  add("oldest_pong_us", node::Entry::kOldestPong);
-  add("again_us", node::Entry::kAgain);
-  add("patience_us", node::Entry::kPatience);
+  add("oldest_pong_us", node::TransferPull::kOldestPong);
+  add("again_us", node::TransferPull::kAgain);
+  add("patience_us", node::TransferPull::kPatience);
   add("unproven_us", node::Admissions::kUnproven);
   add("at_once", node::Admissions::kAtOnce);
   add("turn_us", node::Admissions::kTurn);

@@ -5,6 +5,7 @@
 
 #include "common/world/world.h"
 #include "shell/input_text.h"
+#include "shell/session_words.h"
 
 namespace padr::lab {
 namespace {
@@ -166,8 +167,8 @@ void VirtualNetwork::turn(int person) {
     if (on_datagram) on_datagram(p.place, *to, d.bytes);
     (d.to.is_loopback() ? loopback_links_ : links_).send(at(person), at(*to), now_, d.bytes);
   }
-  for (const node::SessionNote& n : p.peer->take_notes())
-    p.notes.push_back(std::to_string(static_cast<double>(now_) / 1e6) + " " + n.text);
+  for (const node::SessionEvent& e : p.peer->take_events())
+    p.notes.push_back(std::to_string(static_cast<double>(now_) / 1e6) + " " + shell::words_of(e));
   p.peer->take_changes();
   if (on_turn) on_turn(person);
   end_if_done(p);

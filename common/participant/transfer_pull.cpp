@@ -1,15 +1,15 @@
-#include "common/participant/entry.h"
+#include "common/participant/transfer_pull.h"
 
 #include <algorithm>
 
 namespace padr::node {
 
-Entry::Entry(SessionState& session, const Endpoint& by, const wire::Welcome& welcome, Micros local)
+TransferPull::TransferPull(SessionState& session, const Endpoint& by, const wire::Welcome& welcome, Micros local)
     : session_(session), by_(by), nonce_(welcome.nonce), cookie_(welcome.cookie), heard_(local) {
   advance(local);
 }
 
-void Entry::on_pong(const Endpoint& from, const wire::Pong& pong, Micros local) {
+void TransferPull::on_pong(const Endpoint& from, const wire::Pong& pong, Micros local) {
   if (from != by_ || pong.sent > local || local - pong.sent > kOldestPong || pong.sent < session_.born) return;
   heard_ = local;
   offset_.add(pong.sent, pong.session, local);
@@ -17,7 +17,7 @@ void Entry::on_pong(const Endpoint& from, const wire::Pong& pong, Micros local) 
   finish_if_complete();
 }
 
-void Entry::on_piece(const Endpoint& from, const wire::Piece& piece, Micros local) {
+void TransferPull::on_piece(const Endpoint& from, const wire::Piece& piece, Micros local) {
   if (from != by_ || piece.nonce != nonce_ || ready_) return;
   if (pieces_.empty()) {
     pieces_.resize(piece.count);
@@ -30,14 +30,14 @@ void Entry::on_piece(const Endpoint& from, const wire::Piece& piece, Micros loca
   finish_if_complete();
 }
 
-void Entry::finish_if_complete() {
+void TransferPull::finish_if_complete() {
   if (ready_ || pieces_.empty() || missing_ > 0 || offset_.samples() < kSamples) return;
   for (const wire::Bytes& p : pieces_) transfer_.insert(transfer_.end(), p.begin(), p.end());
   session_.clock.set(offset_.offset());
   ready_ = true;
 }
 
-void Entry::pull(Micros local) {
+void TransferPull::pull(Micros local) {
   pulled_ = local;
   wire::Pull p{nonce_, 0, ~std::uint64_t{0}, cookie_};
   if (!pieces_.empty()) {
@@ -50,16 +50,16 @@ void Entry::pull(Micros local) {
   session_.send(by_, p);
 }
 
-void Entry::on_redirect(const Endpoint& from, const wire::Redirect& redirect) {
+void TransferPull::on_redirect(const Endpoint& from, const wire::Redirect& redirect) {
   if (from == by_ && redirect.nonce == nonce_ && entering_) lost_ = true;
 }
 
 // Not at once: whoever looks between two advances must not take for the end what is only another beginning.
-void Entry::on_unreachable(const Endpoint& at) {
+void TransferPull::on_unreachable(const Endpoint& at) {
   if (at == by_) lost_ = true;
 }
 
-void Entry::advance(Micros local) {
+void TransferPull::advance(Micros local) {
   lost_ = lost_ || local - heard_ > kPatience;
   if (lost_)
     return session_.fail("peer at " + to_string(by_) +
@@ -71,7 +71,7 @@ void Entry::advance(Micros local) {
 }
 
 // With the clock agreed it is only to hear whether who lets us in is still there, until its word is all we wait for.
-void Entry::measure(Micros local) {
+void TransferPull::measure(Micros local) {
   const bool measures = offset_.samples() < OffsetEstimator::kKept;
   if (local - heard_ > kPatience) return;  // it is gone, or has forgotten us
   if (local - pinged_ < (measures ? kPing : kIdlePing) || (!measures && entering_)) return;
@@ -79,7 +79,7 @@ void Entry::measure(Micros local) {
   session_.send(by_, wire::Ping{local});
 }
 
-void Entry::enter(Micros local) {
+void TransferPull::enter(Micros local) {
   entering_ = true;
   entered_ = local;
   session_.send(by_, wire::Enter{nonce_});

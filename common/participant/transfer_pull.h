@@ -8,10 +8,10 @@ namespace padr::node {
 
 /// What follows a Welcome: agrees the clock with whoever lets us in, pulls the agreed world piece by piece, and then
 /// asks to be admitted. What gets lost is asked for again.
-class Entry {
+class TransferPull {
  public:
   /// `by` has welcomed our Join.
-  Entry(SessionState& session, const Endpoint& by, const wire::Welcome& welcome, Micros local);
+  TransferPull(SessionState& session, const Endpoint& by, const wire::Welcome& welcome, Micros local);
 
   void on_pong(const Endpoint& from, const wire::Pong& pong, Micros local);
   void on_piece(const Endpoint& from, const wire::Piece& piece, Micros local);

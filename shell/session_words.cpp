@@ -1,0 +1,63 @@
+#include "shell/session_words.h"
+
+#include "common/membership/last_heard.h"
+#include "common/membership/misbehaviour_policy.h"
+
+namespace padr::shell {
+
+using Kind = node::SessionEvent::Kind;
+
+std::string words_of(const node::SessionEvent& e) {
+  const std::string who = "peer " + std::to_string(e.peer);
+  const std::string count = std::to_string(e.count);
+  switch (e.kind) {
+    case Kind::kWelcomed:
+      return "welcomed by " + to_string(e.at) + " as " + who;
+    case Kind::kPassedOn:
+      return to_string(e.at) + " passes us on to " + to_string(e.to);
+    case Kind::kAdmitted:
+      return "admitted at tick " + std::to_string(e.tick) + " as " + who;
+    case Kind::kJoined:
+      return who + " at " + to_string(e.at) + " joins at tick " + std::to_string(e.tick);
+    case Kind::kLeft:
+      return who + " has left";
+    case Kind::kLost:
+      return who + " is lost: out from tick " + std::to_string(e.tick);
+    case Kind::kRefused:
+      return "refused " + to_string(e.at) + ": " + e.text;
+    case Kind::kUnreachable:
+      return "nobody listens at " + who + "'s address any more";
+    case Kind::kSuspected:
+      return who + " has been silent for " + std::to_string(node::kSilence / kTicksPerSecond) +
+             " s: asking the others for its updates";
+    case Kind::kHeard:
+      return who + " does not answer, but others hear it: it stays";
+    case Kind::kHeardAgain:
+      return who + " is heard by others again: it stays";
+    case Kind::kDropped:
+      return "dropped " + count + (e.count == 1 ? " datagram of " : " datagrams of ") + who + ": " + e.text;
+    case Kind::kMuted:
+      return who + " " + e.text + ": ignored for " +
+             std::to_string(node::MisbehaviourPolicy::kMuted / kTicksPerSecond) + " s";
+    case Kind::kCutOff:
+      return who + " " + e.text + ": cut off";
+    case Kind::kOutvoted:
+      return "met " + count + " peers that go on without us, who are " + std::to_string(e.own) + ": joining them by " +
+             to_string(e.at);
+    case Kind::kReturning:
+      return e.text + ": joining anew";
+    case Kind::kWrongKey:
+      return count + " datagrams were not made with this session's key, the last by " + to_string(e.at);
+    case Kind::kLastKeyLogged:
+      return "the keys of " + count + " peers have been logged, and no more will be";
+    case Kind::kDiffered:
+      return "here and there " + e.text;
+  }
+  return {};
+}
+
+bool is_problem(const node::SessionEvent& e) {
+  return e.kind >= Kind::kLost;
+}
+
+}  // namespace padr::shell
