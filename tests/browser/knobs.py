@@ -29,11 +29,14 @@ class Knobs(Case):
     def status(self, where):
         return wait(lambda: self.browser.text(f".{where} .status"), f"an answer about {where}")
 
+    def type_over(self, box, text):
+        """At once: the page puts back what holds where nobody is at a box, and on a busy machine a second call comes later."""
+        box.send_keys(Keys.CONTROL, "a", Keys.NULL, text, Keys.ENTER)
+
     def test_a_network_is_felt(self):
         b = self.browser
-        # A busy machine alone makes tens of milliseconds; the long ones are above 150.
         delays = "return padr.session.present().flatMap((p) => p.links.map((l) => l.delay_ms))"
-        wait(lambda: len(b.script(delays)) == PEERS * (PEERS - 1) and all(d is not None and d < 100 for d in b.script(delays)), "short delays")
+        wait(lambda: len(b.script(delays)) == PEERS * (PEERS - 1) and all(d is not None and d < 60 for d in b.script(delays)), "short delays")
         self.choose("network", "delay 250ms 100ms loss 20%")
         self.assertIn("✓", self.status("network"))
         spec = "return document.querySelector('[name=spec]').value"
@@ -41,15 +44,14 @@ class Knobs(Case):
         wait(lambda: all(d > 120 for d in b.script(delays)), "long delays")
         wait(lambda: b.script("return padr.events.list.filter((e) => e.kind === 'netem').length") >= PEERS, "events that say so")
         box = b.find('[name="spec"]')
-        box.clear()
-        box.send_keys("delay 5ms", Keys.ENTER)
-        wait(lambda: all(d < 100 for d in b.script(delays)), "short delays again")
+        self.type_over(box, "delay 5ms")
+        wait(lambda: "delay 5ms" in b.text(".network .status"), "an answer about the short delay")
+        wait(lambda: all(d < 60 for d in b.script(delays)), "short delays again")
 
     def test_a_wrong_network_is_refused_in_its_place(self):
         b = self.browser
         box = b.find('[name="spec"]')
-        box.clear()
-        box.send_keys("delay much", Keys.ENTER)
+        self.type_over(box, "delay much")
         wait(lambda: "✗" in b.text(".network .status") and "much" in b.text(".network .status"), "what is wrong, in words")
         b.picture("refused")
         self.assertTrue(b.script("return document.querySelector('.network .status').classList.contains('error')"))
@@ -83,8 +85,7 @@ class Knobs(Case):
         value = b.find('[name="value"]')
         value.send_keys("0.25", Keys.ENTER)
         wait(lambda: b.script("return padr.session.present().every((p) => p.knobs['pcc-bound'] === '0.25')"), "the bound of all")
-        value.clear()
-        value.send_keys("-3", Keys.ENTER)
+        self.type_over(value, "-3")
         wait(lambda: "✗" in b.text(".technique .status") and "-3" in b.text(".technique .status"), "a refusal")
 
     def test_pausing_and_going_on(self):
