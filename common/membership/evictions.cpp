@@ -126,18 +126,19 @@ bool Evictions::is_vetoed(PeerId p, const Lost& lost, const Replica& replica) co
   return stays_by_word(h);
 }
 
+// thaw() takes up again whom nobody else asks about.
 void Evictions::take_back(const Replica& replica, Commands& out) {
   if (ordered() || number_ == wire::kMostPollNumber) return;
   taken_back_.clear();
   for (const auto& [p, lost] : lost_) {
     taken_back_.push_back({p, lost.incarnation});
-    out.freeze(p, false);
     out.tell({.kind = SessionEvent::Kind::kHeardAgain, .peer = p});
   }
   if (taken_back_.size() > wire::kMostLost) taken_back_.resize(wire::kMostLost);
   lost_.clear();
   missing_.reset();
   ++number_;
+  taken_back_at_ = replica.now();
   unaware_.clear();
   for (PeerId p = 0; p < replica.config().slots; ++p)
     if (p != session_.self && replica.other(p).there()) unaware_.insert(p);
@@ -186,8 +187,9 @@ void Evictions::doubt(const Replica& replica, Commands& out) {
 LastHeard Evictions::hearsay(PeerId p, const Replica& replica) const {
   const Neighbour& n = replica.other(p);
   const bool deaf = n.given_up < 0 && replica.silence(p) < kTicksPerSecond;
-  LastHeard h{replica.now(), replica.unanswered(p), {}, n.given_up_for_good, deaf, {}};
+  LastHeard h{replica.now(), replica.unanswered(p), {}, n.given_up_for_good, deaf, {}, {}};
   if (n.given_up >= 0) h.refused = n.given_up;
+  if (number_ > 0) h.taken_back = taken_back_at_;
   const Doubted& d = doubted_.at(p);
   for (PeerId q = 0; q < replica.config().slots; ++q) {
     // Those of another side, who have frozen us, hear one another, but do not answer.

@@ -106,6 +106,7 @@ class Evictions {
   std::map<PeerId, Lost> lost_;              ///< as the coordinator
   std::uint32_t number_ = 0;                 ///< of this peer's polls; grows with each that is taken back
   std::vector<wire::Seat> taken_back_;       ///< whom the polls with lower numbers were about
+  Tick taken_back_at_ = 0;                   ///< the last of them
   std::set<PeerId> unaware_;                 ///< members that may not know yet that they are taken back
   Tick told_ = 0;                            ///< when they were told last
   std::map<PeerId, std::uint32_t> numbers_;  ///< of the newest poll, by asker

@@ -27,7 +27,8 @@ bool may_evict(const LastHeard& h) {
   if (h.given_up) return true;
   if (silent(h) < kSilence || stays_by_word(h)) return false;
   const auto answered = [](const std::optional<Tick>& heard) { return heard.has_value(); };
-  const Tick asked_for = h.refused ? h.now - *h.refused : h.unanswered - kDoubt;
+  const Tick asked_for = std::min(h.refused ? h.now - *h.refused : h.unanswered - kDoubt,
+                                  h.taken_back ? h.now - *h.taken_back : kAnswerPatience);
   return asked_for >= kAnswerPatience || std::all_of(h.heard.begin(), h.heard.end(), answered);
 }
 

@@ -17,6 +17,8 @@ struct LastHeard {
   /// One entry for each member that counts: tick of the newest mark with which the peer has answered that member;
   /// -1: there is none; nothing: the member has not replied yet.
   std::vector<std::optional<Tick>> heard;
+  /// When a question about it was taken back: replies to earlier ones are forgotten, and members are asked anew since.
+  std::optional<Tick> taken_back;
 };
 
 /// Silence after which the coordinator asks the others when they heard the peer last. It is shorter than kSilence, so

@@ -51,18 +51,29 @@ TEST(LastHeard, Table) {
       {"but not for ever", 60'000, 9'760, false, {9'999}, true},
   };
   for (const Row& r : rows)
-    EXPECT_EQ(node::may_evict({kNow, r.unanswered, r.refused, r.given_up, r.deaf, r.heard}), r.gone) << r.name;
+    EXPECT_EQ(node::may_evict({kNow, r.unanswered, r.refused, r.given_up, r.deaf, r.heard, {}}), r.gone) << r.name;
+}
+
+// Else it would be asked about again at once, and frozen again before anything of it could come.
+TEST(LastHeard, AfterAQuestionIsTakenBackRepliesAreWaitedForAnew) {
+  constexpr Tick kNow = 10'000;
+  const auto evicts = [](Tick taken_back, const Heard& heard) {
+    return node::may_evict({kNow, 300, {}, false, false, heard, taken_back});
+  };
+  EXPECT_FALSE(evicts(kNow - 71, {kNever, kNoAnswer}));
+  EXPECT_TRUE(evicts(kNow - 72, {kNever, kNoAnswer}));
+  EXPECT_TRUE(evicts(kNow - 10, {kNever, kNever})) << "all have answered";
 }
 
 // By words alone: neither what this peer hears itself nor a reply that is missing.
 TEST(LastHeard, StaysByWord) {
   constexpr Tick kNow = 10'000;
   const auto stays = [](const LastHeard& h) { return node::stays_by_word(h); };
-  EXPECT_TRUE(stays({kNow, 180, {}, false, false, {kNever, 9'881}}));
-  EXPECT_FALSE(stays({kNow, 180, {}, false, false, {kNever, 9'880, kNoAnswer}})) << "heard too long ago";
-  EXPECT_FALSE(stays({kNow, 420, {}, false, false, {9'999}})) << "nobody's word is believed for ever";
-  EXPECT_FALSE(stays({kNow, 180, {}, true, false, {9'999}})) << "cut off";
-  EXPECT_FALSE(stays({kNow, 180, {}, false, true, {9'999}})) << "takes nothing from here";
+  EXPECT_TRUE(stays({kNow, 180, {}, false, false, {kNever, 9'881}, {}}));
+  EXPECT_FALSE(stays({kNow, 180, {}, false, false, {kNever, 9'880, kNoAnswer}, {}})) << "heard too long ago";
+  EXPECT_FALSE(stays({kNow, 420, {}, false, false, {9'999}, {}})) << "nobody's word is believed for ever";
+  EXPECT_FALSE(stays({kNow, 180, {}, true, false, {9'999}, {}})) << "cut off";
+  EXPECT_FALSE(stays({kNow, 180, {}, false, true, {9'999}, {}})) << "takes nothing from here";
 }
 
 }  // namespace
