@@ -21,12 +21,17 @@ class LinkMesh {
  public:
   using Seed = std::function<std::uint64_t(std::size_t from, std::size_t to)>;
 
-  LinkMesh(NetemSpec spec, Seed seed) : spec_(std::move(spec)), seed_(std::move(seed)) {}
+  LinkMesh(const NetemSpec& spec, Seed seed) : spec_(spec), seed_(std::move(seed)) {}
   /// Between the peers of a session, as real peers' links.
-  LinkMesh(NetemSpec spec, std::uint64_t netem_seed)
-      : LinkMesh(std::move(spec), [netem_seed](std::size_t from, std::size_t to) {
+  LinkMesh(const NetemSpec& spec, std::uint64_t netem_seed)
+      : LinkMesh(spec, [netem_seed](std::size_t from, std::size_t to) {
           return link_seed(netem_seed, static_cast<PeerId>(from), static_cast<PeerId>(to));
         }) {}
+
+  /// Between the parties of a testbed or a crowd, of whom there may be more than a session has slots.
+  static LinkMesh between_parties(const NetemSpec& spec, std::uint64_t seed) {
+    return {spec, [seed](std::size_t from, std::size_t to) { return derive_seed(seed, 0x11A7, from << 32U | to); }};
+  }
 
   /// From now on each of so many parties may send in a thread of its own.
   void reserve(std::size_t parties) { links_.resize(std::max(links_.size(), parties)); }

@@ -43,7 +43,7 @@ class Admissions {
     bool proven = false;  ///< it has received the cookie at its address
     PeerId slot = kNoPeer;
     std::uint32_t incarnation = 0;
-    Micros since = 0;  ///< its Join, or the last Pull before its turn
+    Micros since = 0;  ///< its Join, then each Pull until its turn begins
     std::vector<wire::Bytes> pieces;
     std::vector<std::uint32_t> have;  ///< with the pieces
     bool ordered = false;

@@ -145,7 +145,7 @@ void Evictions::take_back(const Replica& replica, Commands& out) {
   told_ = replica.now() - kAskAgain;
 }
 
-// Any poll with the new number says it; those about somebody else may have nobody to be about.
+// Other polls with the new number say it, too, but there may be none.
 void Evictions::tell_taken_back(const Replica& replica, Commands& out) {
   std::erase_if(unaware_, [&](PeerId p) { return !replica.other(p).there(); });
   if (unaware_.empty() || replica.now() - told_ < kAskAgain) return;

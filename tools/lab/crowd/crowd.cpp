@@ -49,10 +49,7 @@ std::uint64_t side_of(const sync::FoldState& s) {
 CrowdRun::CrowdRun(CrowdRunConfig config)
     : config_(std::move(config)),
       stride_(stride_of(config_.netem)),
-      links_(config_.netem,
-             [seed = config_.seed](std::size_t from, std::size_t to) {
-               return derive_seed(seed, 0x11A7, from << 32U | to);
-             }),
+      links_(link::LinkMesh::between_parties(config_.netem, config_.seed)),
       persons_(static_cast<std::size_t>(config_.peers)),
       workers_(config_.threads) {
   links_.reserve(persons_.size());

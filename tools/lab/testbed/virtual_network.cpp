@@ -16,11 +16,6 @@ Endpoint place(int host, std::uint16_t port) {
   return ipv4({10, 0, static_cast<std::uint8_t>(host >> 8), static_cast<std::uint8_t>(host)}, port);
 }
 
-link::LinkMesh links_of(const VirtualNetworkConfig& c) {
-  return {c.netem,
-          [seed = c.seed](std::size_t from, std::size_t to) { return derive_seed(seed, 0x11A7, from << 32U | to); }};
-}
-
 /// The same on the machine itself.
 Endpoint on_loopback(const Endpoint& place) {
   return ipv4({127, 0, 0, 1}, place.port);
@@ -29,7 +24,9 @@ Endpoint on_loopback(const Endpoint& place) {
 }  // namespace
 
 VirtualNetwork::VirtualNetwork(VirtualNetworkConfig config)
-    : config_(std::move(config)), links_(links_of(config_)), loopback_links_(links_of(config_)) {}
+    : config_(std::move(config)),
+      links_(link::LinkMesh::between_parties(config_.netem, config_.seed)),
+      loopback_links_(link::LinkMesh::between_parties(config_.netem, config_.seed)) {}
 VirtualNetwork::~VirtualNetwork() = default;
 
 Micros VirtualNetwork::local(const Person& p) const {
