@@ -21,7 +21,8 @@ PeerId Evictions::coordinator(const Replica& replica) const {
 // A peer that stood still itself excuses the silence of the others for that time, so it takes a lost coordinator for
 // alive longer than the next coordinator does. But it must not reply later than the rest: if the lost peer came back
 // meanwhile, half of the members would have frozen it and half not, and neither half could go on without the other.
-bool Evictions::follows(PeerId from, const wire::Poll& poll, const Replica& replica) const {
+// A peer that gets going again reads what came meanwhile before it steps: then the silence has lasted until `due`.
+bool Evictions::follows(PeerId from, const wire::Poll& poll, const Replica& replica, Tick due) const {
   if (coordinator(replica) == from) return true;
   for (PeerId p = 0; p < from; ++p) {
     if (p == replica.self()) {
@@ -33,19 +34,20 @@ bool Evictions::follows(PeerId from, const wire::Poll& poll, const Replica& repl
     const bool asked_about = std::any_of(poll.lost.begin(), poll.lost.end(), [&](const wire::Seat& s) {
       return s.slot == p && s.incarnation == n.incarnation;
     });
-    const bool excused = replica.now() - n.excused < kSilence;  // a peer that did listen knows better
-    if (!asked_about || !excused || n.answer_mark > replica.now() - kHeardLately) return false;
+    // A peer that did listen knows better.
+    const bool excused = due - replica.now() >= kHeldUp || replica.now() - n.excused < kSilence;
+    if (!asked_about || !excused || n.answer_mark > due - kHeardLately) return false;
   }
   return replica.other(from).there() && !suspected(replica, from) && !lost_.contains(from);
 }
 
-void Evictions::on_poll(PeerId from, const wire::Poll& poll, const Replica& replica, Commands& out) {
+void Evictions::on_poll(PeerId from, const wire::Poll& poll, const Replica& replica, Tick due, Commands& out) {
   std::uint32_t& number = numbers_[from];
   if (poll.number < number) return;  // taken back meanwhile
   if (poll.number > number) forget_answers(from);
   number = poll.number;
   wire::Answer answer;
-  answer.frozen = poll.freeze && follows(from, poll, replica);
+  answer.frozen = poll.freeze && follows(from, poll, replica, due);
   answer.tick = replica.now();
   answer.number = number;
   for (const wire::Seat& s : poll.lost) {

@@ -26,7 +26,8 @@ class Evictions {
  public:
   explicit Evictions(const SessionView& session) : session_(session) {}
 
-  void on_poll(PeerId from, const wire::Poll& poll, const Replica& replica, Commands& out);
+  /// `due`: the tick at which this peer would be, had it not been held up.
+  void on_poll(PeerId from, const wire::Poll& poll, const Replica& replica, Tick due, Commands& out);
   void on_answer(PeerId from, const wire::Answer& answer, const Replica& replica, Commands& out);
   void on_fetch(PeerId from, const wire::Fetch& fetch, const Replica& replica, Commands& out);
   void on_fetched(const wire::Fetched& fetched, const Replica& replica, const MisbehaviourPolicy& misbehaviour);
@@ -72,7 +73,7 @@ class Evictions {
     std::map<PeerId, Tick> hears;  ///< by members that do not follow: when they have heard it last; -1: never
   };
   /// Whether `from` may evict somebody, as far as this peer can tell.
-  bool follows(PeerId from, const wire::Poll& poll, const Replica& replica) const;
+  bool follows(PeerId from, const wire::Poll& poll, const Replica& replica, Tick due) const;
   void forget_answers(PeerId asker) {
     std::erase_if(answered_, [asker](const auto& entry) { return entry.first.first == asker; });
   }

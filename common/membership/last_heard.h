@@ -31,6 +31,8 @@ inline constexpr Tick kAnswerPatience = 72;
 /// Age up to which a mark shows that the member and the peer hear each other. A peer that is heard, but hears nothing,
 /// cannot stay.
 inline constexpr Tick kHeardLately = 120;
+/// A peer that is so far behind was held up: it heard nobody because it did not listen.
+inline constexpr Tick kHeldUp = 24;
 /// Time for which replies alone keep a silent peer in. A member can claim for ever that it hears a peer; only updates
 /// prove it, because nobody can sign another peer's. Less than MisbehaviourPolicy::kArrears.
 inline constexpr Tick kBelieved = 7 * kTicksPerSecond;

@@ -1,5 +1,6 @@
 #include "common/membership/membership.h"
 
+#include <algorithm>
 #include <iterator>
 #include <utility>
 
@@ -65,7 +66,10 @@ void Membership::receive(const Endpoint& from, const wire::Header& header, const
   }
   const PeerId member = header.sender;
   if (!is_at(member, from) || !view.other(member).reachable() || !hears(member)) return;
-  if (const auto* poll = std::get_if<wire::Poll>(&message)) evictions_.on_poll(member, *poll, view, commands_);
+  if (const auto* poll = std::get_if<wire::Poll>(&message)) {
+    const Tick due = std::max(view.now(), tick_at(session_.clock.now(local)));
+    evictions_.on_poll(member, *poll, view, due, commands_);
+  }
   if (const auto* answer = std::get_if<wire::Answer>(&message)) evictions_.on_answer(member, *answer, view, commands_);
   if (const auto* fetch = std::get_if<wire::Fetch>(&message)) {
     evictions_.on_fetch(member, *fetch, view, commands_);

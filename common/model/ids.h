@@ -40,4 +40,9 @@ constexpr Micros tick_start(Tick t) {
   return static_cast<Micros>(t) * kMicrosPerSecond / kTicksPerSecond;
 }
 
+/// The tick that lasts at this session time, >= 0.
+constexpr Tick tick_at(Micros session_time) {
+  return static_cast<Tick>(session_time * kTicksPerSecond / kMicrosPerSecond);
+}
+
 }  // namespace padr

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "common/membership/last_heard.h"
 #include "common/membership/misbehaviour_policy.h"
 #include "common/model/rng.h"
 #include "common/model/user_error.h"
@@ -13,8 +14,6 @@
 namespace padr::node {
 namespace {
 
-/// A step that is later than this means that the process was held up. It heard no peer because it did not listen.
-constexpr Micros kHeldUp = 400'000;
 /// The clock is corrected so often; what it is corrected by is measured over seconds.
 constexpr Tick kSteerEvery = kTicksPerSecond / 2;
 /// When all peers are stopped at once, this many leave in one tick, because every peer answers every goodbye.
@@ -106,7 +105,7 @@ void Participant::take(const Endpoint& from, std::span<const std::byte> datagram
     if (why == sync::DropReason::kForeign) incarnation->membership->on_stranger(from, datagram.size(), local);
     // Whoever has been held up itself finds everybody ahead of it.
     const Tick due = incarnation->replica->replica().now() + 1;
-    const bool behind = incarnation->session->session_now(local) - tick_start(due) > kHeldUp;
+    const bool behind = incarnation->session->session_now(local) - tick_start(due) > tick_start(kHeldUp);
     if (why != sync::DropReason::kTick || !behind) incarnation->membership->on_drop(peer, why, local);
   }
 }
@@ -162,7 +161,7 @@ Micros Participant::before_step(Micros local) {
   if (farewell_ && replica().now() >= *farewell_) say_goodbye();
   if (replica().playing()) current_.session->settle_clock();
   const Micros lateness = current_.session->session_now(local) - tick_start(replica().now() + 1);
-  if (lateness > kHeldUp) current_.replica->excuse_silence();
+  if (lateness > tick_start(kHeldUp)) current_.replica->excuse_silence();
   return lateness;
 }
 

@@ -113,7 +113,7 @@ void Participant::catch_up(Incarnation& incarnation, Micros local) {
 void Participant::found() {
   const ReplicaConfig c = replica_config(*next_.session);
   if (const auto begins_at = config_.session.begins_at) {
-    const auto now = static_cast<Tick>(*begins_at * kTicksPerSecond / kMicrosPerSecond);
+    const auto now = tick_at(*begins_at);
     const sync::Transfer start = sync::founding(scene_, c.slots, c.technique.authority, now, c.incarnation);
     next_.replica = std::make_unique<RecordedReplica>(scene_, c, start, now, recording(), sink());
     next_.replica->catch_up(0);  // it is there already
@@ -130,7 +130,7 @@ void Participant::begin_with_transfer(Micros local) {
     s.state().fail("the transfer of " + to_string(s.introducer()) + " does not decode");
     return;
   }
-  const Tick now = static_cast<Tick>(s.session_now(local) * kTicksPerSecond / kMicrosPerSecond);
+  const Tick now = tick_at(s.session_now(local));
   const Tick then = transfer->state.tick;
   if (then > now + kMostAhead || then < now - kMostBehind) {
     s.state().fail("the transfer of " + to_string(s.introducer()) + " is of tick " + std::to_string(then) +
