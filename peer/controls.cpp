@@ -64,7 +64,7 @@ void Controls::follow(const monitor::Netem& n, std::uint32_t order, Micros now) 
 
 void Controls::follow(const monitor::Cut& c, std::uint32_t order, Micros now) {
   const std::optional<PeerId> peer = other(c.peer);
-  cuts_.cut(peer, peer ? player_.replica().other(*peer).at : Endpoint{}, now + in_micros(c.seconds));
+  cuts_.cut(peer, peer ? player_.replica().seat(*peer).at : Endpoint{}, now + in_micros(c.seconds));
   player_.remark({"cut", c.peer, seconds_text(c.seconds)});
   say(EventKind::kCut, order, c.peer, seconds_text(c.seconds));
   update(now);
@@ -95,7 +95,7 @@ void Controls::follow(const monitor::Push& p, std::uint32_t order, Micros /*now*
 
 std::optional<PeerId> Controls::other(PeerId p) const {
   if (p == kNoPeer) return std::nullopt;
-  if (p >= player_.replica().config().slots || p == player_.self() || !player_.replica().other(p).at.is_set())
+  if (p >= player_.replica().config().slots || p == player_.self() || !player_.replica().seat(p).at.is_set())
     throw UserError("peer " + std::to_string(p) + ": there is no other peer of this number");
   return p;
 }

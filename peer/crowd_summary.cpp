@@ -100,7 +100,7 @@ void CrowdRecord::look(const crowd::CrowdPeer& peer) {
     p.checks = n.stats().hash_checks;
     p.mismatches = n.stats().hash_mismatches;
     for (PeerId other = 0; other < n.config().slots; ++other)
-      if (other != n.self() && n.other(other).there()) p.others.push_back(n.other(other).at);
+      if (other != n.self() && n.seat(other).there()) p.others.push_back(n.seat(other).at);
   }
 }
 

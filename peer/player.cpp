@@ -138,8 +138,8 @@ void Player::begin_incarnation() {
 void Player::say_what_is_played() {
   log_.play->info("scenario {}, technique {}", options_.scenario.label, shell::describe(options_.technique));
   for (PeerId p = 0; p < session().slots(); ++p)
-    if (p != self() && replica().other(p).at.is_set())
-      log_.session->info("peer {} is at {}", p, to_string(replica().other(p).at));
+    if (p != self() && replica().seat(p).at.is_set())
+      log_.session->info("peer {} is at {}", p, to_string(replica().seat(p).at));
 }
 
 // A path, and the time to play, begin where play does or, for whoever comes later, where this peer comes in.

@@ -135,14 +135,15 @@ void put_links(Json& j, const Report& r) {
   const Player& p = r.player;
   j.key("links").begin_array();
   for (PeerId to = 0; to < p.replica().config().slots; ++to) {
-    const node::Neighbour& n = p.replica().other(to);
+    const node::Seat& n = p.replica().seat(to);
+    const node::LinkState& link = p.replica().link(to);
     if (to == p.self() || !n.at.is_set()) continue;
     j.begin_object().field("peer", to).field("incarnation", n.incarnation).field("endpoint", to_string(n.at));
     j.field("left", n.presence == node::Presence::kLeft).field("lost", n.presence == node::Presence::kAbsent);
-    put_drops(j, n.dropped);
-    j.field("cut_off", n.cut_offs);
-    j.field("rtt_ms", static_cast<double>(p.replica().link(to).round_trip()) * 1000.0 / kTicksPerSecond);
-    j.field("silence_ms", p.replica().silence(to) * 1000.0 / kTicksPerSecond);
+    put_drops(j, link.dropped);
+    j.field("cut_off", link.cut_offs);
+    j.field("rtt_ms", static_cast<double>(link.out.round_trip()) * 1000.0 / kTicksPerSecond);
+    j.field("silence_ms", p.replica().roster().silence(to) * 1000.0 / kTicksPerSecond);
     if (const link::Shim* shim = r.egress.shim(to)) put_shim(j, *shim);
     j.end_object();
   }

@@ -57,8 +57,8 @@ bool touches_only_strangers(const node::Replica& n, const node::Replica& home) {
 void add_fellows(Region r, const node::Participant& p, Fellows& fellows) {
   const node::Replica& n = p.replica();
   for (PeerId other = 0; other < n.config().slots; ++other)
-    if (other != n.self() && n.other(other).there() && n.other(other).at.is_set())
-      fellows.emplace_back(n.other(other).at.place(), r);
+    if (other != n.self() && n.seat(other).there() && n.seat(other).at.is_set())
+      fellows.emplace_back(n.seat(other).at.place(), r);
 }
 
 /// It wants to leave the region, and will if it can: not the one to come in by, as long as there are others.
@@ -66,7 +66,7 @@ bool only_waits_to_leave(const node::Replica& n) {
   const std::vector<sync::Member>& members = n.agreed().predicted_state().members;
   if (!members[n.self()].going) return false;
   for (PeerId p = 0; p < members.size(); ++p)
-    if (p != n.self() && n.other(p).there() && !members[p].going) return true;
+    if (p != n.self() && n.seat(p).there() && !members[p].going) return true;
   return false;
 }
 
@@ -311,7 +311,7 @@ bool CrowdPeer::may_leave(const Place& place) {
   const sync::FoldState& confirmed = n.agreed().confirmed();
   if (place.said < 0 || confirmed.tick < place.said || !confirmed.members[n.self()].going) return false;
   for (PeerId p = 0; p < confirmed.members.size(); ++p)
-    if (p != n.self() && confirmed.avatars[p].present && !confirmed.members[p].going && n.other(p).there()) return true;
+    if (p != n.self() && confirmed.avatars[p].present && !confirmed.members[p].going && n.seat(p).there()) return true;
   return false;
 }
 

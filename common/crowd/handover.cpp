@@ -15,7 +15,7 @@ const Post* post_in(const std::vector<Post>& posts, Region r) {
 
 bool is_member(const node::Replica& n, const Endpoint& at) {
   for (PeerId p = 0; p < n.config().slots; ++p)
-    if (p != n.self() && n.other(p).there() && same_place(n.other(p).at, at)) return true;
+    if (p != n.self() && n.seat(p).there() && same_place(n.seat(p).at, at)) return true;
   return false;
 }
 
@@ -25,8 +25,8 @@ int place_in_line(const node::Replica& a, const node::Replica& b, EntityId body)
   if (owner == a.self()) return 0;
   int before = 0;
   for (PeerId p = 0; p < a.config().slots; ++p) {
-    if (p == a.self() || !a.other(p).there() || (p > a.self() && p != owner)) continue;
-    if (is_member(b, a.other(p).at)) ++before;
+    if (p == a.self() || !a.seat(p).there() || (p > a.self() && p != owner)) continue;
+    if (is_member(b, a.seat(p).at)) ++before;
   }
   return before;
 }
@@ -34,7 +34,7 @@ int place_in_line(const node::Replica& a, const node::Replica& b, EntityId body)
 /// Nobody lower is in the region.
 bool is_lowest(const node::Replica& n) {
   for (PeerId p = 0; p < n.self(); ++p)
-    if (n.other(p).there()) return false;
+    if (n.seat(p).there()) return false;
   return true;
 }
 

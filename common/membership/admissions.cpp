@@ -44,14 +44,13 @@ void Admissions::refuse(const Endpoint& from, const wire::Join& join, const std:
   out.tell({.kind = SessionEvent::Kind::kRefused, .at = from, .text = reason});
 }
 
-void Admissions::on_join(const Endpoint& from, const wire::Join& join, const Replica& replica, Micros local,
-                         Commands& out) {
+void Admissions::on_join(const Endpoint& from, const wire::Join& join, const View& view, Micros local, Commands& out) {
   if (!out.may_answer(local)) return;
   Guest* guest = guest_at(from, join.nonce);
   if (guest == nullptr) {
     const std::string reason = objection(session_.config, join);
     if (!reason.empty()) return refuse(from, join, reason, out);
-    guest = take_in(from, join, replica, local, out);
+    guest = take_in(from, join, view, local, out);
     if (guest == nullptr) return;
   }
   wire::Welcome w;
@@ -64,12 +63,12 @@ void Admissions::on_join(const Endpoint& from, const wire::Join& join, const Rep
   out.send(from, w);
 }
 
-Admissions::Guest* Admissions::take_in(const Endpoint& from, const wire::Join& join, const Replica& replica,
-                                       Micros local, Commands& out) {
+Admissions::Guest* Admissions::take_in(const Endpoint& from, const wire::Join& join, const View& view, Micros local,
+                                       Commands& out) {
   std::erase_if(guests_, [&](const Guest& g) { return same_place(g.at, from) && !g.ordered; });  // started anew
-  const auto slot = free_slot(replica);
+  const auto slot = free_slot(view);
   if (!slot) {
-    if (!may_come_free(replica))
+    if (!may_come_free(view))
       refuse(from, join,
              "the session is full: " + std::to_string(session_.slots) + " of " + std::to_string(session_.slots) +
                  " slots are taken",
@@ -83,7 +82,7 @@ Admissions::Guest* Admissions::take_in(const Endpoint& from, const wire::Join& j
   g.slot = *slot;
   g.since = local;
   // Never another peer's incarnation: late datagrams name by it whom they mean.
-  g.incarnation = replica.newest_incarnation();
+  g.incarnation = view.roster.newest_incarnation();
   for (const Guest& other : guests_) g.incarnation = std::max(g.incarnation, other.incarnation);
   // And hardly ever one that the other part of a partition gives at the same time.
   g.incarnation += 1 + static_cast<std::uint32_t>(join.nonce % kSpread);
@@ -91,33 +90,33 @@ Admissions::Guest* Admissions::take_in(const Endpoint& from, const wire::Join& j
   return &guests_.back();
 }
 
-bool Admissions::is_free(PeerId p, const Replica& replica) const {
-  const sync::UpdateLog& log = replica.agreed().log();
-  const bool empty = !replica.other(p).reachable() || replica.departed(p);
+bool Admissions::is_free(PeerId p, const View& view) const {
+  const sync::UpdateLog& log = view.log;
+  const bool empty = !view.roster.seats[p].reachable() || view.roster.departed(p);
   return p != session_.self && empty && log.closed(p) && !log.waits(p);
 }
 
-std::optional<PeerId> Admissions::free_slot(const Replica& replica) const {
+std::optional<PeerId> Admissions::free_slot(const View& view) const {
   for (PeerId p = 0; p < session_.slots; ++p) {
     const bool promised = std::any_of(guests_.begin(), guests_.end(), [p](const Guest& g) { return g.slot == p; });
-    if (is_free(p, replica) && !promised) return p;
+    if (is_free(p, view) && !promised) return p;
   }
   return std::nullopt;
 }
 
 // The coordinator before has left. It may have admitted a joiner by an order that is not here yet.
-bool Admissions::knows_all_orders(const Replica& replica) const {
-  const sync::UpdateLog& log = replica.agreed().log();
+bool Admissions::knows_all_orders(const View& view) const {
+  const sync::UpdateLog& log = view.log;
   for (PeerId p = 0; p < session_.slots; ++p)
     if (p != session_.self && log.closed(p) && log.waits(p)) return false;
   return true;
 }
 
-bool Admissions::may_come_free(const Replica& replica) const {
+bool Admissions::may_come_free(const View& view) const {
   if (std::any_of(guests_.begin(), guests_.end(), [](const Guest& g) { return !g.ordered; })) return true;
   for (PeerId p = 0; p < session_.slots; ++p) {
-    const Neighbour& n = replica.other(p);
-    if (p != session_.self && (!n.there() || replica.unanswered(p) > kMayBeGone)) return true;
+    const Seat& n = view.roster.seats[p];
+    if (p != session_.self && (!n.there() || view.roster.unanswered(p) > kMayBeGone)) return true;
   }
   return false;
 }
@@ -127,8 +126,8 @@ void Admissions::on_ping(const Endpoint& from, const wire::Ping& ping, Micros lo
   if (known) out.send(from, wire::Pong{ping.sent, session_.clock.now(local)});
 }
 
-void Admissions::on_pull(const Endpoint& from, const wire::Pull& pull, const Replica& replica,
-                         std::vector<Endpoint> gone, Micros local, Commands& out) {
+void Admissions::on_pull(const Endpoint& from, const wire::Pull& pull, const TransferSource& world, Micros local,
+                         Commands& out) {
   Guest* guest = guest_at(from, pull.nonce);
   // All pieces together are many times as long as a Pull: an address that is not proven gets none.
   if (guest == nullptr || pull.cookie != guest->cookie) return;
@@ -137,8 +136,7 @@ void Admissions::on_pull(const Endpoint& from, const wire::Pull& pull, const Rep
     guest->since = local;  // nobody is forgotten who waits
     const auto coming_in = [&](const Guest& g) { return !g.pieces.empty() && !g.ordered && local - g.since < kTurn; };
     if (std::count_if(guests_.begin(), guests_.end(), coming_in) >= kAtOnce) return;
-    sync::Transfer t = replica.transfer();
-    t.gone = std::move(gone);
+    const sync::Transfer t = world();
     const wire::Bytes all = wire::encode_transfer(t);
     guest->have = t.have;
     for (std::size_t at = 0; at < all.size(); at += wire::kPieceBytes) {
@@ -155,11 +153,11 @@ void Admissions::on_pull(const Endpoint& from, const wire::Pull& pull, const Rep
 
 // A peer that was removed, or left, after the joiner got its transfer sends the joiner nothing, and the members had no
 // reason to publish updates that all of them had.
-void Admissions::pass_on_what_nobody_sends(const Guest& guest, const Replica& replica, Commands& out) {
-  const sync::UpdateLog& log = replica.agreed().log();
+void Admissions::pass_on_what_nobody_sends(const Guest& guest, const View& view, Commands& out) {
+  const sync::UpdateLog& log = view.log;
   for (PeerId p = 0; p < session_.slots; ++p) {
     if (p == session_.self) continue;
-    const Neighbour& n = replica.other(p);
+    const Seat& n = view.roster.seats[p];
     const std::uint32_t end = n.there() ? n.first : log.have(p);
     for (const sync::Bundle& b : log.of(p, guest.have[p])) {
       if (b.index >= end) break;
@@ -170,22 +168,22 @@ void Admissions::pass_on_what_nobody_sends(const Guest& guest, const Replica& re
   }
 }
 
-void Admissions::on_enter(const Endpoint& from, const wire::Enter& enter, const Replica& replica, bool may_admit,
+void Admissions::on_enter(const Endpoint& from, const wire::Enter& enter, const View& view, bool may_admit,
                           Commands& out) {
   Guest* guest = guest_at(from, enter.nonce);
   if (guest == nullptr || guest->pieces.empty() || guest->ordered || !may_admit) return;
-  if (!knows_all_orders(replica)) return;
-  const bool taken = !is_free(guest->slot, replica) || guest->incarnation <= replica.other(guest->slot).incarnation;
+  if (!knows_all_orders(view)) return;
+  const bool taken = !is_free(guest->slot, view) || guest->incarnation <= view.roster.seats[guest->slot].incarnation;
   if (taken) {  // by whom another coordinator has let in meanwhile; the guest misses our answers, and begins anew
     std::erase_if(guests_, [guest](const Guest& g) { return &g == guest; });
     return;
   }
   guest->ordered = true;
-  pass_on_what_nobody_sends(*guest, replica, out);
+  pass_on_what_nobody_sends(*guest, view, out);
   sync::Admission a;
   a.slot = guest->slot;
   a.incarnation = guest->incarnation;
-  a.first = replica.agreed().log().have(guest->slot);
+  a.first = view.log.have(guest->slot);
   a.at = from;
   a.have = guest->have;
   sync::Bundle order;

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
 #include "common/membership/commands.h"
+#include "common/membership/session_state.h"
+#include "common/membership/view.h"
+#include "common/sync/transfer.h"
 
 namespace padr::node {
 
@@ -13,13 +17,13 @@ class Admissions {
  public:
   explicit Admissions(const SessionView& session) : session_(session) {}
 
-  void on_join(const Endpoint& from, const wire::Join& join, const Replica& replica, Micros local, Commands& out);
+  void on_join(const Endpoint& from, const wire::Join& join, const View& view, Micros local, Commands& out);
   void on_ping(const Endpoint& from, const wire::Ping& ping, Micros local, Commands& out);
-  /// `gone`: see sync::Transfer.
-  void on_pull(const Endpoint& from, const wire::Pull& pull, const Replica& replica, std::vector<Endpoint> gone,
-               Micros local, Commands& out);
+  /// Makes all that a newcomer needs to go on from here.
+  using TransferSource = std::function<sync::Transfer()>;
+  void on_pull(const Endpoint& from, const wire::Pull& pull, const TransferSource& world, Micros local, Commands& out);
   /// `may_admit`: no eviction is under way.
-  void on_enter(const Endpoint& from, const wire::Enter& enter, const Replica& replica, bool may_admit, Commands& out);
+  void on_enter(const Endpoint& from, const wire::Enter& enter, const View& view, bool may_admit, Commands& out);
   /// Another peer is the coordinator now: redirects the joiner to it, unless it is admitted already.
   void pass_on(const Endpoint& from, const wire::Enter& enter, const Endpoint& coordinator, Commands& out);
   /// Time to show that its address is its own: somebody who invents addresses takes no slot from others for longer; us.
@@ -50,12 +54,12 @@ class Admissions {
   };
   Guest* guest_at(const Endpoint& where, std::uint64_t nonce);
   std::uint64_t cookie_for(const Endpoint& where, std::uint64_t nonce) const;
-  bool is_free(PeerId p, const Replica& replica) const;
-  std::optional<PeerId> free_slot(const Replica& replica) const;
-  bool knows_all_orders(const Replica& replica) const;
-  bool may_come_free(const Replica& replica) const;
-  Guest* take_in(const Endpoint& from, const wire::Join& join, const Replica& replica, Micros local, Commands& out);
-  void pass_on_what_nobody_sends(const Guest& guest, const Replica& replica, Commands& out);
+  bool is_free(PeerId p, const View& view) const;
+  std::optional<PeerId> free_slot(const View& view) const;
+  bool knows_all_orders(const View& view) const;
+  bool may_come_free(const View& view) const;
+  Guest* take_in(const Endpoint& from, const wire::Join& join, const View& view, Micros local, Commands& out);
+  void pass_on_what_nobody_sends(const Guest& guest, const View& view, Commands& out);
   void refuse(const Endpoint& from, const wire::Join& join, const std::string& reason, Commands& out);
 
   const SessionView& session_;

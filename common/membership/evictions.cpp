@@ -7,11 +7,11 @@
 
 namespace padr::node {
 
-PeerId Evictions::coordinator(const Replica& replica) const {
-  for (PeerId p = 0; p < replica.config().slots; ++p) {
-    if (p == replica.self()) {
-      if (replica.member() && !replica.leaving()) return p;
-    } else if (replica.other(p).there() && !suspected(replica, p) && !lost_.contains(p)) {
+PeerId Evictions::coordinator(const View& view) const {
+  for (PeerId p = 0; p < view.roster.slots(); ++p) {
+    if (p == view.roster.self) {
+      if (view.roster.member && !view.roster.leaving) return p;
+    } else if (view.roster.seats[p].there() && !suspected(view, p) && !lost_.contains(p)) {
       return p;
     }
   }
@@ -22,114 +22,112 @@ PeerId Evictions::coordinator(const Replica& replica) const {
 // alive longer than the next coordinator does. But it must not reply later than the rest: if the lost peer came back
 // meanwhile, half of the members would have frozen it and half not, and neither half could go on without the other.
 // A peer that gets going again reads what came meanwhile before it steps: then the silence has lasted until `due`.
-bool Evictions::follows(PeerId from, const wire::Poll& poll, const Replica& replica, Tick due) const {
-  if (coordinator(replica) == from) return true;
+bool Evictions::follows(PeerId from, const wire::Poll& poll, const View& view, Tick due) const {
+  if (coordinator(view) == from) return true;
   for (PeerId p = 0; p < from; ++p) {
-    if (p == replica.self()) {
-      if (replica.member() && !replica.leaving()) return false;
+    if (p == view.roster.self) {
+      if (view.roster.member && !view.roster.leaving) return false;
       continue;
     }
-    const Neighbour& n = replica.other(p);
-    if (!n.there() || suspected(replica, p) || lost_.contains(p)) continue;
+    const Seat& n = view.roster.seats[p];
+    if (!n.there() || suspected(view, p) || lost_.contains(p)) continue;
     const bool asked_about = std::any_of(poll.lost.begin(), poll.lost.end(), [&](const wire::Seat& s) {
       return s.slot == p && s.incarnation == n.incarnation;
     });
     // A peer that did listen knows better.
-    const bool excused = due - replica.now() >= kHeldUp || replica.now() - n.excused < kSilence;
+    const bool excused = due - view.roster.now >= kHeldUp || view.roster.now - n.excused < kSilence;
     if (!asked_about || !excused || n.answer_mark > due - kHeardLately) return false;
   }
-  return replica.other(from).there() && !suspected(replica, from) && !lost_.contains(from);
+  return view.roster.seats[from].there() && !suspected(view, from) && !lost_.contains(from);
 }
 
-void Evictions::on_poll(PeerId from, const wire::Poll& poll, const Replica& replica, Tick due, Commands& out) {
+void Evictions::on_poll(PeerId from, const wire::Poll& poll, const View& view, Tick due, Commands& out) {
   std::uint32_t& number = numbers_[from];
   if (poll.number < number) return;  // taken back meanwhile
   if (poll.number > number) forget_answers(from);
   number = poll.number;
   wire::Answer answer;
-  answer.frozen = poll.freeze && follows(from, poll, replica, due);
-  answer.tick = replica.now();
+  answer.frozen = poll.freeze && follows(from, poll, view, due);
+  answer.tick = view.roster.now;
   answer.number = number;
   for (const wire::Seat& s : poll.lost) {
     if (s.slot >= session_.slots || s.slot == session_.self || s.slot == from) continue;
-    const Neighbour& n = replica.other(s.slot);
+    const Seat& n = view.roster.seats[s.slot];
     const bool same = n.incarnation == s.incarnation;
     if (answer.frozen) {
       if (n.reachable() && same && !n.frozen) out.freeze(s.slot, true);
       answered_[{from, s.slot}] = s.incarnation;
     }
-    answer.lost.push_back({s.slot, s.incarnation, replica.agreed().log().have(s.slot)});
+    answer.lost.push_back({s.slot, s.incarnation, view.log.have(s.slot)});
     if (!same || n.frozen || n.answer_mark < 0) continue;
     const auto ago = static_cast<std::uint32_t>(std::max(0, answer.tick - n.answer_mark));
     answer.lost.back().heard = std::min(ago + 1, wire::kMostHeard);
   }
-  if (!answer.lost.empty()) out.send(replica.other(from).at, answer);
+  if (!answer.lost.empty()) out.send(view.roster.seats[from].at, answer);
 }
 
-void Evictions::on_answer(PeerId from, const wire::Answer& answer, const Replica& replica, Commands& out) {
+void Evictions::on_answer(PeerId from, const wire::Answer& answer, const View& view, Commands& out) {
   if (answer.number != number_) return;
   unaware_.erase(from);
   for (const wire::Seat& s : answer.lost) {
-    const Tick heard = s.heard > 0 ? std::min(answer.tick, replica.now()) + 1 - static_cast<Tick>(s.heard) : -1;
+    const Tick heard = s.heard > 0 ? std::min(answer.tick, view.roster.now) + 1 - static_cast<Tick>(s.heard) : -1;
     const auto doubted = doubted_.find(s.slot);
     if (doubted != doubted_.end() && doubted->second.incarnation == s.incarnation) doubted->second.heard[from] = heard;
     const auto it = lost_.find(s.slot);
     if (it == lost_.end() || it->second.incarnation != s.incarnation) continue;
     if (!answer.frozen) {
       it->second.hears[from] = heard;
-      if (is_vetoed(s.slot, it->second, replica)) return take_back(replica, out);
+      if (is_vetoed(s.slot, it->second, view)) return take_back(view, out);
       continue;
     }
     // No log has more beyond what another lacks.
-    const std::uint32_t most = replica.agreed().log().have(s.slot) + sync::UpdateLog::kMostBeyond;
-    if (it->second.have.insert_or_assign(from, std::min(s.have, most)).second) moved_ = replica.now();
+    const std::uint32_t most = view.log.have(s.slot) + sync::UpdateLog::kMostBeyond;
+    if (it->second.have.insert_or_assign(from, std::min(s.have, most)).second) moved_ = view.roster.now;
   }
 }
 
-void Evictions::on_fetch(PeerId from, const wire::Fetch& fetch, const Replica& replica, Commands& out) {
-  if (fetch.slot >= session_.slots || !replica.other(fetch.slot).frozen) return;
-  wire::Fetched f{fetch.slot, fetch.incarnation, replica.agreed().log().of(fetch.slot, fetch.from)};
-  if (!f.updates.empty()) out.send(replica.other(from).at, f);
+void Evictions::on_fetch(PeerId from, const wire::Fetch& fetch, const View& view, Commands& out) {
+  if (fetch.slot >= session_.slots || !view.roster.seats[fetch.slot].frozen) return;
+  wire::Fetched f{fetch.slot, fetch.incarnation, view.log.of(fetch.slot, fetch.from)};
+  if (!f.updates.empty()) out.send(view.roster.seats[from].at, f);
 }
 
-void Evictions::on_fetched(const wire::Fetched& fetched, const Replica& replica,
-                           const MisbehaviourPolicy& misbehaviour) {
+void Evictions::on_fetched(const wire::Fetched& fetched, const View& view, const MisbehaviourPolicy& misbehaviour) {
   const auto it = lost_.find(fetched.slot);
   if (it == lost_.end() || it->second.incarnation != fetched.incarnation) return;
   for (const sync::Bundle& b : fetched.updates)
     if (b.index >= it->second.least && b.index < it->second.most && !it->second.fetched.contains(b.index) &&
-        misbehaviour.said(b, replica) &&
-        sync::admit(b, replica.live().world().scene(), session_.slots) == sync::DropReason::kNone) {
+        misbehaviour.said(b, view) && sync::admit(b, view.scene, session_.slots) == sync::DropReason::kNone) {
       it->second.fetched.emplace(b.index, b);
-      moved_ = replica.now();
+      moved_ = view.roster.now;
     }
 }
 
 // Until whoever asked is gone, or takes the question back, it may evict by the answer.
-void Evictions::thaw(const Replica& replica, Commands& out) {
-  for (PeerId p = 0; p < replica.config().slots; ++p) {
-    if (!replica.other(p).frozen || lost_.contains(p)) continue;
+void Evictions::thaw(const View& view, Commands& out) {
+  for (PeerId p = 0; p < view.roster.slots(); ++p) {
+    if (!view.roster.seats[p].frozen || lost_.contains(p)) continue;
     const bool asked = std::any_of(answered_.begin(), answered_.end(), [&](const auto& entry) {
-      return entry.first.second == p && entry.second == replica.other(p).incarnation &&
-             replica.other(entry.first.first).there();
+      return entry.first.second == p && entry.second == view.roster.seats[p].incarnation &&
+             view.roster.seats[entry.first.first].there();
     });
     if (!asked) out.freeze(p, false);
   }
 }
 
 // Of members that hear it again while the others answer: they follow only when it is silent to them, too.
-bool Evictions::is_vetoed(PeerId p, const Lost& lost, const Replica& replica) const {
+bool Evictions::is_vetoed(PeerId p, const Lost& lost, const View& view) const {
   LastHeard h = lost.grounds;
-  h.now = replica.now();
+  h.now = view.roster.now;
   h.heard.clear();
   for (const auto& [q, heard] : lost.hears)
-    if (q != p && counts(q, replica) && replica.unanswered(q) < kDoubt && !lost.have.contains(q))
+    if (q != p && counts(q, view) && view.roster.unanswered(q) < kDoubt && !lost.have.contains(q))
       h.heard.push_back(heard);
   return stays_by_word(h);
 }
 
 // thaw() takes up again whom nobody else asks about.
-void Evictions::take_back(const Replica& replica, Commands& out) {
+void Evictions::take_back(const View& view, Commands& out) {
   if (ordered() || number_ == wire::kMostPollNumber) return;
   taken_back_.clear();
   for (const auto& [p, lost] : lost_) {
@@ -140,40 +138,40 @@ void Evictions::take_back(const Replica& replica, Commands& out) {
   lost_.clear();
   missing_.reset();
   ++number_;
-  taken_back_at_ = replica.now();
+  taken_back_at_ = view.roster.now;
   unaware_.clear();
-  for (PeerId p = 0; p < replica.config().slots; ++p)
-    if (p != session_.self && replica.other(p).there()) unaware_.insert(p);
-  told_ = replica.now() - kAskAgain;
+  for (PeerId p = 0; p < view.roster.slots(); ++p)
+    if (p != session_.self && view.roster.seats[p].there()) unaware_.insert(p);
+  told_ = view.roster.now - kAskAgain;
 }
 
 // Other polls with the new number say it, too, but there may be none.
-void Evictions::tell_taken_back(const Replica& replica, Commands& out) {
-  std::erase_if(unaware_, [&](PeerId p) { return !replica.other(p).there(); });
-  if (unaware_.empty() || replica.now() - told_ < kAskAgain) return;
-  told_ = replica.now();
+void Evictions::tell_taken_back(const View& view, Commands& out) {
+  std::erase_if(unaware_, [&](PeerId p) { return !view.roster.seats[p].there(); });
+  if (unaware_.empty() || view.roster.now - told_ < kAskAgain) return;
+  told_ = view.roster.now;
   for (const PeerId p : unaware_) {
     wire::Poll poll{{}, false, number_};
     for (const wire::Seat& s : taken_back_)
       if (s.slot != p) poll.lost.push_back(s);
-    if (!poll.lost.empty() && counts(p, replica)) out.send(replica.other(p).at, poll);
+    if (!poll.lost.empty() && counts(p, view)) out.send(view.roster.seats[p].at, poll);
   }
 }
 
 // The lowest peer that answers will have to decide.
-bool Evictions::is_first_well(const Replica& replica) const {
-  if (!replica.member() || replica.leaving()) return false;
+bool Evictions::is_first_well(const View& view) const {
+  if (!view.roster.member || view.roster.leaving) return false;
   for (PeerId p = 0; p < session_.self; ++p)
-    if (replica.other(p).there() && replica.unanswered(p) < kDoubt && !lost_.contains(p)) return false;
+    if (view.roster.seats[p].there() && view.roster.unanswered(p) < kDoubt && !lost_.contains(p)) return false;
   return true;
 }
 
-void Evictions::doubt(const Replica& replica, Commands& out) {
-  const bool first = is_first_well(replica);
+void Evictions::doubt(const View& view, Commands& out) {
+  const bool first = is_first_well(view);
   wire::Poll question{{}, false, number_};
-  for (PeerId p = 0; p < replica.config().slots; ++p) {
-    const Neighbour& n = replica.other(p);
-    if (!first || p == session_.self || !n.there() || replica.unanswered(p) < kDoubt || lost_.contains(p)) {
+  for (PeerId p = 0; p < view.roster.slots(); ++p) {
+    const Seat& n = view.roster.seats[p];
+    if (!first || p == session_.self || !n.there() || view.roster.unanswered(p) < kDoubt || lost_.contains(p)) {
       doubted_.erase(p);
       continue;
     }
@@ -181,34 +179,34 @@ void Evictions::doubt(const Replica& replica, Commands& out) {
     if (d.incarnation != n.incarnation) d = {n.incarnation, {}, false};
     if (question.lost.size() < wire::kMostLost) question.lost.push_back({p, n.incarnation});
   }
-  if (question.lost.empty() || replica.now() - doubts_asked_ < kAskAgain) return;
-  doubts_asked_ = replica.now();
-  poll(question, replica, out);
+  if (question.lost.empty() || view.roster.now - doubts_asked_ < kAskAgain) return;
+  doubts_asked_ = view.roster.now;
+  poll(question, view, out);
 }
 
-LastHeard Evictions::hearsay(PeerId p, const Replica& replica) const {
-  const Neighbour& n = replica.other(p);
-  const bool deaf = n.given_up < 0 && replica.silence(p) < kTicksPerSecond;
-  LastHeard h{replica.now(), replica.unanswered(p), {}, n.given_up_for_good, deaf, {}, {}};
+LastHeard Evictions::hearsay(PeerId p, const View& view) const {
+  const Seat& n = view.roster.seats[p];
+  const bool deaf = n.given_up < 0 && view.roster.silence(p) < kTicksPerSecond;
+  LastHeard h{view.roster.now, view.roster.unanswered(p), {}, n.given_up_for_good, deaf, {}, {}};
   if (n.given_up >= 0) h.refused = n.given_up;
   if (number_ > 0) h.taken_back = taken_back_at_;
   const Doubted& d = doubted_.at(p);
-  for (PeerId q = 0; q < replica.config().slots; ++q) {
+  for (PeerId q = 0; q < view.roster.slots(); ++q) {
     // Those of another side, who have frozen us, hear one another, but do not answer.
-    if (q == p || !counts(q, replica) || replica.unanswered(q) >= kDoubt) continue;
+    if (q == p || !counts(q, view) || view.roster.unanswered(q) >= kDoubt) continue;
     const auto said = d.heard.find(q);
     h.heard.push_back(said == d.heard.end() ? std::nullopt : std::optional(said->second));
   }
   return h;
 }
 
-void Evictions::notice(const Replica& replica, Commands& out) {
-  for (PeerId p = 0; p < replica.config().slots; ++p) {
-    if (p == session_.self || !replica.other(p).there() || !suspected(replica, p) || lost_.contains(p)) continue;
-    if (coordinator(replica) != session_.self) return;
+void Evictions::notice(const View& view, Commands& out) {
+  for (PeerId p = 0; p < view.roster.slots(); ++p) {
+    if (p == session_.self || !view.roster.seats[p].there() || !suspected(view, p) || lost_.contains(p)) continue;
+    if (coordinator(view) != session_.self) return;
     const auto doubted = doubted_.find(p);
     if (doubted == doubted_.end()) continue;
-    const LastHeard h = hearsay(p, replica);
+    const LastHeard h = hearsay(p, view);
     if (!may_evict(h)) {
       if (is_heard(h) && !h.deaf && !std::exchange(doubted->second.told, true))
         out.tell({.kind = SessionEvent::Kind::kHeard, .peer = p});
@@ -216,25 +214,25 @@ void Evictions::notice(const Replica& replica, Commands& out) {
     }
     doubted_.erase(doubted);
     out.freeze(p, true);
-    lost_[p].incarnation = replica.other(p).incarnation;
+    lost_[p].incarnation = view.roster.seats[p].incarnation;
     lost_[p].grounds = h;
-    asked_ = replica.now() - kAskAgain;
-    moved_ = replica.now();
+    asked_ = view.roster.now - kAskAgain;
+    moved_ = view.roster.now;
     out.tell({.kind = SessionEvent::Kind::kSuspected, .peer = p});
   }
 }
 
 /// Whether p is waited for. An update that only a lost peer had will never be sent.
-bool Evictions::counts(PeerId p, const Replica& replica) const {
-  return p != session_.self && replica.other(p).reachable() && !replica.departed(p) && !lost_.contains(p);
+bool Evictions::counts(PeerId p, const View& view) const {
+  return p != session_.self && view.roster.seats[p].reachable() && !view.roster.departed(p) && !lost_.contains(p);
 }
 
-std::vector<PeerId> Evictions::withholding(const Replica& replica) const {
+std::vector<PeerId> Evictions::withholding(const View& view) const {
   std::vector<PeerId> who;
   if (lost_.empty() || ordered()) return who;
-  for (PeerId p = 0; p < replica.config().slots; ++p) {
+  for (PeerId p = 0; p < view.roster.slots(); ++p) {
     // Who has been held up itself could not have heard the answers.
-    if (!counts(p, replica) || replica.now() - std::max(moved_, replica.other(p).excused) < kWithheld) continue;
+    if (!counts(p, view) || view.roster.now - std::max(moved_, view.roster.seats[p].excused) < kWithheld) continue;
     const bool silent =
         std::any_of(lost_.begin(), lost_.end(), [p](const auto& entry) { return !entry.second.have.contains(p); });
     const auto of = missing_ ? lost_.find(missing_->of) : lost_.end();
@@ -243,40 +241,41 @@ std::vector<PeerId> Evictions::withholding(const Replica& replica) const {
   return who;
 }
 
-bool Evictions::all_answered(const Replica& replica) const {
-  for (PeerId p = 0; p < replica.config().slots; ++p) {
-    if (!counts(p, replica)) continue;
+bool Evictions::all_answered(const View& view) const {
+  for (PeerId p = 0; p < view.roster.slots(); ++p) {
+    if (!counts(p, view)) continue;
     for (const auto& [slot, lost] : lost_)
       if (!lost.have.contains(p)) return false;
   }
   return true;
 }
 
-void Evictions::ask(const Replica& replica, Commands& out) {
-  if (replica.now() - asked_ < kAskAgain) return;
-  asked_ = replica.now();
+void Evictions::ask(const View& view, Commands& out) {
+  if (view.roster.now - asked_ < kAskAgain) return;
+  asked_ = view.roster.now;
   wire::Poll question{{}, true, number_};
   for (const auto& [slot, lost] : lost_)
     if (question.lost.size() < wire::kMostLost) question.lost.push_back({slot, lost.incarnation});
-  poll(question, replica, out);
+  poll(question, view, out);
 }
 
-void Evictions::poll(const wire::Poll& poll, const Replica& replica, Commands& out) {
-  for (PeerId p = 0; p < replica.config().slots; ++p)
-    if (p != session_.self && replica.other(p).reachable() && !lost_.contains(p)) out.send(replica.other(p).at, poll);
+void Evictions::poll(const wire::Poll& poll, const View& view, Commands& out) {
+  for (PeerId p = 0; p < view.roster.slots(); ++p)
+    if (p != session_.self && view.roster.seats[p].reachable() && !lost_.contains(p))
+      out.send(view.roster.seats[p].at, poll);
 }
 
-void Evictions::advance(const Replica& replica, Commands& out) {
-  thaw(replica, out);
-  tell_taken_back(replica, out);
-  doubt(replica, out);
-  notice(replica, out);
-  std::erase_if(lost_, [&](const auto& entry) { return !replica.other(entry.first).frozen; });
+void Evictions::advance(const View& view, Commands& out) {
+  std::erase_if(lost_, [&](const auto& entry) { return !view.roster.seats[entry.first].frozen; });
+  thaw(view, out);
+  tell_taken_back(view, out);
+  doubt(view, out);
+  notice(view, out);
   missing_.reset();
   if (lost_.empty() || ordered()) return;
-  if (!all_answered(replica)) return ask(replica, out);
+  if (!all_answered(view)) return ask(view, out);
   for (auto& [p, lost] : lost_)
-    if (!gather(p, lost, replica, out)) return;
+    if (!gather(p, lost, view, out)) return;
   bury(out);
 }
 
@@ -285,11 +284,11 @@ bool Evictions::ordered() const {
 }
 
 // Whether all updates of it are here that some member has and another may lack.
-bool Evictions::gather(PeerId p, Lost& lost, const Replica& replica, Commands& out) {
-  const sync::UpdateLog& log = replica.agreed().log();
+bool Evictions::gather(PeerId p, Lost& lost, const View& view, Commands& out) {
+  const sync::UpdateLog& log = view.log;
   lost.least = lost.most = log.have(p);
   for (const auto& [q, have] : lost.have) {
-    if (!counts(q, replica)) continue;
+    if (!counts(q, view)) continue;
     lost.least = std::min(lost.least, have);
     lost.most = std::max(lost.most, have);
   }
@@ -297,11 +296,11 @@ bool Evictions::gather(PeerId p, Lost& lost, const Replica& replica, Commands& o
   for (std::uint32_t i = lost.least; i < lost.most; ++i) {
     const auto found = lost.fetched.find(i);
     if (found != lost.fetched.end()) {
-      if (found->second.tick >= replica.now()) return false;  // its clock was ahead
+      if (found->second.tick >= view.roster.now) return false;  // its clock was ahead
       continue;
     }
     missing_ = {p, i};
-    fetch(p, lost, i, replica, out);
+    fetch(p, lost, i, view, out);
     return false;
   }
   return true;
@@ -309,14 +308,14 @@ bool Evictions::gather(PeerId p, Lost& lost, const Replica& replica, Commands& o
 
 // A member may have an update and keep it no more: a late joiner has it in the state that it began with. So they are
 // asked one after the other.
-void Evictions::fetch(PeerId p, Lost& lost, std::uint32_t index, const Replica& replica, Commands& out) {
-  if (replica.now() - asked_ < kAskAgain) return;
+void Evictions::fetch(PeerId p, Lost& lost, std::uint32_t index, const View& view, Commands& out) {
+  if (view.roster.now - asked_ < kAskAgain) return;
   std::vector<PeerId> had;
   for (const auto& [q, have] : lost.have)
-    if (have > index && counts(q, replica)) had.push_back(q);
+    if (have > index && counts(q, view)) had.push_back(q);
   if (had.empty()) return;
-  asked_ = replica.now();
-  out.send(replica.other(had[lost.fetches++ % had.size()]).at, wire::Fetch{p, lost.incarnation, index});
+  asked_ = view.roster.now;
+  out.send(view.roster.seats[had[lost.fetches++ % had.size()]].at, wire::Fetch{p, lost.incarnation, index});
 }
 
 void Evictions::bury(Commands& out) {

@@ -8,6 +8,8 @@
 
 #include "common/membership/commands.h"
 #include "common/membership/last_heard.h"
+#include "common/membership/session_state.h"
+#include "common/membership/view.h"
 
 namespace padr::node {
 
@@ -27,17 +29,17 @@ class Evictions {
   explicit Evictions(const SessionView& session) : session_(session) {}
 
   /// `due`: the tick at which this peer would be, had it not been held up.
-  void on_poll(PeerId from, const wire::Poll& poll, const Replica& replica, Tick due, Commands& out);
-  void on_answer(PeerId from, const wire::Answer& answer, const Replica& replica, Commands& out);
-  void on_fetch(PeerId from, const wire::Fetch& fetch, const Replica& replica, Commands& out);
-  void on_fetched(const wire::Fetched& fetched, const Replica& replica, const MisbehaviourPolicy& misbehaviour);
+  void on_poll(PeerId from, const wire::Poll& poll, const View& view, Tick due, Commands& out);
+  void on_answer(PeerId from, const wire::Answer& answer, const View& view, Commands& out);
+  void on_fetch(PeerId from, const wire::Fetch& fetch, const View& view, Commands& out);
+  void on_fetched(const wire::Fetched& fetched, const View& view, const MisbehaviourPolicy& misbehaviour);
   /// Once a tick.
-  void advance(const Replica& replica, Commands& out);
+  void advance(const View& view, Commands& out);
 
   /// The lowest peer that is alive, as far as this peer can tell.
-  PeerId coordinator(const Replica& replica) const;
+  PeerId coordinator(const View& view) const;
   /// Whether p has given no sign of life for kSilence, direct or relayed.
-  static bool suspected(const Replica& replica, PeerId p) { return replica.unanswered(p) >= kSilence; }
+  static bool suspected(const View& view, PeerId p) { return view.roster.unanswered(p) >= kSilence; }
   /// Another peer has the slot now: polls of the former one do not count for it.
   void forget_asker(PeerId slot) {
     forget_answers(slot);
@@ -45,7 +47,7 @@ class Evictions {
   }
   /// Members that are heard but, for kWithheld, have not replied to a poll or not sent an update that they claim to
   /// have. They block every eviction.
-  std::vector<PeerId> withholding(const Replica& replica) const;
+  std::vector<PeerId> withholding(const View& view) const;
   bool busy() const { return !lost_.empty(); }
   /// Whether this peer has replied to a poll of `by` about the peer in the slot: then `by` may evict that peer.
   bool answered(PeerId by, PeerId slot) const { return answered_.contains({by, slot}); }
@@ -73,25 +75,25 @@ class Evictions {
     std::map<PeerId, Tick> hears;  ///< by members that do not follow: when they have heard it last; -1: never
   };
   /// Whether `from` may evict somebody, as far as this peer can tell.
-  bool follows(PeerId from, const wire::Poll& poll, const Replica& replica, Tick due) const;
+  bool follows(PeerId from, const wire::Poll& poll, const View& view, Tick due) const;
   void forget_answers(PeerId asker) {
     std::erase_if(answered_, [asker](const auto& entry) { return entry.first.first == asker; });
   }
-  void thaw(const Replica& replica, Commands& out);
-  bool is_vetoed(PeerId p, const Lost& lost, const Replica& replica) const;
-  void take_back(const Replica& replica, Commands& out);
-  void tell_taken_back(const Replica& replica, Commands& out);
-  void doubt(const Replica& replica, Commands& out);
-  bool is_first_well(const Replica& replica) const;
-  LastHeard hearsay(PeerId p, const Replica& replica) const;
-  void notice(const Replica& replica, Commands& out);
-  bool counts(PeerId p, const Replica& replica) const;
-  bool all_answered(const Replica& replica) const;
-  void ask(const Replica& replica, Commands& out);
-  void poll(const wire::Poll& poll, const Replica& replica, Commands& out);
+  void thaw(const View& view, Commands& out);
+  bool is_vetoed(PeerId p, const Lost& lost, const View& view) const;
+  void take_back(const View& view, Commands& out);
+  void tell_taken_back(const View& view, Commands& out);
+  void doubt(const View& view, Commands& out);
+  bool is_first_well(const View& view) const;
+  LastHeard hearsay(PeerId p, const View& view) const;
+  void notice(const View& view, Commands& out);
+  bool counts(PeerId p, const View& view) const;
+  bool all_answered(const View& view) const;
+  void ask(const View& view, Commands& out);
+  void poll(const wire::Poll& poll, const View& view, Commands& out);
   bool ordered() const;
-  bool gather(PeerId p, Lost& lost, const Replica& replica, Commands& out);
-  void fetch(PeerId p, Lost& lost, std::uint32_t index, const Replica& replica, Commands& out);
+  bool gather(PeerId p, Lost& lost, const View& view, Commands& out);
+  void fetch(PeerId p, Lost& lost, std::uint32_t index, const View& view, Commands& out);
   void bury(Commands& out);
 
   /// A silent peer, and when others heard it last.

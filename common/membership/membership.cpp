@@ -36,38 +36,40 @@ Membership::Membership(SessionState& session, RecordedReplica& replica)
       misbehaviour_(session),
       merge_(session) {
   replica.set_judge(
-      [this](const sync::StatePacket& packet) { return misbehaviour_.judge(packet, replica_.replica(), evictions_); });
+      [this](const sync::StatePacket& packet) { return misbehaviour_.judge(packet, view(), evictions_); });
   count_present();
 }
 
 void Membership::on_join(const Endpoint& from, const wire::Join& join, Micros local) {
-  const Replica& view = replica_.replica();
+  const View view = this->view();
   const PeerId c = coordinator();
-  if (!view.member() || c == kNoPeer || way_back()) return;  // it asks again
+  if (!view.roster.member || c == kNoPeer || way_back()) return;  // it asks again
   if (misbehaviour_.bars(from.key, view)) {
     if (commands_.may_answer(local)) commands_.send(from, wire::Refuse{join.nonce, "it has been cut off"});
     return;
   }
   if (c == session_.self) return admissions_.on_join(from, join, view, local, commands_);
-  if (commands_.may_answer(local)) commands_.send(from, wire::Redirect{join.nonce, view.other(c).at});
+  if (commands_.may_answer(local)) commands_.send(from, wire::Redirect{join.nonce, view.roster.seats[c].at});
 }
 
 void Membership::receive(const Endpoint& from, const wire::Header& header, const wire::MembershipMessage& message,
                          std::size_t bytes, Micros local) {
-  const Replica& view = replica_.replica();
+  const View view = this->view();
   if (const auto* probe = std::get_if<wire::Probe>(&message))
     return merge_.on_probe(from, header.sender, *probe, bytes, view, local, commands_);
   if (const auto* pull = std::get_if<wire::Pull>(&message))
-    return admissions_.on_pull(from, *pull, view, merge_.gone(), local, commands_);
+    return admissions_.on_pull(
+        from, *pull, [this] { return transfer(); }, local, commands_);
   if (const auto* enter = std::get_if<wire::Enter>(&message)) {
     const PeerId c = coordinator();
-    if (c != session_.self && c != kNoPeer) return admissions_.pass_on(from, *enter, view.other(c).at, commands_);
+    if (c != session_.self && c != kNoPeer)
+      return admissions_.pass_on(from, *enter, view.roster.seats[c].at, commands_);
     return admissions_.on_enter(from, *enter, view, c == session_.self && !evictions_.busy() && !doubts(), commands_);
   }
   const PeerId member = header.sender;
-  if (!is_at(member, from) || !view.other(member).reachable() || !hears(member)) return;
+  if (!is_at(member, from) || !view.roster.seats[member].reachable() || !hears(member)) return;
   if (const auto* poll = std::get_if<wire::Poll>(&message)) {
-    const Tick due = std::max(view.now(), tick_at(session_.clock.now(local)));
+    const Tick due = std::max(view.roster.now, tick_at(session_.clock.now(local)));
     evictions_.on_poll(member, *poll, view, due, commands_);
   }
   if (const auto* answer = std::get_if<wire::Answer>(&message)) evictions_.on_answer(member, *answer, view, commands_);
@@ -82,22 +84,21 @@ void Membership::receive(const Endpoint& from, const wire::Header& header, const
 }
 
 bool Membership::doubts() const {
-  const Replica& n = replica_.replica();
-  for (PeerId p = 0; p < n.config().slots; ++p)
-    if (p != session_.self && n.other(p).there() && Evictions::suspected(n, p)) return true;
+  for (PeerId p = 0; p < session_.slots; ++p)
+    if (p != session_.self && roster().seats[p].there() && Evictions::suspected(view(), p)) return true;
   return false;
 }
 
 // Where a process has ended, its machine says so long before silence does. One word may be of a datagram that was there
 // before the process was.
 void Membership::on_unreachable(const Endpoint& at) {
-  const Replica& n = replica_.replica();
+  const Tick now = roster().now;
   for (PeerId p = 0; p < session_.slots; ++p) {
-    if (!is_at(p, at) || !n.other(p).there()) continue;
-    Tick& since = refused_.try_emplace(p, n.now()).first->second;
-    if (n.other(p).heard >= since) {
-      since = n.now();
-    } else if (n.now() - since >= kRefused && !Evictions::suspected(n, p)) {
+    if (!is_at(p, at) || !roster().seats[p].there()) continue;
+    Tick& since = refused_.try_emplace(p, now).first->second;
+    if (roster().seats[p].heard >= since) {
+      since = now;
+    } else if (now - since >= kRefused && !Evictions::suspected(view(), p)) {
       commands_.tell({.kind = SessionEvent::Kind::kUnreachable, .peer = p});
       commands_.give_up(p, false);
     }
@@ -110,8 +111,8 @@ void Membership::note_former_incarnations(const std::vector<MemberChange>& chang
   for (const MemberChange& c : changes) {
     if (c.kind != MemberChange::Kind::kAdmitted || c.slot == session_.self) continue;
     for (PeerId p = 0; p < session_.slots; ++p) {
-      const Neighbour& n = replica_.replica().other(p);
-      if (p != session_.self && p != c.slot && same_place(n.at, replica_.replica().other(c.slot).at) &&
+      const Seat& n = roster().seats[p];
+      if (p != session_.self && p != c.slot && same_place(n.at, roster().seats[c.slot].at) &&
           n.incarnation < c.incarnation)
         former_[p] = n.incarnation;
     }
@@ -121,11 +122,17 @@ void Membership::note_former_incarnations(const std::vector<MemberChange>& chang
 // Until it knows that it has been let in anew it goes on as before, and what it says meanwhile is no sign of life.
 void Membership::end_former_incarnations() {
   for (auto it = former_.begin(); it != former_.end();) {
-    const Neighbour& n = replica_.replica().other(it->first);
+    const Seat& n = roster().seats[it->first];
     const bool over = !n.there() || n.incarnation != it->second;
     if (!over && !n.given_up_for_good) commands_.give_up(it->first, true);
     it = over ? former_.erase(it) : std::next(it);
   }
+}
+
+sync::Transfer Membership::transfer() const {
+  sync::Transfer t = replica_.replica().transfer();
+  t.gone = merge_.gone();
+  return t;
 }
 
 void Membership::follow_changes() {
@@ -140,7 +147,7 @@ void Membership::follow_changes() {
 }
 
 void Membership::advance(Micros local) {
-  const Replica& view = replica_.replica();
+  const View view = this->view();
   misbehaviour_.advance(view, evictions_, commands_);
   evictions_.advance(view, commands_);
   relay_.advance(view, commands_);
@@ -155,7 +162,7 @@ void Membership::advance(Micros local) {
 void Membership::count_present() {
   int present = 1;
   for (PeerId p = 0; p < session_.slots; ++p)
-    if (p != session_.self && replica_.replica().other(p).there()) ++present;
+    if (p != session_.self && roster().seats[p].there()) ++present;
   commands_.count_present(present);
 }
 
@@ -165,12 +172,12 @@ std::vector<MemberChange> Membership::take_changes() {
 
 void Membership::watch_confirmed() {
   const Tick confirmed = replica_.replica().agreed().confirmed().tick;
-  if (confirmed != confirmed_) confirmed_at_ = replica_.replica().now();
+  if (confirmed != confirmed_) confirmed_at_ = roster().now;
   confirmed_ = confirmed;
 }
 
 bool Membership::stuck() const {
-  return replica_.replica().now() - confirmed_at_ > kStuck;
+  return roster().now - confirmed_at_ > kStuck;
 }
 
 // Who agrees with the coordinator is right, whoever else says otherwise.
@@ -178,7 +185,7 @@ std::string Membership::why_back() const {
   const Replica& n = replica_.replica();
   const PeerId c = coordinator();
   if (c == session_.self || c == kNoPeer) return "";
-  if (n.other(c).differs)
+  if (n.seat(c).differs)
     return "CONFIRMED WORLDS DIFFER from peer " + std::to_string(c) + "'s at tick " +
            std::to_string(n.stats().first_mismatch);
   if (stuck()) return "nothing has been confirmed for " + std::to_string(kStuck / kTicksPerSecond) + " s";
@@ -186,11 +193,10 @@ std::string Membership::why_back() const {
 }
 
 std::optional<Endpoint> Membership::way_back() const {
-  const Replica& n = replica_.replica();
-  if (n.leaving()) return std::nullopt;
-  if (const auto winner = merge_.winner(n)) return winner;
+  if (roster().leaving) return std::nullopt;
+  if (const auto winner = merge_.winner(view())) return winner;
   if (why_back().empty()) return std::nullopt;
-  return n.other(coordinator()).at;
+  return roster().seats[coordinator()].at;
 }
 
 void Membership::announce_way_back() {

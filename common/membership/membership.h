@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/membership/admissions.h"
+#include "common/membership/applied_commands.h"
 #include "common/membership/evictions.h"
 #include "common/membership/misbehaviour_policy.h"
 #include "common/membership/partition_merge.h"
@@ -29,35 +30,38 @@ class Membership {
                std::size_t bytes, Micros local);
   /// A state datagram from an address of no member, or of a removed peer.
   void on_stranger(const Endpoint& from, std::size_t bytes, Micros local) {
-    merge_.on_stranger(from, bytes, replica_.replica(), local, commands_);
+    merge_.on_stranger(from, bytes, view(), local, commands_);
   }
   /// Whether slot p is another one's, and who sits or sat there last is at this address.
   bool is_at(PeerId p, const Endpoint& where) const {
-    return p < session_.slots && p != session_.self && replica_.replica().other(p).at == where;
+    return p < session_.slots && p != session_.self && roster().seats[p].at == where;
   }
   /// Whether anything of a member is listened to.
-  bool hears(PeerId p) const { return misbehaviour_.hears(p, replica_.replica()); }
+  bool hears(PeerId p) const { return misbehaviour_.hears(p, view()); }
   /// A state datagram of a member's was dropped.
   void on_drop(PeerId p, sync::DropReason why, Micros local) {
-    misbehaviour_.on_drop(p, why, replica_.replica(), evictions_, local, commands_);
+    misbehaviour_.on_drop(p, why, view(), evictions_, local, commands_);
   }
   /// The machine at `at` says that nobody listens there.
   void on_unreachable(const Endpoint& at);
   /// Sends one Probe there: who is in this session.
-  void knock(const Endpoint& at) { merge_.knock(at, replica_.replica(), commands_); }
+  void knock(const Endpoint& at) { merge_.knock(at, view(), commands_); }
   /// The address of a member of a session that this peer was in before.
-  void remember(const Endpoint& at) { merge_.remember(at, replica_.replica().now()); }
+  void remember(const Endpoint& at) { merge_.remember(at, roster().now); }
   /// Once a tick, after the replica's step.
   void advance(Micros local);
   /// Address to join anew, because this peer was evicted or its world differs from the others'; nothing if all is well.
   std::optional<Endpoint> way_back() const;
   /// Notes once, for people, that this peer joins anew, and why.
   void announce_way_back();
-  PeerId coordinator() const { return evictions_.coordinator(replica_.replica()); }
+  PeerId coordinator() const { return evictions_.coordinator(view()); }
   /// Who came and went since the last call.
   std::vector<MemberChange> take_changes();
 
  private:
+  const Roster& roster() const { return replica_.replica().roster(); }
+  View view() const { return view_of(replica_.replica()); }
+  sync::Transfer transfer() const;
   void follow_changes();
   void count_present();
   void note_former_incarnations(const std::vector<MemberChange>& changes);
@@ -70,7 +74,7 @@ class Membership {
 
   const SessionView& session_;
   RecordedReplica& replica_;
-  Commands commands_;
+  AppliedCommands commands_;
   Admissions admissions_;
   Evictions evictions_;
   Relay relay_;

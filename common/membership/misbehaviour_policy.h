@@ -8,6 +8,11 @@
 #include <vector>
 
 #include "common/membership/commands.h"
+#include "common/membership/session_state.h"
+#include "common/membership/view.h"
+#include "common/sync/packet.h"
+#include "common/sync/transfer.h"
+#include "common/sync/validation.h"
 
 namespace padr::node {
 
@@ -22,21 +27,21 @@ class MisbehaviourPolicy {
   explicit MisbehaviourPolicy(const SessionView& session) : session_(session), watches_(kMaxPeers) {}
 
   /// See Replica::Judge.
-  sync::DropReason judge(const sync::StatePacket& packet, const Replica& replica, const Evictions& evictions) const;
+  sync::DropReason judge(const sync::StatePacket& packet, const View& view, const Evictions& evictions) const;
   /// Whether an update, and those that it passes on, have valid signatures, as far as this peer can tell: it may not
   /// know the keys of peers that were gone before it joined.
-  bool said(const sync::Bundle& update, const Replica& replica) const;
+  bool said(const sync::Bundle& update, const View& view) const;
   /// A datagram of p's was dropped.
-  void on_drop(PeerId p, sync::DropReason why, const Replica& replica, const Evictions& evictions, Micros local,
+  void on_drop(PeerId p, sync::DropReason why, const View& view, const Evictions& evictions, Micros local,
                Commands& out);
   /// Once a tick.
-  void advance(const Replica& replica, const Evictions& evictions, Commands& out);
+  void advance(const View& view, const Evictions& evictions, Commands& out);
   /// Whether a joiner with this key is still barred.
-  bool bars(const PublicKey& key, const Replica& replica) const;
+  bool bars(const PublicKey& key, const View& view) const;
   /// Keys with offences on record; kMostOffenders at most.
   std::size_t offenders() const { return offenders_.size(); }
   /// Whether p is listened to.
-  bool hears(PeerId p, const Replica& replica) const;
+  bool hears(PeerId p, const View& view) const;
 
   static constexpr std::size_t kNonsense = 20;  ///< datagrams within kWithin and p is cut off
   static constexpr Tick kWithin = 10 * kTicksPerSecond;
@@ -72,13 +77,12 @@ class MisbehaviourPolicy {
     Tick barred_until = 0;
     int times = 0;
   };
-  Offender& offender(PeerId p, const Replica& replica);
-  Watch& watch(PeerId p, const Replica& replica);
-  bool is_too_much(PeerId p, sync::DropReason why, const Replica& replica);
-  void bar(PeerId p, bool for_good, const Replica& replica);
+  Offender& offender(PeerId p, const View& view);
+  Watch& watch(PeerId p, const View& view);
+  bool is_too_much(PeerId p, sync::DropReason why, const View& view);
+  void bar(PeerId p, bool for_good, const View& view);
   void tell(PeerId p, sync::DropReason why, Watch& w, Micros local, Commands& out);
-  void cut_off(PeerId p, Watch& w, const std::string& why, const Replica& replica, const Evictions& evictions,
-               Commands& out);
+  void cut_off(PeerId p, Watch& w, const std::string& why, const View& view, const Evictions& evictions, Commands& out);
 
   const SessionView& session_;
   std::vector<Watch> watches_;       ///< by slot

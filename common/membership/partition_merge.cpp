@@ -24,21 +24,21 @@ std::vector<Endpoint> PartitionMerge::gone() const {
   return places;
 }
 
-bool PartitionMerge::member_at(const Endpoint& where, const Replica& replica) const {
-  for (PeerId p = 0; p < replica.config().slots; ++p)
-    if (p != session_.self && replica.other(p).at == where && replica.other(p).reachable()) return true;
+bool PartitionMerge::member_at(const Endpoint& where, const View& view) const {
+  for (PeerId p = 0; p < view.roster.slots(); ++p)
+    if (p != session_.self && view.roster.seats[p].at == where && view.roster.seats[p].reachable()) return true;
   return false;
 }
 
-PartitionMerge::Side PartitionMerge::ours(const Replica& replica) const {
+PartitionMerge::Side PartitionMerge::ours(const View& view) const {
   Side s;
-  for (PeerId p = 0; p < replica.config().slots; ++p) {
-    const Neighbour& n = replica.other(p);
+  for (PeerId p = 0; p < view.roster.slots(); ++p) {
+    const Seat& n = view.roster.seats[p];
     const auto disowned = disowned_by_.find(p);
     const bool disowns = disowned != disowned_by_.end() && disowned->second == n.incarnation;
-    if (p == replica.self()) {
-      s.push_back({p, replica.config().incarnation, 0});
-    } else if (n.there() && n.proven && !disowns && !Evictions::suspected(replica, p)) {
+    if (p == view.roster.self) {
+      s.push_back({p, view.roster.incarnation, 0});
+    } else if (n.there() && n.proven && !disowns && !Evictions::suspected(view, p)) {
       s.push_back({p, n.incarnation, 0});
     }
   }
@@ -57,40 +57,40 @@ bool PartitionMerge::outranks(const Side& a, const Side& b) {
 }
 
 void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, std::size_t bytes,
-                              const Replica& replica, Micros local, Commands& out) {
-  if (!replica.member() || sender >= session_.slots) return;
-  if (sender == session_.self && probe.incarnation == replica.config().incarnation) {  // our own knock, at our own door
+                              const View& view, Micros local, Commands& out) {
+  if (!view.roster.member || sender >= session_.slots) return;
+  if (sender == session_.self && probe.incarnation == view.roster.incarnation) {  // our own knock, at our own door
     std::erase_if(gone_, [&](const Gone& g) { return g.at == from; });
     return;
   }
-  const Neighbour& n = replica.other(sender);
+  const Seat& n = view.roster.seats[sender];
   const bool known = n.there() && n.incarnation == probe.incarnation && n.at == from;
-  if (replica.now() - replica.in_since() < kGrace) return;  // we have hardly heard those among whom we are
+  if (view.roster.now - view.roster.in_since < kGrace) return;  // we have hardly heard those among whom we are
   if (known) {
     // Or said before its sender heard that we are in.
-    if (probe.knows_you || probe.newest < replica.config().incarnation) return;
+    if (probe.knows_you || probe.newest < view.roster.incarnation) return;
     disowned_by_[sender] = n.incarnation;
-  } else if (member_at(from, replica)) {
+  } else if (member_at(from, view)) {
     return;  // said in another life
   }
-  const Side us = ours(replica);
+  const Side us = ours(view);
   if (outranks(probe.members, us)) {
     if (!winner_)
       out.tell({.kind = SessionEvent::Kind::kOutvoted, .at = from, .count = probe.members.size(), .own = us.size()});
     winner_ = from;
-    won_at_ = replica.now();
+    won_at_ = view.roster.now;
     return;
   }
   if (winner_ == from) winner_.reset();
   if (!out.may_answer(local)) return;
-  if (known) return out.send(from, our_probe(true, replica));
-  reply_within_credit(from, bytes, replica, out);
+  if (known) return out.send(from, our_probe(true, view));
+  reply_within_credit(from, bytes, view, out);
 }
 
 // Whoever that is has proven nothing, and gets no more than it has sent: where we are many, an answer to some of its
 // probes.
-void PartitionMerge::reply_within_credit(const Endpoint& to, std::size_t bytes, const Replica& replica, Commands& out) {
-  if (session_.config.sealed) return out.send(to, our_probe(false, replica));
+void PartitionMerge::reply_within_credit(const Endpoint& to, std::size_t bytes, const View& view, Commands& out) {
+  if (session_.config.sealed) return out.send(to, our_probe(false, view));
   auto it = std::find_if(credits_.begin(), credits_.end(), [&](const Credit& c) { return c.at == to; });
   if (it == credits_.end()) {
     if (credits_.size() == kMost) credits_.erase(credits_.begin());
@@ -98,33 +98,33 @@ void PartitionMerge::reply_within_credit(const Endpoint& to, std::size_t bytes, 
     it = std::prev(credits_.end());
   }
   it->bytes = std::min(it->bytes + bytes, wire::kMaxDatagram);
-  it->bytes -= out.send_at_most(it->bytes, to, our_probe(false, replica));
+  it->bytes -= out.send_at_most(it->bytes, to, our_probe(false, view));
 }
 
-std::optional<Endpoint> PartitionMerge::winner(const Replica& replica) const {
-  return winner_ && replica.now() - won_at_ < kLately ? winner_ : std::nullopt;
+std::optional<Endpoint> PartitionMerge::winner(const View& view) const {
+  return winner_ && view.roster.now - won_at_ < kLately ? winner_ : std::nullopt;
 }
 
-wire::Probe PartitionMerge::our_probe(bool knows, const Replica& replica) const {
-  return {replica.config().incarnation, ours(replica), knows, replica.newest_incarnation()};
+wire::Probe PartitionMerge::our_probe(bool knows, const View& view) const {
+  return {view.roster.incarnation, ours(view), knows, view.roster.newest_incarnation()};
 }
 
-void PartitionMerge::on_stranger(const Endpoint& from, std::size_t bytes, const Replica& replica, Micros local,
+void PartitionMerge::on_stranger(const Endpoint& from, std::size_t bytes, const View& view, Micros local,
                                  Commands& out) {
-  if (!replica.member() || member_at(from, replica) || !out.may_answer(local)) return;
+  if (!view.roster.member || member_at(from, view) || !out.may_answer(local)) return;
   // Whoever that is has proven nothing: no answer is larger than what provoked it.
-  out.send_at_most(bytes, from, our_probe(false, replica));
+  out.send_at_most(bytes, from, our_probe(false, view));
 }
 
-void PartitionMerge::knock(const Endpoint& at, const Replica& replica, Commands& out) {
-  if (replica.member() && !member_at(at, replica)) out.send(at, our_probe(false, replica));
+void PartitionMerge::knock(const Endpoint& at, const View& view, Commands& out) {
+  if (view.roster.member && !member_at(at, view)) out.send(at, our_probe(false, view));
 }
 
-void PartitionMerge::advance(const Replica& replica, Commands& out) {
-  if (!replica.member() || replica.now() - probed_ < kPace) return;
-  probed_ = replica.now();
-  std::erase_if(gone_, [&](const Gone& g) { return replica.now() - g.since > kRemember || member_at(g.at, replica); });
-  for (const Gone& g : gone_) out.send(g.at, our_probe(false, replica));
+void PartitionMerge::advance(const View& view, Commands& out) {
+  if (!view.roster.member || view.roster.now - probed_ < kPace) return;
+  probed_ = view.roster.now;
+  std::erase_if(gone_, [&](const Gone& g) { return view.roster.now - g.since > kRemember || member_at(g.at, view); });
+  for (const Gone& g : gone_) out.send(g.at, our_probe(false, view));
 }
 
 }  // namespace padr::node

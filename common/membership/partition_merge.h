@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/membership/evictions.h"
+#include "common/sync/transfer.h"
 
 namespace padr::node {
 
@@ -25,20 +26,20 @@ class PartitionMerge {
   explicit PartitionMerge(const SessionView& session) : session_(session) {}
 
   void on_change(const MemberChange& change);
-  void on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, std::size_t bytes,
-                const Replica& replica, Micros local, Commands& out);
+  void on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, std::size_t bytes, const View& view,
+                Micros local, Commands& out);
   /// A state datagram of this session has come from an address of no member.
-  void on_stranger(const Endpoint& from, std::size_t bytes, const Replica& replica, Micros local, Commands& out);
+  void on_stranger(const Endpoint& from, std::size_t bytes, const View& view, Micros local, Commands& out);
   /// Sends one Probe to an address of no member.
-  void knock(const Endpoint& at, const Replica& replica, Commands& out);
+  void knock(const Endpoint& at, const View& view, Commands& out);
   /// Once a tick.
-  void advance(const Replica& replica, Commands& out);
+  void advance(const View& view, Commands& out);
 
   /// Sends Probes there from now on, too.
   void remember(const Endpoint& at, Tick now);
   std::vector<Endpoint> gone() const;
   /// Address of a winning part that was heard lately, to join it anew.
-  std::optional<Endpoint> winner(const Replica& replica) const;
+  std::optional<Endpoint> winner(const View& view) const;
 
   static constexpr Tick kPace = kTicksPerSecond / 3;
   static constexpr Tick kGrace = kTicksPerSecond;
@@ -56,11 +57,11 @@ class PartitionMerge {
     Endpoint at;
     std::size_t bytes = 0;
   };
-  bool member_at(const Endpoint& where, const Replica& replica) const;
-  Side ours(const Replica& replica) const;
-  wire::Probe our_probe(bool knows, const Replica& replica) const;
+  bool member_at(const Endpoint& where, const View& view) const;
+  Side ours(const View& view) const;
+  wire::Probe our_probe(bool knows, const View& view) const;
   /// Replies, unless the reply is larger than what that address has sent so far.
-  void reply_within_credit(const Endpoint& to, std::size_t bytes, const Replica& replica, Commands& out);
+  void reply_within_credit(const Endpoint& to, std::size_t bytes, const View& view, Commands& out);
 
   const SessionView& session_;
   std::vector<Gone> gone_;

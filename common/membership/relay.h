@@ -3,6 +3,8 @@
 #include <vector>
 
 #include "common/membership/commands.h"
+#include "common/membership/session_state.h"
+#include "common/membership/view.h"
 
 namespace padr::node {
 
@@ -11,16 +13,16 @@ namespace padr::node {
 /// A member that does not hear a peer, or lacks updates that the peer does not repeat, asks the others in turn, and
 /// they send what they have. In a session with a key every update is signed, so a relayed update proves that its peer
 /// was alive at its tick and that no earlier update is missing; the confirmed world goes on with it. Only members are
-/// served, at a bounded rate. Nobody is relayed for longer than Replica::kRelayUntil, because both must keep their
+/// served, at a bounded rate. Nobody is relayed for longer than kRelayUntil, because both must keep their
 /// updates until they are acknowledged.
 class Relay {
  public:
   explicit Relay(const SessionView& session);
 
-  void on_fetch(PeerId from, const wire::Fetch& fetch, const Replica& replica, Commands& out);
-  void on_fetched(PeerId from, const wire::Fetched& fetched, const Replica& replica, Commands& out);
+  void on_fetch(PeerId from, const wire::Fetch& fetch, const View& view, Commands& out);
+  void on_fetched(PeerId from, const wire::Fetched& fetched, const View& view, Commands& out);
   /// Once a tick.
-  void advance(const Replica& replica, Commands& out);
+  void advance(const View& view, Commands& out);
 
   static constexpr Tick kPace = 15;      ///< between two requests for one peer's updates, ticks
   static constexpr Tick kHurry = 6;      ///< until the next request after a reply, ticks
@@ -37,7 +39,7 @@ class Relay {
     Tick since = -kPace;
     int times = 0;
   };
-  PeerId next_to_ask(PeerId about, const Replica& replica);
+  PeerId next_to_ask(PeerId about, const View& view);
 
   const SessionView& session_;
   std::vector<Question> questions_;  ///< by whom they are about

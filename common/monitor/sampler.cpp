@@ -17,27 +17,28 @@ Place place_of(const world::Kinematics& k) {
 }
 
 LinkStatus link_of(const node::Replica& replica, PeerId p) {
-  const node::Neighbour& n = replica.other(p);
+  const node::Seat& n = replica.seat(p);
+  const node::LinkState& link = replica.link(p);
   LinkStatus l;
   l.to = p;
   l.incarnation = n.incarnation;
   l.there = n.there();
   l.at = n.at;
-  l.round_trip_ms = milliseconds(n.link.round_trip());
-  l.measured = n.clock.measured() && n.arrivals.any();
+  l.round_trip_ms = milliseconds(link.out.round_trip());
+  l.measured = link.clock.measured() && link.arrivals.any();
   if (l.measured) {
-    const node::Arrivals::Delays d = n.arrivals.delays(tick_start(replica.now()));
-    l.delay_least_ms = static_cast<float>(n.clock.least()) * 1e-3F;
+    const node::Arrivals::Delays d = link.arrivals.delays(tick_start(replica.now()));
+    l.delay_least_ms = static_cast<float>(link.clock.least()) * 1e-3F;
     l.delay_p50_ms = static_cast<float>(d.median) * 1e-3F;
     l.delay_p95_ms = static_cast<float>(d.p95) * 1e-3F;
   }
-  l.loss_in = n.window.loss();
-  l.loss_of = static_cast<std::uint32_t>(n.window.loss_of());
-  l.judged_in = n.window.counted().judged;
-  l.lost_in = n.window.counted().lost;
-  l.silence_ms = milliseconds(static_cast<float>(replica.silence(p)));
-  l.dropped = n.dropped;
-  l.cut_offs = n.cut_offs;
+  l.loss_in = link.window.loss();
+  l.loss_of = static_cast<std::uint32_t>(link.window.loss_of());
+  l.judged_in = link.window.counted().judged;
+  l.lost_in = link.window.counted().lost;
+  l.silence_ms = milliseconds(static_cast<float>(replica.roster().silence(p)));
+  l.dropped = link.dropped;
+  l.cut_offs = link.cut_offs;
   return l;
 }
 
@@ -166,8 +167,8 @@ Status Sampler::status(const node::Replica& replica) {
   s.present = 1;
   for (PeerId p = 0; p < replica.config().slots; ++p) {
     if (p == replica.self()) continue;
-    if (replica.other(p).there()) ++s.present;
-    if (replica.other(p).incarnation > 0 || replica.other(p).at.is_set() || replica.other(p).there())
+    if (replica.seat(p).there()) ++s.present;
+    if (replica.seat(p).incarnation > 0 || replica.seat(p).at.is_set() || replica.seat(p).there())
       s.links.push_back(link_of(replica, p));
   }
   return s;

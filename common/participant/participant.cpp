@@ -167,7 +167,7 @@ Micros Participant::before_step(Micros local) {
 
 void Participant::after_step(Micros local) {
   current_.membership->advance(local);
-  for (const Outgoing& o : current_.replica->outgoing()) post(replica().other(o.to).at, o.to, o.bytes);
+  for (const Outgoing& o : current_.replica->outgoing()) post(replica().seat(o.to).at, o.to, o.bytes);
   look_for_way_back(local);
   collect(current_);
   collect(next_);
@@ -179,7 +179,7 @@ void Participant::after_step(Micros local) {
 // The clock that counts is that of the lowest peer that is there.
 void Participant::steer(Micros local) {
   bool lower = false;
-  for (PeerId p = 0; p < replica().self(); ++p) lower = lower || replica().other(p).there();
+  for (PeerId p = 0; p < replica().self(); ++p) lower = lower || replica().seat(p).there();
   current_.session->steer(local, lower ? replica().clock_lead() : 0);
 }
 
@@ -223,7 +223,7 @@ bool Participant::done(Micros local) const {
 
 bool Participant::nobody_to_tell() const {
   for (PeerId p = 0; p < replica().config().slots; ++p)
-    if (p != replica().self() && replica().other(p).reachable()) return false;
+    if (p != replica().self() && replica().seat(p).reachable()) return false;
   return true;
 }
 

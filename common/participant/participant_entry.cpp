@@ -168,7 +168,7 @@ void Participant::take_over() {
   if (!before.session) return;
   collect(before);
   for (PeerId p = 0; p < before.session->slots(); ++p)
-    current_.membership->remember(before.replica->replica().other(p).at);
+    current_.membership->remember(before.replica->replica().seat(p).at);
   before.replica->finish(true);
 }
 

@@ -115,7 +115,7 @@ void Session::dispatch(const Endpoint& from, const wire::Header& header, const w
   if (const auto* welcome = std::get_if<wire::Welcome>(&message)) {
     joiner_->on_welcome(from, header, *welcome);
     if (session_.phase == SessionPhase::kEntering && !pull_) {
-      admissions_ = header.sender;
+      introducer_ = header.sender;
       pull_ = std::make_unique<TransferPull>(session_, from, *welcome, local);
     }
   }

@@ -78,7 +78,7 @@ class Session {
   const wire::Bytes& transfer() const { return pull_->transfer(); }
   /// Who lets us in.
   const Endpoint& introducer() const { return pull_->by(); }
-  PeerId introducer_number() const { return admissions_; }
+  PeerId introducer_number() const { return introducer_; }
   /// Asks to be admitted; `admitted` when that has happened.
   void enter(Micros local) { pull_->enter(local); }
   void admitted() { session_.phase = SessionPhase::kMember; }
@@ -105,7 +105,7 @@ class Session {
   SessionState session_;
   std::unique_ptr<Joiner> joiner_;      ///< unless it founds
   std::unique_ptr<TransferPull> pull_;  ///< once welcomed
-  PeerId admissions_ = kNoPeer;
+  PeerId introducer_ = kNoPeer;
   bool settled_ = false;
   Membership* membership_ = nullptr;
   SessionStats stats_;

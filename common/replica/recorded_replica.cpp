@@ -184,7 +184,7 @@ void RecordedReplica::finish(bool superseded) {
   f.first_mismatch = n.first_mismatch;
   f.superseded = superseded;
   for (PeerId p = 0; p < replica_.config().slots; ++p) {
-    const auto& dropped = replica_.other(p).dropped;
+    const auto& dropped = replica_.link(p).dropped;
     if (std::any_of(dropped.begin(), dropped.end(), [](std::uint64_t d) { return d > 0; }))
       f.dropped_of.push_back({p, {dropped.begin(), dropped.end()}});
   }

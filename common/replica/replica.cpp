@@ -16,8 +16,6 @@ constexpr Tick kPhase = 11;
 constexpr Tick kLookEvery = 3;
 // A link that loses less is calm: see OutLink.
 constexpr float kCalmLoss = 0.02F;
-// A peer that has left and been silent for this long has ended.
-constexpr Tick kDeparted = 60;
 // Updates are kept this long though everybody has them: a newcomer has what its source had when it asked.
 constexpr Tick kKept = 15 * kTicksPerSecond;
 // Hashes go out with marks, each once; where there is so much to tell that there are none, this often.
@@ -32,7 +30,20 @@ void add(Hasher& h, Vec2 position, float angle, Vec2 velocity, float spin, bool 
   h.add(static_cast<std::uint64_t>(awake));
 }
 
+Roster roster_of(const ReplicaConfig& config) {
+  Roster r;
+  r.session = config.session;
+  r.self = config.self;
+  r.incarnation = config.incarnation;
+  r.seats.resize(static_cast<std::size_t>(config.slots));
+  return r;
+}
+
 }  // namespace
+
+void Replica::note_time() {
+  roster_.now = now();
+}
 
 Replica::ConfirmedSink Replica::check_and(ConfirmedSink sink) {
   return [this, sink = std::move(sink)](const sync::FoldState& s, const sync::LazyHash& hash) {
@@ -50,11 +61,12 @@ Replica::Replica(const Scene& scene, const ReplicaConfig& config, ConfirmedSink 
       predictor_(scene, config.slots, config.self, config.technique),
       threshold_(config.technique),
       shown_(config.technique.convergence, static_cast<std::size_t>(live_.world().entities())),
-      others_(static_cast<std::size_t>(config.slots)),
-      member_(true),
+      roster_(roster_of(config)),
+      links_(static_cast<std::size_t>(config.slots)),
       joined_(true) {
   assert(config.peers <= config.slots && config.self < config.peers);
-  for (PeerId p = 0; p < config.peers; ++p) others_[p].presence = Presence::kThere;
+  roster_.member = true;
+  for (PeerId p = 0; p < config.peers; ++p) roster_.seats[p].presence = Presence::kThere;
   if (config.sign) reporter_.limit_bodies(sync::kMaxBodiesPerSigned);
   shown_.begin(live_.world().kinematics());
   refresh_own();
@@ -70,7 +82,8 @@ Replica::Replica(const Scene& scene, const ReplicaConfig& config, const sync::Tr
       predictor_(scene, config.slots, config.self, config.technique),
       threshold_(config.technique),
       shown_(config.technique.convergence, static_cast<std::size_t>(live_.world().entities())),
-      others_(static_cast<std::size_t>(config.slots)) {
+      roster_(roster_of(config)),
+      links_(static_cast<std::size_t>(config.slots)) {
   assert(config.self < config.slots);
   if (config.sign) reporter_.limit_bodies(sync::kMaxBodiesPerSigned);
   shown_.begin(live_.world().kinematics());
@@ -84,6 +97,7 @@ void Replica::step(Vec2 target) {
   const Vec2 velocity_before = live_.world().velocity(live_.avatar());
   if (!playing()) target = live_.world().position(live_.avatar());
   agreed_.step();
+  note_time();
   live_.step(target, agreed_.predicted_state());
   go_on(target, velocity_before);
 }
@@ -95,6 +109,7 @@ void Replica::step_led(const BodyState& from, const BodyState& to, Vec2 target) 
   way.awake = from.awake || to.awake;
   live_.place(way);
   agreed_.step();
+  note_time();
   live_.step_led(agreed_.predicted_state());
   reaction_ = live_.world().velocity(live_.avatar()) - way.velocity;
   live_.place(to);
@@ -102,7 +117,7 @@ void Replica::step_led(const BodyState& from, const BodyState& to, Vec2 target) 
 }
 
 void Replica::go_on(Vec2 target, Vec2 velocity_before) {
-  if (member_ && now() > in_since_ && !gone_ && !publish_order()) report(target, velocity_before);
+  if (member() && now() > roster_.in_since && !gone_ && !publish_order()) report(target, velocity_before);
   adopt(!agreed_.catch_up());
   shown_.advance(live_.world().kinematics(), own_);
   agreed_.confirm();
@@ -120,7 +135,7 @@ void Replica::adopt(bool as_stepped) {
   const std::vector<bool>& kept = kept_from_live();
   const bool same = own_is_predicted(kept);
   live_.adopt(agreed_.predicted_state(), same ? own_ : kept, same, as_stepped);
-  joined_ = member_;
+  joined_ = member();
   for (const sync::LiveWorld::Jump& j : live_.jumps()) shown_.correct(j.entity, j.from);
 }
 
@@ -128,7 +143,7 @@ void Replica::adopt(bool as_stepped) {
 // as it was told.
 const std::vector<bool>& Replica::kept_from_live() {
   kept_ = own_;
-  if (config_.technique.authority && config_.technique.unowned == Unowned::kLive && member_) {
+  if (config_.technique.authority && config_.technique.unowned == Unowned::kLive && member()) {
     for (const EntityId b : unowned_.kept(agreed_.predicted_state(), live_.world(), config_.self)) kept_[b] = true;
   } else {
     unowned_.reset();
@@ -168,7 +183,7 @@ void Replica::refresh_own() {
 }
 
 void Replica::report(Vec2 target, Vec2 velocity_before) {
-  if (leaving_ && orders_.empty()) {
+  if (roster_.leaving && orders_.empty()) {
     sync::Bundle last;
     last.peer = config_.self;
     last.tick = now();
@@ -188,9 +203,9 @@ void Replica::report(Vec2 target, Vec2 velocity_before) {
   s.threshold = threshold();
   std::uint32_t everyone = own_end();
   for (PeerId p = 0; p < config_.slots; ++p) {
-    if (p == config_.self || !others_[p].there()) continue;
-    s.round_trip = std::max(s.round_trip, static_cast<Tick>(others_[p].link.round_trip()) + 1);
-    everyone = std::min(everyone, others_[p].link.acked());
+    if (p == config_.self || !seat(p).there()) continue;
+    s.round_trip = std::max(s.round_trip, static_cast<Tick>(links_[p].out.round_trip()) + 1);
+    everyone = std::min(everyone, links_[p].out.acked());
   }
   const bool all = everyone >= own_first_ + own_log_.size();
   s.everyone_has = all ? now() - 1
@@ -247,7 +262,7 @@ void Replica::retune(const Technique& technique) {
 }
 
 bool Replica::may_push(EntityId b) const {
-  if (!member_ || gone_ || leaving_ || !playing() || b >= live_.world().bodies()) return false;
+  if (!member() || gone_ || roster_.leaving || !playing() || b >= live_.world().bodies()) return false;
   return !config_.technique.authority || reporter_.may_change(agreed_.predicted_state(), b);
 }
 
@@ -300,17 +315,21 @@ void Replica::send() {
   sent_ = 0;
   std::uint32_t everyone = own_end();
   for (PeerId p = 0; p < config_.slots; ++p) {
-    Neighbour& to = others_[p];
-    if (p == config_.self || !member_ || !to.reachable() || departed(p)) continue;
+    LinkState& to = links_[p];
+    Seat& n = roster_.seats[p];
+    n.unacknowledged = -1;
+    if (p == config_.self || !member() || !n.reachable() || roster_.departed(p)) continue;
     const sync::UpdateLog& log = agreed_.log();
-    const bool staying = !gone_ && to.there();
+    const bool staying = !gone_ && n.there();
     const bool calm = to.window.judged() && to.window.loss() < kCalmLoss && staying;
     const bool quiet = now() - news_ > kQuiet && staying;
     const sync::OutLink::Context context{now(), log.have(p), log.have_beyond(p),    to.promised > log.have(p),
                                          calm,  quiet,       config_.self * kPhase, to.repeats};
     sync::StatePacket* packet =
-        to.link.compose(context, own_log_, own_first_, wire::encoded_size, wire::kMaxPayload - wire::kStateOverhead);
-    everyone = std::min(everyone, to.link.acked());
+        to.out.compose(context, own_log_, own_first_, wire::encoded_size, wire::kMaxPayload - wire::kStateOverhead);
+    everyone = std::min(everyone, to.out.acked());
+    if (const std::uint32_t acked = std::max(to.out.acked(), own_first_); acked < own_end())
+      n.unacknowledged = own_log_[acked - own_first_].tick;
     if (packet == nullptr) continue;
     to.repeats = false;
     fill(*packet, p);
@@ -322,7 +341,7 @@ void Replica::send() {
     stats_.wire_bytes_sent += o.bytes.size() + kIpUdpBytes;
   }
   stats_.repeats = repeats_of_gone_;
-  for (const Neighbour& n : others_) stats_.repeats += n.link.repeats();
+  for (const LinkState& l : links_) stats_.repeats += l.out.repeats();
   keep_logs(everyone);
 }
 
@@ -334,14 +353,14 @@ void Replica::keep_logs(std::uint32_t everyone) {
   // Whoever falls silent may have told somebody what others lack. Nobody but a newcomer lacks what all have confirmed.
   Tick all = std::min(agreed_.confirmed().tick, now() - kKept);
   for (PeerId p = 0; p < config_.slots; ++p)
-    if (p != config_.self && others_[p].there()) all = std::min(all, others_[p].confirmed);
+    if (p != config_.self && seat(p).there()) all = std::min(all, seat(p).confirmed);
   agreed_.keep_from(all);
 }
 
 void Replica::fill(sync::StatePacket& packet, PeerId p) {
-  Neighbour& to = others_[p];
+  LinkState& to = links_[p];
   packet.incarnation = config_.incarnation;
-  packet.to_incarnation = to.incarnation;
+  packet.to_incarnation = seat(p).incarnation;
   // Marks carry what is not urgent.
   const bool mark = packet.updates.empty();
   const HashChecks::Own newest = checks_.newest();
@@ -357,15 +376,11 @@ void Replica::fill(sync::StatePacket& packet, PeerId p) {
 }
 
 // Peers that have left linger, and want our last updates as we want theirs; one that is silent has gone for good.
-bool Replica::departed(PeerId p) const {
-  return has_left(p) && silence(p) > kDeparted;
-}
-
 bool Replica::all_through() const {
   for (PeerId p = 0; p < config_.slots; ++p) {
-    if (p == config_.self || !others_[p].reachable() || departed(p)) continue;
-    if (others_[p].link.acked() < own_end()) return false;
-    if (agreed_.log().have(p) < others_[p].promised) return false;
+    if (p == config_.self || !seat(p).reachable() || roster_.departed(p)) continue;
+    if (links_[p].out.acked() < own_end()) return false;
+    if (agreed_.log().have(p) < links_[p].promised) return false;
   }
   return true;
 }

@@ -17,7 +17,8 @@
 #include "common/reckoning/threshold.h"
 #include "common/reckoning/unowned.h"
 #include "common/replica/hash_checks.h"
-#include "common/replica/neighbour.h"
+#include "common/replica/link_state.h"
+#include "common/replica/roster.h"
 #include "common/shown/convergence.h"
 #include "common/sync/agreed_world.h"
 #include "common/sync/transfer.h"
@@ -46,17 +47,6 @@ struct ReplicaConfig {
     c.wanted = wanted;
     return c;
   }
-};
-
-/// Somebody has come or gone, as far as is known here.
-struct MemberChange {
-  enum class Kind : std::uint8_t { kAdmitted, kLeft, kRemoved };
-  Kind kind = Kind::kAdmitted;
-  PeerId slot = kNoPeer;
-  std::uint32_t incarnation = 0;
-  Endpoint at;  ///< as it is to be reached from here; not set if not known
-  Tick tick = 0;
-  PeerId by = kNoPeer;  ///< who said so
 };
 
 /// Bytes of IPv4 and UDP headers that every datagram costs besides its payload.
@@ -110,7 +100,7 @@ class Replica {
   /// A datagram of p's was not even looked at.
   void count_drop(PeerId p, sync::DropReason why);
   /// It is not listened to any more, or not for now.
-  void count_cut_off(PeerId p) { ++others_[p].cut_offs; }
+  void count_cut_off(PeerId p) { ++links_[p].cut_offs; }
   /// The signature of what this peer published with the last step, if it did and signs.
   std::optional<sync::Signature> signed_now() const;
   /// Advances to the next tick with the avatar driven towards `target` (m); `outgoing` then holds what to send.
@@ -127,11 +117,10 @@ class Replica {
   /// One datagram per receiver at most, of the last step.
   std::span<const Outgoing> outgoing() const { return {outgoing_.data(), sent_}; }
   /// The next step tells everybody that this peer goes. Keep stepping until `delivered`.
-  void leave() { leaving_ = true; }
+  void leave() { roster_.leaving = true; }
   /// After leaving: everybody who is still there has all of this peer's updates, this peer has all that it knows of
   /// theirs, and there has been time to tell. It may end.
   bool delivered() const;
-  bool has_left(PeerId p) const { return others_[p].presence == Presence::kLeft; }
 
   // Who is there. What the coordinator decides is published by `order`, one order a tick, and is a part of the agreed
   // world: everybody applies it at the same tick.
@@ -141,31 +130,23 @@ class Replica {
   std::size_t orders() const { return orders_.size(); }
   /// Takes nothing more from p, whose end is being agreed on, or takes again what it says.
   void freeze(PeerId p, bool frozen);
-  /// This peer's avatar is, or was once, part of the session.
-  bool member() const { return member_; }
-  /// The tick of its admission; its updates are of later ones.
-  Tick in_since() const { return in_since_; }
-  /// Whose update that was; kNoPeer: its own, as it was there from tick 0 on.
-  PeerId admitted_by() const { return admitted_by_; }
+  /// Who is where, as far as is known here.
+  const Roster& roster() const { return roster_; }
+  const Seat& seat(PeerId p) const { return roster_.seats[p]; }
+  bool member() const { return roster_.member; }
   /// This peer has been declared gone by others, or knows of updates that they have declared void.
   bool expelled() const { return expelled_; }
   /// Whose confirmed world differs from ours, the lowest; kNoPeer if nobody's does.
   PeerId differs_from() const { return differs_from_; }
   /// All that a newcomer needs to go on from here.
   sync::Transfer transfer() const;
-  const Neighbour& other(PeerId p) const { return others_[p]; }
+  const LinkState& link(PeerId p) const { return links_[p]; }
   /// Where p is, of peers that are all there from tick 0 on.
-  void locate(PeerId p, const Endpoint& at) { others_[p].at = at; }
-  /// A peer that has left and been silent since has ended.
-  bool departed(PeerId p) const;
-  /// The highest incarnation that this peer has heard of, its own included.
-  std::uint32_t newest_incarnation() const;
-  /// This peer has said goodbye, or will with its next step.
-  bool leaving() const { return leaving_; }
+  void locate(PeerId p, const Endpoint& at) { roster_.seats[p].at = at; }
   /// Since the last call.
   std::vector<MemberChange> take_changes();
-  /// Counts as silent from now on, until it answers again. `for_good`: it does not matter whether others hear it.
-  void give_up(PeerId p, bool for_good);
+  /// As in Roster.
+  void give_up(PeerId p, bool for_good) { roster_.give_up(p, for_good); }
   /// Updates of p, as somebody has them who hears it while we do not. They are judged as if they came from p itself,
   /// and none is taken if one is not. An update also says, like a mark, that those before it are all of earlier ticks.
   sync::DropReason relay(PeerId p, std::uint32_t incarnation, const std::vector<sync::Bundle>& updates);
@@ -176,8 +157,8 @@ class Replica {
   /// With the next report this peer takes authority over the body, unless it may not after all, and adds to its
   /// velocity (m/s), as if its avatar had touched it. Without dynamic authority it does so in its own world alone.
   void push(EntityId b, Vec2 velocity) { pushes_[b] = pushes_[b] + velocity; }
-  /// The process was held up: nobody can be blamed for not having been heard meanwhile.
-  void excuse_silence();
+  /// As in Roster: the process was held up.
+  void excuse_silence() { roster_.excuse_silence(); }
 
   Tick now() const { return agreed_.now(); }
   /// When play begins, as far as is confirmed: until then targets and pushes have no effect. What is only predicted may
@@ -191,7 +172,6 @@ class Replica {
   const sync::Shown& shown() const { return shown_; }
   const ReplicaStats& stats() const { return stats_; }
   const sync::Reporter& reporter() const { return reporter_; }
-  const sync::OutLink& link(PeerId p) const { return others_[p].link; }
   float threshold() const { return threshold_.metres() * (prediction_.interaction ? 1 : coarseness_); }
   /// What the threshold was last adapted to, besides contacts that are there already.
   const sync::Prediction& prediction() const { return prediction_; }
@@ -203,21 +183,6 @@ class Replica {
   };
   Kept kept() const { return {agreed_.log().size(), own_log_.size(), checks_.waiting()}; }
   std::uint64_t lookahead_steps() const { return predictor_.steps(); }
-  /// Ticks since anything valid was heard of p; since the start if nothing was.
-  Tick silence(PeerId p) const { return now() - others_[p].heard; }
-  /// By how many ticks what p has told in full lies back, and with it everybody's confirmed world; 0 if nothing of it
-  /// is waited for.
-  Tick arrears(PeerId p) const { return std::max(0, now() - std::max(agreed_.log().complete(p), others_[p].excused)); }
-  /// How old the first update of ours is that p, which may well hear us, has not acknowledged; ticks.
-  Tick unacknowledged(PeerId p) const;
-  /// Ticks since the last sign that p hears us, or that others hear p: since p last said that it had got something new
-  /// of ours, or the tick of its newest update that was relayed.
-  Tick unanswered(PeerId p) const;
-
-  /// Who has not been heard for so long is asked for by others' having it, and no longer than kRelayUntil: what is kept
-  /// for it meanwhile is not told as received.
-  static constexpr Tick kRelayAfter = 90;
-  static constexpr Tick kRelayUntil = 5 * 60 * kTicksPerSecond;
   /// For whoever does not answer an update is told this often at least.
   static constexpr Tick kHeartbeat = kTicksPerSecond / 2;
   /// By how much this peer's session clock leads that of the lowest other peer, in microseconds, as far as delays
@@ -239,14 +204,13 @@ class Replica {
 
   ConfirmedSink check_and(ConfirmedSink sink);
   sync::DropReason take(const wire::Opened& opened, Micros now);
+  void note_time();
   sync::DropReason check_claims(const sync::StatePacket& packet, PeerId from) const;
   bool repeats(const sync::StatePacket& packet, PeerId from) const;
-  void note_answer(Neighbour& from, Tick mark);
   sync::DropReason file_updates(const sync::StatePacket& packet, PeerId from);
   void file(const sync::Bundle& bundle);
   void note_changes(const sync::Bundle& bundle);
   void admit(const sync::Admission& a, const sync::Bundle& by);
-  Endpoint place_of_sayer(const sync::Bundle& said) const;
   void keep_places(const sync::Transfer& start);
   void remove(const sync::Removal& r, const sync::Bundle& by);
   void take_check(const sync::StatePacket& packet, PeerId from);
@@ -284,10 +248,11 @@ class Replica {
   sync::Prediction prediction_;
   Tick looked_ = -1000;  ///< when the last look ahead was taken
   sync::Shown shown_;
-  Ring<sync::Bundle> own_log_;     ///< not yet acknowledged by everybody, or recent
-  sync::BundlePool own_pool_;      ///< for own_log_
-  std::uint32_t own_first_ = 0;    ///< index of own_log_.front()
-  std::vector<Neighbour> others_;  ///< by slot; the own one is only a place
+  Ring<sync::Bundle> own_log_;   ///< not yet acknowledged by everybody, or recent
+  sync::BundlePool own_pool_;    ///< for own_log_
+  std::uint32_t own_first_ = 0;  ///< index of own_log_.front()
+  Roster roster_;
+  std::vector<LinkState> links_;  ///< by slot
   std::deque<sync::Bundle> orders_;
   std::map<EntityId, Vec2> pushes_;  ///< to be made with the next report, m/s
   std::vector<MemberChange> changes_;
@@ -301,9 +266,6 @@ class Replica {
   wire::StateDecoder decoder_;
   ReplicaStats stats_;
   std::uint64_t repeats_of_gone_ = 0;
-  bool member_ = false;
-  Tick in_since_ = 0;
-  PeerId admitted_by_ = kNoPeer;
   Tick comes_at_ = 0;  ///< see catch_up
   Vec2 reaction_;
   Vec2 jolt_;
@@ -311,7 +273,6 @@ class Replica {
   bool joined_ = false;  ///< the own avatar has been taken over from where it was admitted
   bool expelled_ = false;
   PeerId differs_from_ = kNoPeer;
-  bool leaving_ = false;
   bool gone_ = false;
   Tick news_ = 0;  ///< when the last update that was not here yet came, or was made
   Tick through_ticks_ = 0;

@@ -31,19 +31,20 @@ DropReason Replica::receive(const wire::Opened& opened, Micros now) {
   const DropReason why = somebodys ? take(opened, now) : DropReason::kForeign;
   if (why == DropReason::kNone) return why;
   ++stats_.dropped[static_cast<std::size_t>(why)];
-  if (somebodys) ++others_[h.sender].dropped[static_cast<std::size_t>(why)];
+  if (somebodys) ++links_[h.sender].dropped[static_cast<std::size_t>(why)];
   return why;
 }
 
 void Replica::count_drop(PeerId p, DropReason why) {
   ++stats_.datagrams_received;
   ++stats_.dropped[static_cast<std::size_t>(why)];
-  ++others_[p].dropped[static_cast<std::size_t>(why)];
+  ++links_[p].dropped[static_cast<std::size_t>(why)];
 }
 
 DropReason Replica::take(const wire::Opened& opened, Micros now) {
   const wire::Header& h = opened.header;
-  Neighbour& from = others_[h.sender];
+  Seat& from = roster_.seats[h.sender];
+  LinkState& link = links_[h.sender];
   const sync::StatePacket* packet = decoder_.decode(opened.payload, h.sender);
   if (packet == nullptr) return DropReason::kMalformed;
   if (!from.reachable() || from.frozen || packet->incarnation != from.incarnation ||
@@ -52,25 +53,25 @@ DropReason Replica::take(const wire::Opened& opened, Micros now) {
   const DropReason why = sync::admit(*packet, scene_, config_.slots, this->now());
   if (why != DropReason::kNone) return why;
   if (const DropReason wrong = check_claims(*packet, h.sender); wrong != DropReason::kNone) return wrong;
-  if (!from.window.would_pass(packet->seq)) return DropReason::kDuplicate;
+  if (!link.window.would_pass(packet->seq)) return DropReason::kDuplicate;
   if (judge_)
     if (const DropReason objection = judge_(*packet); objection != DropReason::kNone) return objection;
-  from.window.pass(packet->seq);
-  from.repeats |= repeats(*packet, h.sender);
+  link.window.pass(packet->seq);
+  link.repeats |= repeats(*packet, h.sender);
   const DropReason filed = file_updates(*packet, h.sender);
   if (filed != DropReason::kNone) return filed;
   from.heard = this->now();
-  if (packet->seen_seq > from.answered_seq) {
-    from.answered_seq = packet->seen_seq;
+  if (packet->seen_seq > link.answered_seq) {
+    link.answered_seq = packet->seen_seq;
     from.proven = true;
-    note_answer(from, packet->mark_tick);
-  } else if (packet->have > from.link.acked()) {  // by whatever way it has got it
-    note_answer(from, packet->mark_tick);
+    roster_.note_answer(h.sender, packet->mark_tick);
+  } else if (packet->have > link.out.acked()) {  // by whatever way it has got it
+    roster_.note_answer(h.sender, packet->mark_tick);
   }
-  from.link.on_packet(*packet, this->now());
-  from.clock.sample(packet->mark_tick, now);
-  from.arrivals.sample(packet->mark_tick, now);
-  if (packet->transit != 0) from.clock.told(packet->transit);
+  link.out.on_packet(*packet, this->now());
+  link.clock.sample(packet->mark_tick, now);
+  link.arrivals.sample(packet->mark_tick, now);
+  if (packet->transit != 0) link.clock.told(packet->transit);
   take_check(*packet, h.sender);
   return DropReason::kNone;
 }
@@ -99,17 +100,17 @@ DropReason Replica::file_updates(const sync::StatePacket& packet, PeerId from) {
   // An update just filed may have been its end.
   if (agreed_.log().closed(from)) return DropReason::kNone;
   agreed_.mark(from, packet.mark_tick, packet.mark_count);
-  others_[from].promised = std::max(others_[from].promised, packet.mark_count);
+  links_[from].promised = std::max(links_[from].promised, packet.mark_count);
   return DropReason::kNone;
 }
 
 void Replica::take_check(const sync::StatePacket& packet, PeerId from) {
   if (packet.check_tick < 0 || packet.check_tick % kCheckEvery != 0) return;
-  others_[from].confirmed = std::max(others_[from].confirmed, packet.check_tick);
+  roster_.seats[from].confirmed = std::max(seat(from).confirmed, packet.check_tick);
   if (packet.check_tick <= agreed_.confirmed().tick) {
     compare(packet.check_tick, packet.check_hash, from);
   } else {
-    checks_.put_off({packet.check_tick, from, others_[from].incarnation, packet.check_hash});
+    checks_.put_off({packet.check_tick, from, seat(from).incarnation, packet.check_hash});
   }
 }
 
@@ -117,7 +118,7 @@ void Replica::settle_checks() {
   HashChecks::Told told;
   while (checks_.take(agreed_.confirmed().tick, told))
     // Who has been declared gone meanwhile went its own way.
-    if (others_[told.from].reachable() && others_[told.from].incarnation == told.incarnation)
+    if (seat(told.from).reachable() && seat(told.from).incarnation == told.incarnation)
       compare(told.tick, told.hash, told.from);
 }
 
@@ -129,7 +130,7 @@ void Replica::compare(Tick t, std::uint32_t theirs, PeerId from) {
   ++stats_.hash_mismatches;
   if (stats_.first_mismatch < 0) stats_.first_mismatch = t;
   differs_from_ = std::min(differs_from_, from);
-  others_[from].differs = true;
+  roster_.seats[from].differs = true;
 }
 
 }  // namespace padr::node

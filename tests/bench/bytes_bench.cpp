@@ -154,7 +154,7 @@ class Play {
         wire::SealError error{};
         const auto opened = wire::open(o.bytes, error);
         const sync::StatePacket* packet = decoder_.decode(opened->payload, static_cast<PeerId>(p));
-        look_into(*packet, mesh_.nodes[p]->other(o.to).link.acked(), histories_[p], sums);
+        look_into(*packet, mesh_.nodes[p]->link(o.to).out.acked(), histories_[p], sums);
         mesh_.shims[p][o.to]->accept(now, o.bytes);
       }
     }

@@ -212,7 +212,7 @@ double fellows_of(const CrowdRun& run) {
   for (int i = 0; i < run.persons(); ++i)
     for (const crowd::Post& post : run.peer(i).posts()) {
       const node::Replica& replica = post.peer->replica();
-      for (PeerId p = 0; p < replica.config().slots; ++p) n += p != replica.self() && replica.other(p).there() ? 1 : 0;
+      for (PeerId p = 0; p < replica.config().slots; ++p) n += p != replica.self() && replica.seat(p).there() ? 1 : 0;
     }
   return n;
 }

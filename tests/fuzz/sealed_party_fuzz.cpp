@@ -234,7 +234,7 @@ void play_outsider(const std::vector<Entry>& script, wire::SealMode mode) {
   if (agreement.broken() || !caught_up(net)) std::abort();
   for (int p = 0; p < 2; ++p) {
     const node::Participant& peer = net.peer(p);
-    if (peer.incarnation() != 0 || !peer.replica().other(static_cast<PeerId>(1 - p)).there()) std::abort();
+    if (peer.incarnation() != 0 || !peer.replica().seat(static_cast<PeerId>(1 - p)).there()) std::abort();
   }
 }
 

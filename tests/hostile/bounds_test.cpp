@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "common/membership/admissions.h"
+#include "common/membership/applied_commands.h"
 #include "common/membership/partition_merge.h"
 #include "common/scenarios/scenarios.h"
 
@@ -31,13 +32,14 @@ Endpoint place(std::uint16_t n) {
 TEST(Bounds, NewcomersAreAsManyAsThereAreSlotsAndAreForgotten) {
   SessionState state = state_of_a_member();
   RecordedReplica replica(scenarios::load_embedded("ball", 1), alone());
-  Commands out(state, replica);
+  AppliedCommands out(state, replica);
   Admissions admissions(state);
   Micros now = 0;
   for (std::uint16_t n = 0; n < 1000; ++n) {
     now += 40'000;  // as often as anybody is answered
-    admissions.on_join(place(n), {n + 1U, 0, 0, true, ""}, replica.replica(), now, out);
-    admissions.on_pull(place(n), {n + 1U, 0, ~std::uint64_t{0}}, replica.replica(), {}, now, out);
+    admissions.on_join(place(n), {n + 1U, 0, 0, true, ""}, view_of(replica.replica()), now, out);
+    admissions.on_pull(
+        place(n), {n + 1U, 0, ~std::uint64_t{0}}, [] { return sync::Transfer{}; }, now, out);
     admissions.advance(now);
     EXPECT_LE(admissions.guests(), std::size_t{kSlots - 1});
     state.outgoing.clear();
@@ -55,12 +57,12 @@ TEST(Bounds, OfThoseWhoAreGoneTheLatestAreRememberedForAWhile) {
   EXPECT_EQ(sides.gone().back(), place(999));
   EXPECT_EQ(sides.gone().front(), place(1000 - PartitionMerge::kMost));
   RecordedReplica replica(scenarios::load_embedded("ball", 1), alone());
-  Commands out(state, replica);
+  AppliedCommands out(state, replica);
   while (replica.replica().now() <= PartitionMerge::kRemember) replica.step({});
-  sides.advance(replica.replica(), out);
+  sides.advance(view_of(replica.replica()), out);
   EXPECT_EQ(sides.gone().size(), PartitionMerge::kMost);
   for (Tick t = 0; t <= PartitionMerge::kPace; ++t) replica.step({});
-  sides.advance(replica.replica(), out);
+  sides.advance(view_of(replica.replica()), out);
   EXPECT_TRUE(sides.gone().empty());
 }
 

@@ -91,7 +91,7 @@ TEST(Floods, WhoClaimsToHaveMoreOfALostPeerThanItCanShow) {
     t.party().net().kill(t.person(lost));
     t.party().run(11);
     EXPECT_GT(t.liar().told, 0U);
-    EXPECT_FALSE(t.replica(0).other(lost).reachable()) << t.party().story();
+    EXPECT_FALSE(t.replica(0).seat(lost).reachable()) << t.party().story();
     t.expect_no_harm_to({0, 1});
   }
 }
@@ -107,7 +107,7 @@ TEST(Floods, WhoIsAskedWhatItHasOfALostPeerAndNeverAnswers) {
     t.party().net().kill(t.person(lost));
     t.party().run(11);
     EXPECT_GT(t.liar().told, 0U);
-    EXPECT_FALSE(t.replica(0).other(lost).reachable()) << t.party().story();
+    EXPECT_FALSE(t.replica(0).seat(lost).reachable()) << t.party().story();
     t.expect_no_harm_to({0, 1});
   }
 }
@@ -123,10 +123,10 @@ TEST(Floods, WhoSaysForEverThatItHearsALostPeer) {
     });
     t.party().net().kill(t.person(lost));
     t.party().run(5);
-    EXPECT_TRUE(t.replica(0).other(lost).reachable()) << "it is believed for a while";
+    EXPECT_TRUE(t.replica(0).seat(lost).reachable()) << "it is believed for a while";
     t.party().run(4.5);
     EXPECT_GT(t.liar().told, 0U);
-    EXPECT_FALSE(t.replica(0).other(lost).reachable()) << t.party().story();
+    EXPECT_FALSE(t.replica(0).seat(lost).reachable()) << t.party().story();
     t.expect_no_harm_to({0, 1});
   }
 }
@@ -178,7 +178,7 @@ TEST(Floods, MessagesOfMembership) {
     });
     t.party().run(8);
     EXPECT_GT(sent, 10'000U);
-    EXPECT_FALSE(t.replica(0).other(1).frozen) << "asked by who is not the coordinator";
+    EXPECT_FALSE(t.replica(0).seat(1).frozen) << "asked by who is not the coordinator";
     t.liar().stop();
     t.party().run(8);
     t.expect_confirmed({0, 1, 3});

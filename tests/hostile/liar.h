@@ -152,7 +152,7 @@ class Trial {
   /// The honest have declared the liar gone.
   bool liar_is_out() const {
     const auto all = honest();
-    return std::none_of(all.begin(), all.end(), [this](PeerId p) { return replica(p).other(liar_slot_).there(); });
+    return std::none_of(all.begin(), all.end(), [this](PeerId p) { return replica(p).seat(liar_slot_).there(); });
   }
 
  private:

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/membership/applied_commands.h"
 #include "common/membership/evictions.h"
 #include "common/scenarios/scenarios.h"
 
@@ -37,11 +38,12 @@ class Guarded {
   }
   void drop(DropReason why, std::size_t times = 1) {
     for (std::size_t i = 0; i < times; ++i)
-      misbehaviour_.on_drop(1, why, replica_.replica(), evictions_, tick_start(replica_.replica().now()), out_);
+      misbehaviour_.on_drop(1, why, view_of(replica_.replica()), evictions_, tick_start(replica_.replica().now()),
+                            out_);
   }
-  bool bars(std::uint8_t n) const { return misbehaviour_.bars(key(n), replica_.replica()); }
-  bool hears() const { return misbehaviour_.hears(1, replica_.replica()); }
-  std::uint32_t cut_offs() const { return replica_.replica().other(1).cut_offs; }
+  bool bars(std::uint8_t n) const { return misbehaviour_.bars(key(n), view_of(replica_.replica())); }
+  bool hears() const { return misbehaviour_.hears(1, view_of(replica_.replica())); }
+  std::uint32_t cut_offs() const { return replica_.replica().link(1).cut_offs; }
   std::size_t offenders() const { return misbehaviour_.offenders(); }
 
  private:
@@ -54,7 +56,7 @@ class Guarded {
   Scene scene_;
   SessionState session_;
   RecordedReplica replica_;
-  Commands out_{session_, replica_};
+  AppliedCommands out_{session_, replica_};
   Evictions evictions_{session_};
   MisbehaviourPolicy misbehaviour_{session_};
 };

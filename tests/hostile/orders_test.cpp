@@ -77,7 +77,7 @@ TEST(Orders, AdmissionByWhoIsNotCoordinator) {
   });
   t.party().run(16);
   EXPECT_GT(t.dropped(0, DropReason::kRight), 0U) << t.party().story();
-  for (const PeerId p : t.honest()) EXPECT_FALSE(t.replica(p).other(6).there());
+  for (const PeerId p : t.honest()) EXPECT_FALSE(t.replica(p).seat(6).there());
   EXPECT_TRUE(t.liar_is_out()) << t.party().story();
   t.expect_no_harm();
 }

@@ -192,7 +192,7 @@ TEST(Joining, ALoopbackAddressMeansTheMachineOfWhoToldItFirst) {
   EXPECT_TRUE(party.united()) << party.story();
   EXPECT_EQ(party.story().find("is lost"), std::string::npos) << party.story();
   const node::Replica& n = party.replica(newcomer);
-  EXPECT_EQ(n.other(party.replica(2).self()).at, party.net().place_of(2));
+  EXPECT_EQ(n.seat(party.replica(2).self()).at, party.net().place_of(2));
   EXPECT_EQ(party.judge().violation(), "");
 }
 

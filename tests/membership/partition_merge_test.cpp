@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/membership/rules.h"
+
 namespace padr::node {
 namespace {
 
@@ -35,6 +37,57 @@ TEST(PartitionMerge, OneOfTwoPartsOutranksTheOther) {
   for (const Case& c : cases) {
     EXPECT_EQ(PartitionMerge::outranks(c.a, c.b), c.a_outranks_b) << c.name;
     EXPECT_EQ(PartitionMerge::outranks(c.b, c.a), c.b_outranks_a) << c.name << ", the other way round";
+  }
+}
+
+/// Of slots 0 to 2, and what peer 2 is told by a Probe.
+TEST(PartitionMerge, WhatAProbeMeans) {
+  using test::kNow;
+  struct Row {
+    const char* name;
+    bool from_member;
+    PeerId sender;
+    Side members;
+    bool knows_you;
+    void (*change)(test::Situation&);
+    bool joins_anew;
+    std::size_t replies;
+  };
+  const auto nothing = [](test::Situation&) {};
+  const Row rows[] = {
+      {"a larger part", false, 5, side({{5, 9}, {6, 9}, {7, 9}, {8, 9}}), false, nothing, true, 0},
+      {"a smaller part is told of ours", false, 5, side({{5, 9}}), false, nothing, false, 1},
+      {"a larger part, some of which is silent here", false, 5, side({{5, 9}, {6, 9}}), false,
+       [](test::Situation& s) {
+         s.silence(0, kNow - kSilence);
+         s.silence(1, kNow - kSilence);
+       },
+       true, 0},
+      {"a part that we are in as well", false, 5, side({{2, 3}, {5, 9}, {6, 9}, {7, 9}}), false, nothing, false, 1},
+      {"a member that knows us", true, 1, side({{5, 9}, {6, 9}, {7, 9}, {8, 9}}), true, nothing, false, 0},
+      {"a member that has evicted us", true, 1, side({{0, 1}, {1, 2}}), false,
+       [](test::Situation& s) { s.silence(0, kNow - kSilence); }, true, 0},
+      {"said in another incarnation", true, 7, side({{5, 9}, {6, 9}, {7, 9}, {8, 9}}), false, nothing, false, 0},
+      {"we have only just come", false, 5, side({{5, 9}, {6, 9}, {7, 9}, {8, 9}}), false,
+       [](test::Situation& s) { s.roster.in_since = kNow - PartitionMerge::kGrace + 1; }, false, 0},
+      {"we are no member", false, 5, side({{5, 9}, {6, 9}, {7, 9}, {8, 9}}), false,
+       [](test::Situation& s) { s.roster.member = false; }, false, 0},
+  };
+  for (const Row& r : rows) {
+    test::Situation s(9, 2);
+    for (PeerId p = 3; p < 9; ++p) s.empty(p);
+    r.change(s);
+    wire::Probe probe;
+    probe.members = r.members;
+    probe.knows_you = r.knows_you;
+    probe.newest = 9;
+    probe.incarnation = s.roster.seats[r.sender].incarnation;
+    const Endpoint from = r.from_member ? test::Situation::at(1) : ipv4({10, 9, 9, 9}, 1);
+    PartitionMerge rules(s.session);
+    test::ListedCommands out;
+    rules.on_probe(from, r.sender, probe, wire::kMaxDatagram, s.view(), 0, out);
+    EXPECT_EQ(rules.winner(s.view()) == from, r.joins_anew) << r.name;
+    EXPECT_EQ(out.all<wire::Probe>().size(), r.replies) << r.name;
   }
 }
 

@@ -68,10 +68,10 @@ class Party {
     return std::all_of(all.begin(), all.end(), [&](int p) {
       int there = 1;
       for (PeerId q = 0; q < replica(p).config().slots; ++q)
-        if (q != replica(p).self() && replica(p).other(q).there()) ++there;
+        if (q != replica(p).self() && replica(p).seat(q).there()) ++there;
       return there == static_cast<int>(all.size()) && std::all_of(all.begin(), all.end(), [&](int q) {
-               return p == q || (replica(p).other(replica(q).self()).there() &&
-                                 replica(p).other(replica(q).self()).incarnation == replica(q).config().incarnation);
+               return p == q || (replica(p).seat(replica(q).self()).there() &&
+                                 replica(p).seat(replica(q).self()).incarnation == replica(q).config().incarnation);
              });
     });
   }

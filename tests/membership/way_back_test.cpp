@@ -37,7 +37,7 @@ class Trio {
     --now_;
   }
   node::Membership& membership() { return *membership_; }
-  const Endpoint& first() const { return nodes_[1]->replica().other(0).at; }
+  const Endpoint& first() const { return nodes_[1]->replica().seat(0).at; }
   node::SessionState& state() { return session_; }
   Tick confirmed() const { return nodes_[1]->replica().agreed().confirmed().tick; }
 

@@ -82,7 +82,8 @@ TEST(Replica, AllWhoLeaveAtOnceStillHearEverythingOfOneAnother) {
     for (PeerId p = 0; p < kPeers; ++p) {
       EXPECT_GE(ended[p], left) << "peer " << int{p} << " never got through";
       EXPECT_GT(mesh[p].agreed().confirmed().tick, left) << "peer " << int{p};
-      for (PeerId q = 0; q < kPeers; ++q) EXPECT_EQ(mesh[p].has_left(q), q != p) << int{p} << " of " << int{q};
+      for (PeerId q = 0; q < kPeers; ++q)
+        EXPECT_EQ(mesh[p].seat(q).presence == Presence::kLeft, q != p) << int{p} << " of " << int{q};
     }
   }
 }
@@ -96,7 +97,7 @@ TEST(Replica, ALeaversAvatarGoesAndItsBodiesAreFree) {
   const sync::FoldState& s = mesh[0].agreed().confirmed();
   EXPECT_FALSE(s.avatars[1].present);
   for (const sync::Authority& a : s.authority) EXPECT_NE(a.holder(), 1);
-  EXPECT_TRUE(mesh[0].has_left(1));
+  EXPECT_EQ(mesh[0].seat(1).presence, Presence::kLeft);
 }
 
 TEST(Replica, SurvivesGarbageAndItsOwnAndForeignDatagrams) {

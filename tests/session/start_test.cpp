@@ -20,7 +20,7 @@ std::set<PeerId> mesh(const Party& party) {
   for (int p = 0; p < party.net().persons(); ++p) {
     numbers.insert(party.replica(p).self());
     for (int q = 0; q < party.net().persons(); ++q)
-      if (q != p && party.replica(p).other(party.replica(q).self()).at != party.net().place_of(q)) return {};
+      if (q != p && party.replica(p).seat(party.replica(q).self()).at != party.net().place_of(q)) return {};
   }
   return numbers;
 }

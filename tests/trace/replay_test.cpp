@@ -48,7 +48,7 @@ TEST(Replay, LeavingIsPartOfIt) {
   c.leave_at = 150;
   const RecordedRun run(c);
   for (const auto& t : run.traces) EXPECT_EQ(replay(t).difference, "");
-  EXPECT_TRUE(run.nodes[0]->replica().has_left(1));
+  EXPECT_EQ(run.nodes[0]->replica().seat(1).presence, node::Presence::kLeft);
 }
 
 TEST(Replay, ATraceThatBreaksOffIsReplayedAsFarAsItGoes) {

@@ -16,6 +16,7 @@
 #include "common/membership/session_state.h"
 #include "common/model/hash.h"
 #include "common/participant/transfer_pull.h"
+#include "common/replica/replica.h"
 #include "common/sync/authority.h"
 #include "common/sync/validation.h"
 #include "common/wire/codec.h"
@@ -347,8 +348,8 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("believed", node::kBelieved);
   add("ask_again", node::Evictions::kAskAgain);
   add("withheld", node::Evictions::kWithheld);
-  add("relay_after", node::Replica::kRelayAfter);
-  add("relay_until", node::Replica::kRelayUntil);
+  add("relay_after", node::kRelayAfter);
+  add("relay_until", node::kRelayUntil);
   add("relay_pace", node::Relay::kPace);
   add("relay_hurry", node::Relay::kHurry);
   add("relay_patience", node::Relay::kPatience);

@@ -13,7 +13,7 @@ const node::Replica* node_in(const crowd::CrowdPeer& peer, crowd::Region r) {
 
 std::optional<Vec2> avatar_as_seen(const node::Replica& n, const Endpoint& of) {
   for (PeerId p = 0; p < n.config().slots; ++p)
-    if (p != n.self() && n.other(p).there() && same_place(n.other(p).at, of) &&
+    if (p != n.self() && n.seat(p).there() && same_place(n.seat(p).at, of) &&
         n.agreed().predicted_state().avatars[p].present)
       return n.live().world().position(n.live().world().avatar(p));
   return std::nullopt;

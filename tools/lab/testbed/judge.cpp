@@ -61,7 +61,7 @@ void Judge::turn(int person) {
     const node::Replica& n = p.replica();
     Record r{person, 0, {n.self(), n.config().incarnation}, {}};
     for (PeerId q = 0; q < n.config().slots; ++q)
-      if (q != n.self() && n.other(q).there()) r.others.emplace_back(q, n.other(q).incarnation);
+      if (q != n.self() && n.seat(q).there()) r.others.emplace_back(q, n.seat(q).incarnation);
     for (const Heard& h : heard_) {
       if (h.incarnation != p.incarnation()) continue;
       r.hash = h.hash;
@@ -103,13 +103,13 @@ void Judge::final_check() {
     for (const int q : all) {
       if (q == p || !network_.peer(q).playing()) continue;
       const node::Replica& m = network_.peer(q).replica();
-      const node::Neighbour& seen = n.other(m.self());
+      const node::Seat& seen = n.seat(m.self());
       if (!seen.there() || seen.incarnation != m.config().incarnation)
         return blame(name(p) + " does not know " + name(q) + " as a member");
     }
     int there = 1;
     for (PeerId s = 0; s < n.config().slots; ++s)
-      if (s != n.self() && n.other(s).there()) ++there;
+      if (s != n.self() && n.seat(s).there()) ++there;
     if (there != static_cast<int>(all.size()))
       return blame(name(p) + " counts " + std::to_string(there) + " members of " + std::to_string(all.size()));
   }

@@ -1,0 +1,68 @@
+#include "common/replica/roster.h"
+
+#include <utility>
+
+namespace padr::node {
+
+Tick Roster::unanswered(PeerId p) const {
+  constexpr Tick kGivenUp = 1000 * kTicksPerSecond;
+  const Seat& s = seats[p];
+  return s.given_up >= 0 ? kGivenUp : now - std::max(s.answered, s.relayed);
+}
+
+Tick Roster::unacknowledged(PeerId p) const {
+  const Seat& s = seats[p];
+  return s.unacknowledged < 0 ? 0 : std::max(0, now - std::max(s.unacknowledged, s.excused));
+}
+
+std::uint32_t Roster::newest_incarnation() const {
+  std::uint32_t newest = incarnation;
+  for (const Seat& s : seats) newest = std::max(newest, s.incarnation);
+  return newest;
+}
+
+Endpoint Roster::place_of_sayer(const sync::Bundle& said) const {
+  const Seat& s = seats[said.peer];
+  if (said.peer == self && member && said.index >= s.first) return {};
+  if (said.index >= s.first) return s.at;
+  for (auto f = s.former.rbegin(); f != s.former.rend(); ++f)
+    if (said.index >= f->first) return f->at;
+  return {};
+}
+
+void Roster::note_answer(PeerId p, Tick mark) {
+  Seat& s = seats[p];
+  s.answer_mark = std::max(s.answer_mark, mark);
+  s.answered = now;
+  s.given_up = -1;
+  s.given_up_for_good = false;
+}
+
+void Roster::give_up(PeerId p, bool for_good) {
+  seats[p].given_up = now;
+  seats[p].given_up_for_good |= for_good;
+}
+
+void Roster::excuse_silence() {
+  for (Seat& s : seats) {
+    s.heard = s.answered = s.excused = now;
+    s.given_up = -1;
+    s.given_up_for_good = s.proven = false;
+  }
+}
+
+void Roster::seat(PeerId p, std::uint32_t as_incarnation, std::uint32_t first, const Endpoint& at, Tick from) {
+  Seat next;
+  next.former = std::move(seats[p].former);
+  if (next.former.size() == Seat::kFormer) next.former.erase(next.former.begin());
+  next.former.push_back({seats[p].first, seats[p].incarnation, seats[p].at});
+  next.presence = Presence::kThere;
+  next.incarnation = as_incarnation;
+  next.first = first;
+  next.at = at;
+  next.since = from;
+  next.heard = next.answered = next.excused = now;
+  seats[p] = std::move(next);
+}
+
+}  // namespace padr::node

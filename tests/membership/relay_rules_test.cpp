@@ -1,0 +1,118 @@
+// Whose updates are asked for, of whom, and who is served.
+#include "common/membership/relay.h"
+#include "tests/membership/rules.h"
+
+namespace padr::test {
+namespace {
+
+using node::Relay;
+
+TEST(RelayRules, WhoIsAskedAboutWhom) {
+  struct Row {
+    std::string name;
+    void (*change)(Situation&);
+    PeerId asked;  ///< the first; kNoPeer: nobody
+    PeerId about;
+  };
+  const std::vector<Row> rows{
+      {"all are heard",
+       [](Situation& s) {
+         for (PeerId p = 0; p < 4; ++p) s.log.begin(p, 0, kNow);
+       },
+       kNoPeer, 0},
+      {"one is not heard",
+       [](Situation& s) {
+         for (PeerId p = 0; p < 4; ++p) s.log.begin(p, 0, kNow);
+         s.silence(2, kNow - node::kRelayAfter);
+       },
+       1, 2},
+      {"a tick short",
+       [](Situation& s) {
+         for (PeerId p = 0; p < 4; ++p) s.log.begin(p, 0, kNow);
+         s.silence(2, kNow - node::kRelayAfter + 1);
+       },
+       kNoPeer, 0},
+      {"heard, but it does not tell what it promised",
+       [](Situation& s) {
+         for (PeerId p = 0; p < 4; ++p) s.log.begin(p, 0, p == 2 ? kNow - node::kRelayAfter : kNow);
+       },
+       1, 2},
+      {"it is being evicted",
+       [](Situation& s) {
+         for (PeerId p = 0; p < 4; ++p) s.log.begin(p, 0, kNow);
+         s.silence(2, kNow - node::kRelayAfter);
+         s.roster.seats[2].frozen = true;
+       },
+       kNoPeer, 0},
+      {"the one to ask is not heard either",
+       [](Situation& s) {
+         for (PeerId p = 0; p < 4; ++p) s.log.begin(p, 0, kNow);
+         s.silence(1, kNow - node::kRelayAfter);
+       },
+       2, 1},
+      {"this peer is no member yet",
+       [](Situation& s) {
+         s.silence(2, kNow - node::kRelayAfter);
+         s.roster.member = false;
+       },
+       kNoPeer, 0},
+      {"silent for so long that nothing is kept for it",
+       [](Situation& s) {
+         for (PeerId p = 0; p < 4; ++p) s.log.begin(p, 0, 20'000);
+         s.roster.now = 20'000;
+         for (PeerId p = 1; p < 4; ++p) s.silence(p, 20'000);
+         s.silence(2, 20'000 - node::kRelayUntil);
+       },
+       kNoPeer, 0},
+  };
+  for (const Row& r : rows) {
+    Situation s(4, 0);
+    r.change(s);
+    ListedCommands out;
+    Relay(s.session).advance(s.view(), out);
+    const auto asked = out.all<wire::Fetch>();
+    ASSERT_EQ(asked.size(), r.asked == kNoPeer ? 0U : 1U) << r.name;
+    if (r.asked == kNoPeer) continue;
+    EXPECT_EQ(asked[0].to, Situation::at(r.asked)) << r.name;
+    EXPECT_EQ(asked[0].message.slot, r.about) << r.name;
+  }
+}
+
+TEST(RelayRules, ServesWhatIsHereAndNoMoreThanItsShare) {
+  Situation s(4, 0);
+  s.tells(2, 0, 900);
+  Relay rules(s.session);
+  ListedCommands out;
+  rules.on_fetch(1, {2, s.roster.seats[2].incarnation + 1, 0}, s.view(), out);
+  rules.on_fetch(1, {2, s.roster.seats[2].incarnation, 1}, s.view(), out);
+  rules.on_fetch(1, {0, s.roster.incarnation, 0}, s.view(), out);
+  EXPECT_TRUE(out.all<wire::Fetched>().empty()) << "another incarnation, nothing new, and this peer's own";
+  for (int i = 0; i < 2 * Relay::kServed; ++i) rules.on_fetch(1, {2, s.roster.seats[2].incarnation, 0}, s.view(), out);
+  EXPECT_EQ(out.all<wire::Fetched>().size(), static_cast<std::size_t>(Relay::kServed));
+  s.roster.now += Relay::kPace;
+  rules.on_fetch(1, {2, s.roster.seats[2].incarnation, 0}, s.view(), out);
+  EXPECT_EQ(out.all<wire::Fetched>().size(), static_cast<std::size_t>(Relay::kServed) + 1);
+}
+
+TEST(RelayRules, TakesOnlyWhatItHasAskedFor) {
+  Situation s(4, 0);
+  for (PeerId p = 0; p < 4; ++p) s.log.begin(p, 0, kNow);
+  s.silence(2, kNow - node::kRelayAfter);
+  Relay rules(s.session);
+  sync::Bundle b;
+  b.peer = 2;
+  const wire::Fetched reply{2, s.roster.seats[2].incarnation, {b}};
+  ListedCommands out;
+  rules.on_fetched(1, reply, s.view(), out);
+  EXPECT_TRUE(out.relayed.empty()) << "nobody was asked";
+  rules.advance(s.view(), out);
+  rules.on_fetched(3, reply, s.view(), out);
+  EXPECT_TRUE(out.relayed.empty()) << "another one was asked";
+  rules.on_fetched(1, reply, s.view(), out);
+  EXPECT_EQ(out.relayed.size(), 1U);
+  rules.on_fetched(1, reply, s.view(), out);
+  EXPECT_EQ(out.relayed.size(), 1U) << "once";
+}
+
+}  // namespace
+}  // namespace padr::test
