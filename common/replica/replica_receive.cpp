@@ -117,12 +117,12 @@ void Replica::take_check(const sync::StatePacket& packet, PeerId from) {
 void Replica::settle_checks() {
   HashChecks::Told told;
   while (checks_.take(agreed_.confirmed().tick, told))
-    // Who has been declared gone meanwhile went its own way.
-    if (seat(told.from).reachable() && seat(told.from).incarnation == told.incarnation)
-      compare(told.tick, told.hash, told.from);
+    if (seat(told.from).incarnation == told.incarnation) compare(told.tick, told.hash, told.from);
 }
 
+// Who has been declared gone meanwhile went its own way, and so may who has left: nobody asks it any more.
 void Replica::compare(Tick t, std::uint32_t theirs, PeerId from) {
+  if (!seat(from).there()) return;
   const HashChecks::Own* mine = checks_.own(t);
   if (mine == nullptr) return;
   ++stats_.hash_checks;

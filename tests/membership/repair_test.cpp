@@ -41,5 +41,18 @@ TEST(Repair, ThePeerWithTheLowestNumberIsRight) {
   ASSERT_TRUE(party.run_until(8, [&] { return party.united(); }).has_value()) << party.story();
 }
 
+// Nobody asks a peer that has left before removals are ordered, so it may confirm what those who stay declare void.
+TEST(Repair, WhatAPeerThatHasLeftConfirmsIsNotCompared) {
+  Party party(with_fault(2, 43));
+  const auto at = [&](Tick t) {
+    return [&party, t] { return party.net().peer(2).playing() && party.replica(2).now() >= t; };
+  };
+  ASSERT_TRUE(party.run_until(20, at(390)).has_value()) << party.story();
+  party.net().leave(2);
+  ASSERT_TRUE(party.run_until(20, at(440)).has_value()) << "it lingers" << party.story();
+  party.run(3);
+  for (int p = 0; p < 2; ++p) EXPECT_EQ(party.replica(p).stats().hash_mismatches, 0U) << p;
+}
+
 }  // namespace
 }  // namespace padr::test
