@@ -1,105 +1,89 @@
 #include "shell/json.h"
 
-#include <array>
 #include <cassert>
-#include <charconv>
-#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
 
 namespace padr::shell {
-namespace {
 
-void append_quoted(std::string& out, std::string_view text) {
-  constexpr std::string_view kHex = "0123456789abcdef";
-  out += '"';
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\') {
-      out += '\\';
-      out += c;
-    } else if (byte < 0x20) {
-      out += "\\u00";
-      out += kHex[byte >> 4U];
-      out += kHex[byte & 0xFU];
-    } else {
-      out += c;
-    }
-  }
-  out += '"';
-}
+using nlohmann::ordered_json;
 
-}  // namespace
+Json::Json(Layout layout) : layout_(layout), root_(std::make_unique<ordered_json>()) {}
+Json::Json(Json&&) noexcept = default;
+Json::~Json() = default;
 
-void Json::line() {
-  if (layout_ == Layout::kOneLine) return;
-  out_ += '\n';
-  out_.append(2 * open_.size(), ' ');
-}
-
-void Json::before_token() {
-  if (after_key_) {
-    after_key_ = false;
-    return;
-  }
+Json& Json::add(ordered_json value) {
   if (open_.empty()) {
-    assert(out_.empty());
-    return;
+    *root_ = std::move(value);
+  } else if (open_.back()->is_array()) {
+    open_.back()->push_back(std::move(value));
+  } else {
+    open_.back()->emplace(std::exchange(key_, {}), std::move(value));
   }
-  assert(open_.back() == ']');
-  if (!first_) out_ += ',';
-  first_ = false;
-  line();
+  return *this;
+}
+
+Json& Json::open(ordered_json value) {
+  ordered_json* const parent = open_.empty() ? nullptr : open_.back();
+  add(std::move(value));
+  open_.push_back(parent == nullptr ? root_.get() : &parent->back());
+  return *this;
+}
+
+Json& Json::close() {
+  assert(!open_.empty());
+  open_.pop_back();
+  return *this;
+}
+
+Json& Json::begin_object() {
+  return open(ordered_json::object());
+}
+
+Json& Json::begin_array() {
+  return open(ordered_json::array());
 }
 
 Json& Json::key(std::string_view name) {
-  assert(!open_.empty() && open_.back() == '}' && !after_key_);
-  if (!first_) out_ += ',';
-  first_ = false;
-  line();
-  append_quoted(out_, name);
-  out_ += layout_ == Layout::kOneLine ? ":" : ": ";
-  after_key_ = true;
-  return *this;
-}
-
-Json& Json::open(char bracket) {
-  before_token();
-  out_ += bracket;
-  open_.push_back(bracket == '{' ? '}' : ']');
-  first_ = true;
-  return *this;
-}
-
-Json& Json::close(char bracket) {
-  assert(!open_.empty() && open_.back() == bracket && !after_key_);
-  open_.pop_back();
-  if (!first_) line();
-  out_ += bracket;
-  first_ = false;
-  return *this;
-}
-
-Json& Json::raw(std::string_view token) {
-  before_token();
-  out_ += token;
+  assert(!open_.empty() && open_.back()->is_object());
+  key_ = name;
   return *this;
 }
 
 Json& Json::value(std::string_view text) {
-  before_token();
-  append_quoted(out_, text);
-  return *this;
+  return add(text);
 }
 
 Json& Json::value(double number) {
-  if (!std::isfinite(number)) return null();
-  std::array<char, 32> text{};
-  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), number);
-  return raw({text.data(), static_cast<std::size_t>(end - text.data())});
+  return add(number);
+}
+
+Json& Json::value(bool truth) {
+  return add(truth);
+}
+
+Json& Json::value(std::int64_t number) {
+  return add(number);
+}
+
+Json& Json::value(std::uint64_t number) {
+  return add(number);
+}
+
+Json& Json::null() {
+  return add(nullptr);
+}
+
+Json& Json::document(std::string_view text) {
+  return add(ordered_json::parse(text));
 }
 
 std::string Json::text() const {
   assert(open_.empty());
-  return layout_ == Layout::kOneLine ? out_ : out_ + "\n";
+  const bool one_line = layout_ == Layout::kOneLine;
+  // What is no UTF-8 is replaced: file names and other peers' texts may be anything.
+  std::string text = root_->dump(one_line ? -1 : 2, ' ', false, ordered_json::error_handler_t::replace);
+  return one_line ? text : text + "\n";
 }
 
 }  // namespace padr::shell

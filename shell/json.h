@@ -2,13 +2,15 @@
 
 #include <concepts>
 #include <cstdint>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace padr::shell {
 
-/// Writes one JSON document (RFC 8259), indented or in one line, as text. Calls must nest properly: that is asserted.
+/// Builds one JSON document (RFC 8259) in the order in which it is said. Calls must nest properly: that is asserted.
 ///
 ///   Json j;
 ///   j.begin_object().key("name").value("arena").key("ticks").value(600).end_object();
@@ -16,46 +18,52 @@ namespace padr::shell {
 class Json {
  public:
   enum class Layout : std::uint8_t { kIndented, kOneLine };
-  explicit Json(Layout layout = Layout::kIndented) : layout_(layout) {}
+  explicit Json(Layout layout = Layout::kIndented);
+  Json(Json&&) noexcept;
+  ~Json();
 
-  Json& begin_object() { return open('{'); }
-  Json& end_object() { return close('}'); }
-  Json& begin_array() { return open('['); }
-  Json& end_array() { return close(']'); }
+  Json& begin_object();
+  Json& end_object() { return close(); }
+  Json& begin_array();
+  Json& end_array() { return close(); }
   Json& key(std::string_view name);
 
   Json& value(std::string_view text);
   Json& value(const char* text) { return value(std::string_view(text)); }
-  /// The shortest text that reads back as the same number; null if it is not finite, as JSON has no such numbers.
+  /// Null if it is not finite, as JSON has no such numbers.
   Json& value(double number);
-  Json& value(bool truth) { return raw(truth ? "true" : "false"); }
+  Json& value(bool truth);
+  Json& value(std::int64_t number);
+  Json& value(std::uint64_t number);
   template <std::integral T>
-  requires(!std::same_as<T, bool>) Json& value(T number) { return raw(std::to_string(number)); }
-  Json& null() { return raw("null"); }
+  requires(!std::same_as<T, bool>) Json& value(T number) {
+    if constexpr (std::signed_integral<T>)
+      return value(static_cast<std::int64_t>(number));
+    else
+      return value(static_cast<std::uint64_t>(number));
+  }
+  Json& null();
   /// key() and value() in one.
   template <typename T>
   Json& field(std::string_view name, const T& v) {
     return key(name).value(v);
   }
 
-  /// A finished document of this class, in one line, as a value.
-  Json& document(std::string_view text) { return raw(text); }
+  /// A finished document as a value.
+  Json& document(std::string_view text);
 
   /// The finished document; indented ones have a newline at their end.
   std::string text() const;
 
  private:
-  Json& open(char bracket);
-  Json& close(char bracket);
-  Json& raw(std::string_view token);
-  void before_token();
-  void line();
+  Json& add(nlohmann::ordered_json value);
+  Json& open(nlohmann::ordered_json value);
+  Json& close();
 
   Layout layout_;
-  std::string out_;
-  std::vector<char> open_;  ///< closing brackets still due
-  bool first_ = true;       ///< nothing yet in the innermost bracket
-  bool after_key_ = false;
+  std::unique_ptr<nlohmann::ordered_json> root_;
+  std::vector<nlohmann::ordered_json*> open_;  ///< the innermost last
+  std::string key_;                            ///< of the next value in an object
 };
 
 }  // namespace padr::shell

@@ -16,9 +16,12 @@ std::string fixed_or_dash(double v, int digits);
 /// 16 hexadecimal digits.
 std::string hex(std::uint64_t v);
 
-/// `text` with every byte that is not part of well-formed UTF-8 (RFC 3629) replaced by U+FFFD: JSON allows nothing
-/// else, and command lines and paths may hold any bytes.
+/// `text` with every byte that is not part of well-formed UTF-8 (RFC 3629) replaced by U+FFFD. Command lines and
+/// paths may hold any bytes; Json does this by itself.
 std::string valid_utf8(std::string_view text);
+
+/// `text` as a field of a CSV file, in quotes where they are needed (RFC 4180).
+std::string csv_field(std::string_view text);
 
 /// A table for people: columns of these headings, as wide as need be. The first is flush left, the others flush right.
 class Table {

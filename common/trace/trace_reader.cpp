@@ -1,5 +1,7 @@
 #include "common/trace/trace_reader.h"
 
+#include <google/protobuf/io/coded_stream.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +12,8 @@
 
 namespace padr::trace {
 namespace {
+
+using google::protobuf::io::CodedInputStream;
 
 /// Entity ids out of gaps; an id past the last entity is reported by `ok`.
 class Ids {
@@ -252,19 +256,15 @@ std::optional<std::span<const std::byte>> TraceReader::next_record() {
   if (at_ >= bytes_.size()) return std::nullopt;
   record_start_ = at_;
   ++record_;
-  std::size_t size = 0;
-  for (unsigned shift = 0;; shift += 7) {
-    if (at_ >= bytes_.size()) {
-      truncated_ = true;
-      return std::nullopt;
-    }
-    const auto byte = std::to_integer<std::size_t>(bytes_[at_++]);
-    size |= (byte & 0x7FU) << shift;
-    if (byte < 0x80U) break;
-    if (shift >= 21) refuse("its length makes no sense");
-  }
-  if (size > kMaxRecordBytes) refuse("its length of " + std::to_string(size) + " bytes makes no sense");
-  if (bytes_.size() - at_ < size) {
+  constexpr std::size_t kLongestLength = 5;  // bytes of a varint of 32 bits
+  const auto rest = bytes_.subspan(at_, std::min(bytes_.size() - at_, kLongestLength));
+  CodedInputStream in(reinterpret_cast<const std::uint8_t*>(rest.data()), static_cast<int>(rest.size()));
+  std::uint32_t size = 0;
+  const bool whole = in.ReadVarint32(&size);
+  if (!whole && rest.size() == kLongestLength) refuse("its length makes no sense");
+  if (whole && size > kMaxRecordBytes) refuse("its length of " + std::to_string(size) + " bytes makes no sense");
+  at_ += static_cast<std::size_t>(in.CurrentPosition());
+  if (!whole || bytes_.size() - at_ < size) {
     at_ = bytes_.size();
     truncated_ = true;
     return std::nullopt;

@@ -208,7 +208,7 @@ std::string as_json(const Comparison& c, const std::vector<LinkStory>& links, co
   }
   j.end_array().key("confirmed").begin_array();
   for (const WorldCheck& w : worlds.traces) {
-    j.begin_object().field("trace", shell::valid_utf8(w.label)).field("compared", w.compared).field("alike", w.alike);
+    j.begin_object().field("trace", w.label).field("compared", w.compared).field("alike", w.alike);
     j.field("not_rebuilt", w.beyond).field("superseded", w.superseded).end_object();
   }
   j.end_array().end_object();

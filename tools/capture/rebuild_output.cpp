@@ -51,10 +51,8 @@ std::string rebuilt_json(const Setting& setting, const SessionLog& session_log, 
                          std::uint64_t last_hash, const std::vector<std::string>& command) {
   shell::Json j;
   j.begin_object().key("command").begin_array();
-  for (const std::string& word : command) j.value(shell::valid_utf8(word));
-  j.end_array()
-      .field("session", static_cast<int>(session_log.session))
-      .field("scenario", shell::valid_utf8(setting.label));
+  for (const std::string& word : command) j.value(word);
+  j.end_array().field("session", static_cast<int>(session_log.session)).field("scenario", setting.label);
   j.field("scene_checked", setting.checked).field("authority", setting.authority).field("slots", setting.slots);
   j.key("stretches").begin_array();
   for (const Stretch& s : r.stretches) {

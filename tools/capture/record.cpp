@@ -4,7 +4,9 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
+#include "shell/text.h"
 #include "tools/capture/field_names.h"
 #include "tools/capture/names.h"
 
@@ -16,23 +18,6 @@ std::string hex_of(std::uint64_t v, int digits) {
   std::string s(static_cast<std::size_t>(digits), '0');
   for (auto c = s.rbegin(); c != s.rend(); ++c, v >>= 4U) *c = kDigits[v & 15U];
   return s;
-}
-
-/// All texts of records are ASCII between space and tilde.
-std::string quoted(const std::string& s) {
-  std::string out = "\"";
-  for (const char c : s) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + '"';
-}
-
-std::string csv_quoted(const std::string& s) {
-  if (s.find_first_of(",\"\n") == std::string::npos) return s;
-  std::string out = "\"";
-  for (const char c : s) out += c == '"' ? "\"\"" : std::string(1, c);
-  return out + '"';
 }
 
 /// Without the port.
@@ -93,7 +78,7 @@ std::string Record::json() const {
     if (list) out += '[';
     for (std::size_t i = 0; i < values.size(); ++i) {
       if (i > 0) out += ',';
-      out += values[i].is_text ? quoted(values[i].text) : values[i].text;
+      out += values[i].is_text ? nlohmann::json(values[i].text).dump() : values[i].text;
     }
     if (list) out += ']';
   }
@@ -108,7 +93,7 @@ std::string Record::csv(const std::vector<std::string_view>& columns) const {
     if (values == nullptr) continue;
     std::string cell;
     for (const Value& v : *values) cell += (cell.empty() ? "" : ";") + v.text;
-    out += csv_quoted(cell);
+    out += shell::csv_field(cell);
   }
   return out;
 }

@@ -66,7 +66,7 @@ void put(Json& j, const Tally& t, const LinkKey& key, const LinkTally& link, con
 
 void put(Json& j, const Tally& t, std::uint16_t number, const SessionTally& s) {
   j.begin_object().field("session", static_cast<int>(number));
-  j.field("scenario", shell::valid_utf8(s.scenario)).field("authority", s.authority);
+  j.field("scenario", s.scenario).field("authority", s.authority);
   j.field("slots", s.slots).field("peers_at_start", s.wanted);
   j.field("first_tick", s.first_tick).field("last_tick", s.last_tick).field("hashes", s.hashes);
   j.field("delays_by", s.tick0().second ? "session clock" : "fastest datagram");
@@ -80,9 +80,9 @@ void put(Json& j, const Tally& t, std::uint16_t number, const SessionTally& s) {
 
 void put(Json& j, const Source& s) {
   j.key("files").begin_array();
-  for (const std::string& f : s.files) j.value(shell::valid_utf8(f));
+  for (const std::string& f : s.files) j.value(f);
   j.end_array().field("complete", s.troubles.empty()).key("troubles").begin_array();
-  for (const std::string& t : s.troubles) j.value(shell::valid_utf8(t));
+  for (const std::string& t : s.troubles) j.value(t);
   j.end_array();
   const auto of = [&s](Content c) { return s.contents.of[static_cast<std::size_t>(c)]; };
   j.field("packets", s.contents.packets).field("datagrams", s.contents.ours);
@@ -100,7 +100,7 @@ void put(Json& j, const Source& s) {
 std::string summary_json(const Source& source, const Tally& tally, const std::vector<std::string>& command) {
   Json j;
   j.begin_object().key("command").begin_array();
-  for (const std::string& word : command) j.value(shell::valid_utf8(word));
+  for (const std::string& word : command) j.value(word);
   j.end_array();
   put(j, source);
   j.key("dropped").begin_object();

@@ -175,7 +175,7 @@ std::string timeline_json(std::uint16_t session, const std::vector<Event>& event
     if (e.by.slot != kNoPeer) j.field("peer", static_cast<int>(e.by.slot)).field("incarnation", e.by.incarnation);
     if (e.entity >= 0) j.field("entity", e.entity);
     if (e.other >= 0) j.field("other", e.other);
-    if (!e.detail.empty()) j.field("detail", shell::valid_utf8(e.detail));
+    if (!e.detail.empty()) j.field("detail", e.detail);
     j.end_object();
   }
   j.end_array().end_object();

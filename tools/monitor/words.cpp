@@ -18,7 +18,6 @@ namespace padr::monitor {
 namespace {
 
 using shell::Json;
-using shell::valid_utf8;
 
 /// Rounded: nobody reads a float's last bits.
 double rounded(double v, double per_unit = 1e4) {
@@ -99,7 +98,7 @@ void knobs(Json& j, std::string_view settings) {
   j.begin_object();
   for (const shell::Knob& k : shell::knobs()) {
     const auto found = told.find(std::string(std::string_view(k.flag).substr(2)));
-    if (found != told.end()) j.field(found->first, valid_utf8(found->second));
+    if (found != told.end()) j.field(found->first, found->second);
   }
   j.end_object();
 }
@@ -133,7 +132,7 @@ void links(Json& j, const PeerRecord& p) {
         .field("loss_of", l.loss_of)
         .field("lost", l.lost_in)
         .field("judged", l.judged_in);
-    j.field("netem", valid_utf8(l.netem)).field("cut", l.cut_out || l.cut_in).end_object();
+    j.field("netem", l.netem).field("cut", l.cut_out || l.cut_in).end_object();
   }
   j.end_array();
 }
@@ -174,15 +173,11 @@ void peer(Json& j, const PeerRecord& p, Agreement::Verdict verdict, std::string_
   j.begin_object().field("slot", int{p.origin.slot}).field("incarnation", p.origin.incarnation);
   j.field("state", word(p.presence(now))).field("heard_ms", (now - p.heard) / 1000);
   const Hello h = p.hello.value_or(Hello{});
-  j.field("address", h.at.is_set() ? to_string(h.at) : "").field("version", valid_utf8(h.version));
-  j.field("technique", valid_utf8(h.technique.substr(0, h.technique.find(' '))))
-      .field("settings", valid_utf8(h.technique));
+  j.field("address", h.at.is_set() ? to_string(h.at) : "").field("version", h.version);
+  j.field("technique", h.technique.substr(0, h.technique.find(' '))).field("settings", h.technique);
   j.key("knobs");
   knobs(j, h.technique);
-  j.field("controllable", h.control)
-      .field("driven", driven)
-      .field("detail", word(h.detail))
-      .field("input", valid_utf8(h.input));
+  j.field("controllable", h.control).field("driven", driven).field("detail", word(h.detail)).field("input", h.input);
   j.field("tick", p.newest ? p.newest->tick : (p.status ? p.status->tick : 0));
   rates(j, p);
   numbers_of(j, p, verdict);
@@ -233,7 +228,7 @@ std::string hello_text(const HelloWords& h) {
   j.field("mode", h.mode)
       .field("control", h.control)
       .field("needs_token", h.needs_token)
-      .field("source", valid_utf8(h.source))
+      .field("source", h.source)
       .field("sample", h.sample);
   j.key("samples").begin_array();
   for (const Sample& s : samples()) {
@@ -254,9 +249,7 @@ std::string hello_text(const HelloWords& h) {
 std::string scene_text(const ObservedSession& s) {
   const Scene& scene = s.scene();
   Json j = message("scene");
-  j.field("session", fmt::format("{:04x}", s.key().number))
-      .field("name", valid_utf8(scene.name))
-      .field("title", valid_utf8(scene.title));
+  j.field("session", fmt::format("{:04x}", s.key().number)).field("name", scene.name).field("title", scene.title);
   j.field("scenario", s.scenario())
       .field("seed", s.seed())
       .field("slots", s.slots())
@@ -346,7 +339,7 @@ std::string events_text(std::span<const SessionEvent> events) {
     } else {
       j.value(int{e.event.peer});
     }
-    j.field("text", valid_utf8(e.event.text)).end_object();
+    j.field("text", e.event.text).end_object();
   }
   j.end_array().end_object();
   return j.text();
@@ -367,7 +360,7 @@ std::string answer_text(std::optional<std::uint64_t> id, bool ok, std::string_vi
   } else {
     j.null();
   }
-  j.field("ok", ok).field("text", valid_utf8(text)).field("about", valid_utf8(about)).end_object();
+  j.field("ok", ok).field("text", text).field("about", about).end_object();
   return j.text();
 }
 

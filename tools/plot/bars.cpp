@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "shell/text.h"
 #include "tools/plot/layout.h"
 #include "tools/plot/plot.h"
 
@@ -38,7 +39,7 @@ std::vector<NamedText> files(const BarPlot& p) {
     const BarSeries& s = p.series[i];
     if (i > 0) data += "\n\n";
     for (std::size_t g = 0; g < s.values.size() && g < p.groups.size(); ++g)
-      data += csv_field(s.title) + "," + csv_field(p.groups[g]) + "," +
+      data += shell::csv_field(s.title) + "," + shell::csv_field(p.groups[g]) + "," +
               number(static_cast<double>(g) + width * (static_cast<double>(i) + 0.5) - kGroupWidth / 2) + "," +
               number(s.values[g]) + "\n";
     const std::string from = ", " + in_quotes(p.name + ".csv") + " index " + std::to_string(i) + " using 3:4";

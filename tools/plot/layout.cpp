@@ -98,11 +98,4 @@ std::string title_clause(const std::string& title) {
   return title.empty() ? " notitle" : " title " + in_quotes(title);
 }
 
-std::string csv_field(std::string_view text) {
-  if (text.find_first_of(",\"\n") == std::string_view::npos) return std::string(text);
-  std::string s = "\"";
-  for (const char c : text) s += c == '"' ? "\"\"" : std::string(1, c);
-  return s + "\"";
-}
-
 }  // namespace padr::plot

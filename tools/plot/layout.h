@@ -37,7 +37,4 @@ std::string axis(char name, const Axis& a);
 std::string line_style(const Look& look, double width);
 std::string title_clause(const std::string& title);
 
-/// A field of a CSV file, in quotes where it needs them (RFC 4180).
-std::string csv_field(std::string_view text);
-
 }  // namespace padr::plot

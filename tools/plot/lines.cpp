@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "shell/text.h"
 #include "tools/plot/layout.h"
 #include "tools/plot/plot.h"
 
@@ -18,7 +19,7 @@ class Table {
   /// The number of the new block.
   std::string begin(const std::string& panel, const std::string& kind, const std::string& title) {
     if (block_ >= 0) text_ += "\n\n";
-    prefix_ = csv_field(panel) + "," + kind + "," + csv_field(title) + ",";
+    prefix_ = shell::csv_field(panel) + "," + kind + "," + shell::csv_field(title) + ",";
     return std::to_string(++block_);
   }
   void row(double x, const std::string& y, const std::string& y2) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "shell/text.h"
 #include "tools/plot/layout.h"
 #include "tools/plot/plot.h"
 
@@ -13,7 +14,8 @@ namespace {
 std::string block_of(const MarkSeries& series) {
   std::string s;
   for (const Mark& m : series.marks)
-    s += csv_field(series.title) + "," + csv_field(m.label) + "," + number(m.x) + "," + number(m.y) + "\n";
+    s +=
+        shell::csv_field(series.title) + "," + shell::csv_field(m.label) + "," + number(m.x) + "," + number(m.y) + "\n";
   return s;
 }
 

@@ -40,14 +40,12 @@ void put(Json& j, const Traffic& t, double seconds) {
 void put_provenance(Json& j, const Peer& p) {
   const trace::Header& h = p.header;
   j.key("provenance").begin_object();
-  j.field("program", shell::valid_utf8(h.program)).field("revision", shell::valid_utf8(h.revision));
+  j.field("program", h.program).field("revision", h.revision);
   j.key("command").begin_array();
-  for (const std::string& word : h.command) j.value(shell::valid_utf8(word));
+  for (const std::string& word : h.command) j.value(word);
   j.end_array();
-  j.field("scenario", shell::valid_utf8(h.scenario)).field("scenario_seed", h.scenario_seed);
-  j.field("netem", shell::valid_utf8(h.netem))
-      .field("netem_seed", h.netem_seed)
-      .field("input", shell::valid_utf8(h.input));
+  j.field("scenario", h.scenario).field("scenario_seed", h.scenario_seed);
+  j.field("netem", h.netem).field("netem_seed", h.netem_seed).field("input", h.input);
   j.field("start_unix_us", h.start_unix_us).end_object();
 }
 
@@ -76,10 +74,9 @@ void put_drops(Json& j, const Peer& p) {
 void put_peer(Json& j, const Report& r, const Peer& p) {
   j.begin_object();
   j.field("peer", p.header.peer).field("name", p.name).field("incarnation", p.header.incarnation);
-  j.field("trace", shell::valid_utf8(p.label)).field("clean_end", p.clean).field("superseded", p.superseded);
+  j.field("trace", p.label).field("clean_end", p.clean).field("superseded", p.superseded);
   j.field("came_tick", p.came).field("went_tick", p.went());
-  j.field("technique", shell::valid_utf8(p.header.technique.name))
-      .field("knobs", shell::valid_utf8(shell::describe(p.header.technique)));
+  j.field("technique", p.header.technique.name).field("knobs", shell::describe(p.header.technique));
   j.field("ticks", p.last_tick)
       .field("left_at_tick", p.left_at)
       .field("seconds", p.seconds())
@@ -124,7 +121,7 @@ void put_hand_overs(Json& j, const Report& r) {
 void put_groups(Json& j, const Report& r) {
   j.key("by_technique").begin_array();
   for (const Group& g : r.groups) {
-    j.begin_object().field("knobs", shell::valid_utf8(g.technique)).key("peers").begin_array();
+    j.begin_object().field("knobs", g.technique).key("peers").begin_array();
     for (const std::size_t i : g.peers) j.value(r.peers[i].name);
     j.end_array();
     put(j, g.inconsistency);
@@ -142,15 +139,13 @@ std::string json(const Report& r, const std::vector<std::string>& command) {
   Json j;
   j.begin_object().field("revision", shell::revision());
   j.key("command").begin_array();
-  for (const std::string& word : command) j.value(shell::valid_utf8(word));
+  for (const std::string& word : command) j.value(word);
   j.end_array();
-  j.field("scenario", shell::valid_utf8(h.scenario))
-      .field("scenario_seed", h.scenario_seed)
-      .field("scene_hash", shell::hex(h.scene_hash));
+  j.field("scenario", h.scenario).field("scenario_seed", h.scenario_seed).field("scene_hash", shell::hex(h.scene_hash));
   j.field("peers", r.peers_at_start()).field("lives", r.peers.size()).field("session", h.session);
   j.field("noise_m", trace::kNoiseMetres);
   j.key("notes").begin_array();
-  for (const std::string& n : r.notes) j.value(shell::valid_utf8(n));
+  for (const std::string& n : r.notes) j.value(n);
   j.end_array();
   j.field("confirmed_ticks", r.confirmed.ticks).field("confirmed_mismatches", r.confirmed.mismatches);
   j.field("first_mismatch_tick", r.confirmed.first_mismatch).field("first_mismatch_peers", r.confirmed.who);

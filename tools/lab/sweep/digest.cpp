@@ -1,5 +1,7 @@
 #include "tools/lab/sweep/digest.h"
 
+#include "shell/text.h"
+
 #include <fmt/printf.h>
 
 #include <algorithm>
@@ -97,7 +99,7 @@ bool is_measure(const StoredRows& stored, std::size_t column, const std::string&
 
 std::string line_of_fields(const std::vector<std::string>& fields) {
   std::string line;
-  for (const std::string& f : fields) line += (line.empty() ? "" : ",") + quoted_field(f);
+  for (const std::string& f : fields) line += (line.empty() ? "" : ",") + shell::csv_field(f);
   return line + "\n";
 }
 

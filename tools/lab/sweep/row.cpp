@@ -59,7 +59,7 @@ std::string outcome(const Simulation& s, const Technique& technique, std::option
                          s.fidelity()->left_out()})
     text += plot::number(v) + ",";
   return text + std::to_string(s.confirmed_ticks()) + "," + std::to_string(s.confirmed_mismatches()) + "," +
-         shell::hex(s.last_confirmed_hash()) + "," + quoted_field(shell::describe(technique));
+         shell::hex(s.last_confirmed_hash()) + "," + shell::csv_field(shell::describe(technique));
 }
 
 }  // namespace
@@ -93,10 +93,10 @@ Row run_point(const Grid& grid, std::size_t index) {
   simulation.run();
 
   std::string text = grid.id() + "," + std::to_string(index) + "," + std::to_string(grid.size()) + "," +
-                     quoted_field(p.scenario) + "," + std::to_string(bodies) + "," + std::to_string(p.peers) + "," +
+                     shell::csv_field(p.scenario) + "," + std::to_string(bodies) + "," + std::to_string(p.peers) + "," +
                      plain(p.delay_ms) + "," + plain(p.jitter_ms) + "," + plain(p.loss_percent) + "," +
-                     quoted_field(p.technique_name) + ",";
-  for (const std::string& k : p.knobs) text += quoted_field(k) + ",";
+                     shell::csv_field(p.technique_name) + ",";
+  for (const std::string& k : p.knobs) text += shell::csv_field(k) + ",";
   text += std::to_string(p.seed) + "," + plain(grid.seconds()) + "," + outcome(simulation, p.technique, grid.watched());
   return {std::move(text), simulation.confirmed_mismatches() == 0};
 }

@@ -8,6 +8,7 @@
 
 #include "common/model/user_error.h"
 #include "shell/files.h"
+#include "shell/text.h"
 
 namespace padr::lab::sweep {
 namespace {
@@ -77,13 +78,6 @@ std::vector<std::string> fields_of(std::string_view line) {
     }
   }
   return fields;
-}
-
-std::string quoted_field(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
 }
 
 std::string canonical(const std::string& heading, const std::map<std::size_t, std::string>& rows) {

@@ -28,8 +28,6 @@ StoredRows read_rows(std::string_view flag, const std::string& file);
 
 /// The fields of a line, without the quotes that some need (RFC 4180).
 std::vector<std::string> fields_of(std::string_view line);
-/// A field as it stands in a line: in quotes where it needs them.
-std::string quoted_field(const std::string& text);
 
 /// The file with all these rows in the order of their runs: its canonical form.
 std::string canonical(const std::string& heading, const std::map<std::size_t, std::string>& rows);
