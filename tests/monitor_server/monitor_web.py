@@ -287,9 +287,18 @@ class Control(MonitorCase):
         self.assertTrue(page.wait("hello", lambda h: h["control"]))
         self.assertEqual(page.ask(type="pause", peer="all", on=True)["text"], "there is no session")
         guesser = self.page(m)
+        self.assertFalse(guesser.wait("hello")["control"], "here, too, where somebody's proxy may run")
         for i in range(5):
             guesser.say(type="token", token=f"guess {i}")
         self.assertEqual(guesser.wait_closed(), 1008)
+
+    def test_what_a_proxy_passes_on_comes_from_elsewhere(self):
+        m = self.monitor()
+        self.assertTrue(self.page(m).wait("hello")["control"])
+        for header in ("Forwarded: for=192.0.2.1", "X-Forwarded-For: 192.0.2.1", "x-real-ip: 192.0.2.1", "Via: 1.1 proxy"):
+            page = self.page(m, headers=[header])
+            self.assertFalse(page.wait("hello")["control"], header)
+            self.assertIn("own machine", page.ask(type="pause", peer="all", on=True)["text"])
 
     def test_without_a_token_nobody_elsewhere_controls(self):
         m = self.monitor("--insecure", web="0.0.0.0:0")

@@ -154,7 +154,7 @@ class Page:
 
     SHOWN, LIVE, PREDICTED, CONFIRMED, AUTHORITY = range(5)
 
-    def __init__(self, monitor, origin=None, host=None, path="/ws", read=True):
+    def __init__(self, monitor, origin=None, host=None, path="/ws", read=True, headers=()):
         self.socket = monitor.connect()
         key = base64.b64encode(os.urandom(16)).decode()
         host = host or f"{monitor.host}:{monitor.port}"
@@ -162,6 +162,7 @@ class Page:
                  "Sec-WebSocket-Version: 13", f"Sec-WebSocket-Key: {key}"]  # fmt: skip
         if origin:
             lines.append(f"Origin: {origin}")
+        lines.extend(headers)
         self.socket.sendall("\r\n".join([*lines, "", ""]).encode())
         self.data = b""
         while b"\r\n\r\n" not in self.data:

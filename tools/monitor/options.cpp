@@ -27,8 +27,10 @@ constexpr const char* kFooter =
     "Pages on other machines too, in a network that you trust; they control the peers with the token:\n"
     "  PADR_CONTROL_TOKEN=... padr-monitor --listen 0.0.0.0:8080 --peers-listen 0.0.0.0:9200 --insecure\n"
     "\n"
-    "A page may control peers if it is open on the monitor's own machine, or if its address ends in '#token=' and the\n"
-    "token. The program answers only requests to an IP address or to the names localhost, HOST and --allow-host. Only\n"
+    "A page may control peers if its address ends in '#token=' and the token, or, where no token is set, if it is "
+    "open\n"
+    "on the monitor's own machine and no proxy has passed it on. The program answers only requests to an IP address or "
+    "to the names localhost, HOST and --allow-host. Only\n"
     "its own pages may connect. It also serves /metrics for Prometheus, /api/session as JSON and /api/path?peer=N as\n"
     "CSV.\n"
     "\n"
@@ -56,8 +58,8 @@ void declare(CLI::App& app, Raw& raw, Options& o) {
                "Allow addresses that other machines can reach; senders are not authenticated");
   app.add_flag("--view-only", o.view_only, "No page may control anything");
   app.add_option("--control-token", o.token,
-                 "Token with which pages on other machines may control peers, 8 to 200 characters; other users can\n"
-                 "see a command line, so better give it in the environment")
+                 "Token with which pages may control peers, 8 to 200 characters; without one, only pages on this\n"
+                 "machine may. Other users can see a command line, so better give it in the environment")
       ->type_name("TOKEN")
       ->envname("PADR_CONTROL_TOKEN");
   app.add_option("--allow-host", o.names, "Also serve the page under this host name; may be repeated")

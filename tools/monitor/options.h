@@ -19,7 +19,7 @@ struct Options {
   capture::SettingFlags setting;      ///< what a capture does not tell
   bool insecure = false;
   bool view_only = false;
-  std::string token;    ///< empty: who is not on this machine cannot control
+  std::string token;    ///< empty: only pages on this machine can control
   double duration = 0;  ///< s; 0: until a signal
 };
 

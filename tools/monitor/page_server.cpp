@@ -62,9 +62,16 @@ std::string PageServer::greeting(const Viewer& viewer) const {
 void PageServer::came(ViewerId id, bool local, std::string_view) {
   Viewer& v = viewers_[id];
   v.local = local;
-  v.control = local && !options_.view_only;
+  // A proxy need not say that it is one: where there is a token, it is asked of everybody.
+  v.control = local && !options_.view_only && options_.token.empty();
   tell(id, greeting(v));
   introduce(id);
+}
+
+std::string_view PageServer::why_no_control() const {
+  if (options_.view_only) return "this monitor only shows (--view-only)";
+  if (!options_.token.empty()) return "only pages with the monitor's token may do that";
+  return "only pages on the monitor's own machine may do that, as it has no token";
 }
 
 void PageServer::left(ViewerId viewer) {
@@ -84,12 +91,7 @@ void PageServer::said(ViewerId id, std::string_view text) {
     return answer(id, asked, true, "");
   }
   if (std::holds_alternative<GiveToken>(*asked.request)) return take_token(id, v, asked);
-  if (!v.control)
-    return tell(
-        id, answer_text(asked.id, false,
-                        options_.view_only ? "this monitor only shows (--view-only)"
-                                           : "only pages on the monitor's own machine, or with its token, may do that",
-                        asked.about));
+  if (!v.control) return tell(id, answer_text(asked.id, false, why_no_control(), asked.about));
   act(id, asked);
 }
 

@@ -70,6 +70,7 @@ class PageServer : public Site {
   const Options& options() const { return options_; }
 
  private:
+  std::string_view why_no_control() const;
   void take_token(ViewerId id, Viewer& viewer, const Asked& asked);
   Reply path_reply(std::string_view query);
 

@@ -1,6 +1,7 @@
 #include "tools/monitor/viewer_link.h"
 
 #include <algorithm>
+#include <array>
 #include <boost/asio/buffer.hpp>
 
 #include "tools/monitor/guard.h"
@@ -14,6 +15,15 @@ using boost::system::error_code;
 /// When this many messages wait, messages that a page may miss are left out.
 constexpr std::size_t kFew = 4;
 constexpr std::chrono::seconds kPatience{2};
+
+/// Whether a proxy says that it passes the request on for somebody: RFC 7239, RFC 9110 (7.6.3), and what is common.
+bool is_forwarded(const HttpRequest& request) {
+  constexpr std::array<std::string_view, 6> kBy{"Forwarded",         "Via",      "X-Forwarded-For", "X-Forwarded-Host",
+                                                "X-Forwarded-Proto", "X-Real-IP"};
+  return std::any_of(kBy.begin(), kBy.end(), [&](std::string_view name) {
+    return request.find({name.data(), name.size()}) != request.end();
+  });
+}
 
 }  // namespace
 
@@ -47,6 +57,7 @@ ViewerLink::~ViewerLink() {
 
 void ViewerLink::start(HttpRequest request) {
   request_ = std::move(request);
+  local_ = local_ && !is_forwarded(request_);
   socket_.async_accept(request_, [self = shared_from_this()](const error_code& error) {
     if (error) return;
     self->open_ = true;

@@ -203,7 +203,7 @@ export class Knobs {
 function whyNot(session, peers) {
   if (peers.length > 0) return "";
   if (!session.hello || session.replayed()) return "";
-  if (!session.hello.control) return session.hello.needs_token ? "To turn knobs from here, open the page with the #token=… that padr-monitor printed." : "This page may only look.";
+  if (!session.hello.control) return session.hello.needs_token ? "To turn knobs from here, add #token= and the monitor's token to the page's address." : "This page may only look.";
   return session.present().length === 0 ? "" : "No peer lets itself be controlled: start them with --control.";
 }
 
