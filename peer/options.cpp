@@ -141,7 +141,8 @@ void declare_key(CLI::App& app, Raw& raw, Options& o) {
       ->type_name("MODE")
       ->group(group);
   app.add_option("--keylog", o.keylog,
-                 "With a key: write what padr-capture needs to check and decrypt this peer's datagrams")
+                 "With a key: write what padr-capture needs to check and decrypt this peer's datagrams; only you may\n"
+                 "read the file")
       ->type_name("FILE")
       ->group(group);
 }

@@ -1,6 +1,5 @@
 #include "peer/session_key.h"
 
-#include <fcntl.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -19,21 +18,12 @@ namespace padr::peer {
 namespace {
 
 constexpr const char* kEnvironment = "PADR_KEY";
-constexpr mode_t kOwnersOnly = S_IRUSR | S_IWUSR;
 
 wire::Key unpredictable_bytes() {
   wire::Key key{};
   if (::getentropy(key.data(), key.size()) != 0)
     throw std::system_error(errno, std::generic_category(), "no random numbers from the system");
   return key;
-}
-
-/// Creates a file that only its owner may read.
-void create(std::string_view flag, const std::string& file, int how) {
-  const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | how, kOwnersOnly);
-  if (fd < 0)
-    throw UserError(std::string(flag) + ": cannot write '" + file + "': " + std::generic_category().message(errno));
-  ::close(fd);
 }
 
 }  // namespace
@@ -55,8 +45,7 @@ int keygen(int argc, const char* const* argv) {
     std::fputs(text.c_str(), stdout);
     return shell::kExitFine;
   }
-  create("keygen", file, O_EXCL);
-  shell::OutputFile out("keygen", file);
+  shell::OutputFile out("keygen", file, shell::Readers::kOwnerNew);
   out.write(text);
   out.close();
   return shell::kExitFine;
@@ -81,7 +70,7 @@ std::optional<wire::Key> session_key(const std::string& file, std::vector<std::s
   return key;
 }
 
-Keylog::Keylog(const std::string& file) : file_((create("--keylog", file, 0), "--keylog"), file) {}
+Keylog::Keylog(const std::string& file) : file_("--keylog", file, shell::Readers::kOwner) {}
 
 void Keylog::add(const PublicKey& from, const PublicKey& to, const wire::Key& key) {
   file_.write(shell::keylog_line({from, to, key}));

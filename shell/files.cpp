@@ -1,5 +1,9 @@
 #include "shell/files.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
@@ -36,8 +40,30 @@ std::string read_file(std::string_view flag, const std::string& path, std::size_
   return text;
 }
 
-OutputFile::OutputFile(std::string_view flag, std::string path) : path_(std::move(path)) {
-  file_.reset(std::fopen(path_.c_str(), "wb"));
+namespace {
+
+// All by one descriptor: what a path names may change between two calls.
+std::FILE* open_for_owner(const std::string& path, bool new_file) {
+  constexpr mode_t kOwner = S_IRUSR | S_IWUSR;
+  const int how = O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | (new_file ? O_EXCL : 0);
+  const int fd = ::open(path.c_str(), how, kOwner);
+  if (fd < 0) return nullptr;
+  struct stat s {};
+  const bool fine =
+      ::fstat(fd, &s) == 0 && (!S_ISREG(s.st_mode) || (::fchmod(fd, kOwner) == 0 && ::ftruncate(fd, 0) == 0));
+  std::FILE* const file = fine ? ::fdopen(fd, "wb") : nullptr;
+  if (file != nullptr) return file;
+  const int why = errno;
+  ::close(fd);
+  errno = why;
+  return nullptr;
+}
+
+}  // namespace
+
+OutputFile::OutputFile(std::string_view flag, std::string path, Readers readers) : path_(std::move(path)) {
+  file_.reset(readers == Readers::kAsUsual ? std::fopen(path_.c_str(), "wb")
+                                           : open_for_owner(path_, readers == Readers::kOwnerNew));
   if (!file_) throw UserError(std::string(flag) + ": cannot write '" + path_ + "': " + system_reason());
 }
 

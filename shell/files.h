@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <functional>
 #include <memory>
@@ -14,11 +15,19 @@ namespace padr::shell {
 /// system's reason, if it cannot be read or is larger than `limit` bytes.
 std::string read_file(std::string_view flag, const std::string& path, std::size_t limit = 64U << 20U);
 
+/// Who may read a file that is written. A file for secrets is readable by its owner alone from before anything is in
+/// it, whatever it was before, and its path does not end in a symbolic link.
+enum class Readers : std::uint8_t {
+  kAsUsual,   ///< by the umask, or as it was
+  kOwner,     ///< for secrets
+  kOwnerNew,  ///< for secrets; the file must not exist yet
+};
+
 /// A file that is written from its beginning. A full disk shows as an exception, at the latest in close().
 class OutputFile {
  public:
   /// Creates or empties the file. Throws UserError, which names the flag, if that cannot be done.
-  OutputFile(std::string_view flag, std::string path);
+  OutputFile(std::string_view flag, std::string path, Readers readers = Readers::kAsUsual);
   /// Throw std::system_error.
   void write(std::span<const std::byte> bytes);
   void write(std::string_view text);

@@ -47,6 +47,10 @@ class Keys(Case):
             for word in words:
                 self.assertIn(word, err)
         good = self.file("good", KEY)
+        link = os.path.join(self.folder.name, "link")
+        os.symlink(os.path.join(self.folder.name, "elsewhere"), link)
+        code, _, err = run("--key-file", good, "--keylog", link)
+        self.assertEqual((code, "--keylog: cannot write" in err), (2, True), err)  # nobody leads us to another file
         code, _, err = run("--key-file", good, "--seal", "loudly")
         self.assertEqual((code, "auth or encrypt" in err), (2, True), err)
 
@@ -81,7 +85,8 @@ class Sessions(Case):
         self.assertGreater(seal["dropped"]["tag"] + seal["dropped"]["unsealed"], 5)
 
     def test_a_newcomer_comes_in_and_keys_are_logged(self):
-        log = os.path.join(self.folder.name, "keys")
+        log = self.file("keys", "what was there before\n" * 100)
+        os.chmod(log, 0o644)
         founder = self.peer("--wait-peers", 1, "--slots", 3, "--duration", 6, "--keylog", log, env=with_key(KEY))
         founder.wait_for(PLAYING)
         joiner = self.peer("--join", f"127.0.0.1:{founder.port()}", "--duration", 3, env=with_key(KEY))
