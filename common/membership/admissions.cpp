@@ -65,7 +65,7 @@ void Admissions::on_join(const Endpoint& from, const wire::Join& join, const Vie
 
 Admissions::Guest* Admissions::take_in(const Endpoint& from, const wire::Join& join, const View& view, Micros local,
                                        Commands& out) {
-  std::erase_if(guests_, [&](const Guest& g) { return same_place(g.at, from) && !g.ordered; });  // started anew
+  std::erase_if(guests_, [&](const Guest& g) { return same_place(g.at, from) && !g.ordered; });  // restarted
   const auto slot = free_slot(view);
   if (!slot) {
     if (!may_come_free(view))
@@ -81,10 +81,10 @@ Admissions::Guest* Admissions::take_in(const Endpoint& from, const wire::Join& j
   g.cookie = cookie_for(from, join.nonce);
   g.slot = *slot;
   g.since = local;
-  // Never another peer's incarnation: late datagrams name by it whom they mean.
+  // Never another peer's incarnation: late datagrams identify their sender and receiver by it.
   g.incarnation = view.roster.newest_incarnation();
   for (const Guest& other : guests_) g.incarnation = std::max(g.incarnation, other.incarnation);
-  // And hardly ever one that the other part of a partition gives at the same time.
+  // A step drawn from the nonce: the other part of a partition hardly ever assigns the same incarnation.
   g.incarnation += 1 + static_cast<std::uint32_t>(join.nonce % kSpread);
   guests_.push_back(std::move(g));
   return &guests_.back();
@@ -104,7 +104,7 @@ std::optional<PeerId> Admissions::free_slot(const View& view) const {
   return std::nullopt;
 }
 
-// The coordinator before has left. It may have admitted a joiner by an order that is not here yet.
+// A former coordinator that left may have admitted a joiner by an order that is not here yet.
 bool Admissions::knows_all_orders(const View& view) const {
   const sync::UpdateLog& log = view.log;
   for (PeerId p = 0; p < session_.slots; ++p)
@@ -133,7 +133,7 @@ void Admissions::on_pull(const Endpoint& from, const wire::Pull& pull, const Tra
   if (guest == nullptr || pull.cookie != guest->cookie) return;
   guest->proven = true;
   if (guest->pieces.empty()) {
-    guest->since = local;  // nobody is forgotten who waits
+    guest->since = local;  // a joiner that waits is not forgotten
     const auto coming_in = [&](const Guest& g) { return !g.pieces.empty() && !g.ordered && local - g.since < kTurn; };
     if (std::count_if(guests_.begin(), guests_.end(), coming_in) >= kAtOnce) return;
     const sync::Transfer t = world();
@@ -174,7 +174,7 @@ void Admissions::on_enter(const Endpoint& from, const wire::Enter& enter, const 
   if (guest == nullptr || guest->pieces.empty() || guest->ordered || !may_admit) return;
   if (!knows_all_orders(view)) return;
   const bool taken = !is_free(guest->slot, view) || guest->incarnation <= view.roster.seats[guest->slot].incarnation;
-  if (taken) {  // by whom another coordinator has let in meanwhile; the guest misses our answers, and begins anew
+  if (taken) {  // by a peer that another coordinator admitted; the joiner gets no answer, and begins anew
     std::erase_if(guests_, [guest](const Guest& g) { return &g == guest; });
     return;
   }

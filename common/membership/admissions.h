@@ -19,24 +19,24 @@ class Admissions {
 
   void on_join(const Endpoint& from, const wire::Join& join, const View& view, Micros local, Commands& out);
   void on_ping(const Endpoint& from, const wire::Ping& ping, Micros local, Commands& out);
-  /// Makes all that a newcomer needs to go on from here.
+  /// Makes the transfer for a joiner.
   using TransferSource = std::function<sync::Transfer()>;
   void on_pull(const Endpoint& from, const wire::Pull& pull, const TransferSource& world, Micros local, Commands& out);
-  /// `may_admit`: no eviction is under way.
+  /// `may_admit`: this peer is the coordinator, and no eviction is under way or near.
   void on_enter(const Endpoint& from, const wire::Enter& enter, const View& view, bool may_admit, Commands& out);
   /// Another peer is the coordinator now: redirects the joiner to it, unless it is admitted already.
   void pass_on(const Endpoint& from, const wire::Enter& enter, const Endpoint& coordinator, Commands& out);
-  /// Time to show that its address is its own: somebody who invents addresses takes no slot from others for longer; us.
+  /// Time in which a joiner has to prove its address, us. A sender of invented addresses blocks a slot for no longer.
   static constexpr Micros kUnproven = 3 * kMicrosPerSecond;
-  /// Most joiners that are given the world at the same time. Each admission is work for all members, so a crowd that
-  /// comes at once overloads a slow machine unless its members take turns.
+  /// Most joiners that are given the world at the same time. Each admission is work for all members, so many joiners at
+  /// once overload a slow machine unless they take turns.
   static constexpr std::ptrdiff_t kAtOnce = 4;
-  /// Time after which a joiner no longer keeps the others waiting: it may have vanished, or be slow; us.
+  /// Time after which a joiner no longer keeps other joiners waiting, us: it may have vanished, or be slow.
   static constexpr Micros kTurn = 2 * kMicrosPerSecond;
 
-  /// Forgets joiners that have not come in.
+  /// Forgets joiners whose time is up.
   void advance(Micros local);
-  /// Joiners that are being admitted; one a slot at most.
+  /// Joiners that are being admitted; at most one per slot.
   std::size_t guests() const { return guests_.size(); }
 
  private:
@@ -47,9 +47,9 @@ class Admissions {
     bool proven = false;  ///< it has received the cookie at its address
     PeerId slot = kNoPeer;
     std::uint32_t incarnation = 0;
-    Micros since = 0;  ///< its Join, then each Pull until its turn begins
+    Micros since = 0;  ///< local time of its Join, then of each Pull until its turn begins
     std::vector<wire::Bytes> pieces;
-    std::vector<std::uint32_t> have;  ///< with the pieces
+    std::vector<std::uint32_t> have;  ///< by slot: with the pieces, the joiner has all updates below this
     bool ordered = false;
   };
   Guest* guest_at(const Endpoint& where, std::uint64_t nonce);

@@ -14,7 +14,7 @@ inline View view_of(const Replica& replica) {
   return {replica.roster(), replica.agreed().log(), replica.live().world().scene()};
 }
 
-/// Commands of a running session: here alone they are carried out, and recorded in the trace, at once and in order.
+/// The only place where commands of a running session are carried out and recorded in the trace: at once and in order.
 class AppliedCommands final : public Commands {
  public:
   /// Both must outlive it.

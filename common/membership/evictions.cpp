@@ -18,10 +18,10 @@ PeerId Evictions::coordinator(const View& view) const {
   return kNoPeer;
 }
 
-// A peer that stood still itself excuses the silence of the others for that time, so it takes a lost coordinator for
-// alive longer than the next coordinator does. But it must not reply later than the rest: if the lost peer came back
+// A peer that was held up excuses the silence of the others for that time, so it takes a lost coordinator for alive
+// longer than the next coordinator does. But it must not reply later than the rest: if the lost peer came back
 // meanwhile, half of the members would have frozen it and half not, and neither half could go on without the other.
-// A peer that gets going again reads what came meanwhile before it steps: then the silence has lasted until `due`.
+// A peer that resumes reads the waiting datagrams before it steps: the silence has then lasted until `due`.
 bool Evictions::follows(PeerId from, const wire::Poll& poll, const View& view, Tick due) const {
   if (coordinator(view) == from) return true;
   for (PeerId p = 0; p < from; ++p) {
@@ -34,7 +34,7 @@ bool Evictions::follows(PeerId from, const wire::Poll& poll, const View& view, T
     const bool asked_about = std::any_of(poll.lost.begin(), poll.lost.end(), [&](const wire::Seat& s) {
       return s.slot == p && s.incarnation == n.incarnation;
     });
-    // A peer that did listen knows better.
+    // A peer that was not held up can judge the silence itself.
     const bool excused = due - view.roster.now >= kHeldUp || view.roster.now - n.excused < kSilence;
     if (!asked_about || !excused || n.answer_mark > due - kHeardLately) return false;
   }
@@ -43,7 +43,7 @@ bool Evictions::follows(PeerId from, const wire::Poll& poll, const View& view, T
 
 void Evictions::on_poll(PeerId from, const wire::Poll& poll, const View& view, Tick due, Commands& out) {
   std::uint32_t& number = numbers_[from];
-  if (poll.number < number) return;  // taken back meanwhile
+  if (poll.number < number) return;  // it has been taken back
   if (poll.number > number) forget_answers(from);
   number = poll.number;
   wire::Answer answer;
@@ -80,7 +80,7 @@ void Evictions::on_answer(PeerId from, const wire::Answer& answer, const View& v
       if (is_vetoed(s.slot, it->second, view)) return take_back(view, out);
       continue;
     }
-    // No log has more beyond what another lacks.
+    // No log reaches further than this beyond an update that another log lacks.
     const std::uint32_t most = view.log.have(s.slot) + sync::UpdateLog::kMostBeyond;
     if (it->second.have.insert_or_assign(from, std::min(s.have, most)).second) moved_ = view.roster.now;
   }
@@ -103,7 +103,7 @@ void Evictions::on_fetched(const wire::Fetched& fetched, const View& view, const
     }
 }
 
-// Until whoever asked is gone, or takes the question back, it may evict by the answer.
+// An asker may evict on our reply until it takes the poll back, leaves or is removed.
 void Evictions::thaw(const View& view, Commands& out) {
   for (PeerId p = 0; p < view.roster.slots(); ++p) {
     if (!view.roster.seats[p].frozen || lost_.contains(p)) continue;
@@ -115,7 +115,8 @@ void Evictions::thaw(const View& view, Commands& out) {
   }
 }
 
-// Of members that hear it again while the others answer: they follow only when it is silent to them, too.
+// Whether members that do not follow the poll keep p in: they hear it again, and follow only when it is silent to them,
+// too.
 bool Evictions::is_vetoed(PeerId p, const Lost& lost, const View& view) const {
   LastHeard h = lost.grounds;
   h.now = view.roster.now;
@@ -126,7 +127,7 @@ bool Evictions::is_vetoed(PeerId p, const Lost& lost, const View& view) const {
   return stays_by_word(h);
 }
 
-// thaw() takes up again whom nobody else asks about.
+// thaw() then resumes each peer that no other asker polls about.
 void Evictions::take_back(const View& view, Commands& out) {
   if (ordered() || number_ == wire::kMostPollNumber) return;
   taken_back_.clear();
@@ -145,7 +146,7 @@ void Evictions::take_back(const View& view, Commands& out) {
   told_ = view.roster.now - kAskAgain;
 }
 
-// Other polls with the new number say it, too, but there may be none.
+// Any other poll with the new number has the same effect, but there may be none.
 void Evictions::tell_taken_back(const View& view, Commands& out) {
   std::erase_if(unaware_, [&](PeerId p) { return !view.roster.seats[p].there(); });
   if (unaware_.empty() || view.roster.now - told_ < kAskAgain) return;
@@ -158,7 +159,7 @@ void Evictions::tell_taken_back(const View& view, Commands& out) {
   }
 }
 
-// The lowest peer that answers will have to decide.
+// Whether this peer is the lowest one that answers: it will have to decide.
 bool Evictions::is_first_well(const View& view) const {
   if (!view.roster.member || view.roster.leaving) return false;
   for (PeerId p = 0; p < session_.self; ++p)
@@ -192,7 +193,7 @@ LastHeard Evictions::hearsay(PeerId p, const View& view) const {
   if (number_ > 0) h.taken_back = taken_back_at_;
   const Doubted& d = doubted_.at(p);
   for (PeerId q = 0; q < view.roster.slots(); ++q) {
-    // Those of another side, who have frozen us, hear one another, but do not answer.
+    // Members of another part, which have frozen us, hear one another, but do not answer us.
     if (q == p || !counts(q, view) || view.roster.unanswered(q) >= kDoubt) continue;
     const auto said = d.heard.find(q);
     h.heard.push_back(said == d.heard.end() ? std::nullopt : std::optional(said->second));
@@ -222,7 +223,7 @@ void Evictions::notice(const View& view, Commands& out) {
   }
 }
 
-/// Whether p is waited for. An update that only a lost peer had will never be sent.
+/// Whether replies of p are awaited. An update that only a lost peer had will never be sent.
 bool Evictions::counts(PeerId p, const View& view) const {
   return p != session_.self && view.roster.seats[p].reachable() && !view.roster.departed(p) && !lost_.contains(p);
 }
@@ -231,7 +232,7 @@ std::vector<PeerId> Evictions::withholding(const View& view) const {
   std::vector<PeerId> who;
   if (lost_.empty() || ordered()) return who;
   for (PeerId p = 0; p < view.roster.slots(); ++p) {
-    // Who has been held up itself could not have heard the answers.
+    // Time in which this peer was held up does not count: it could not hear the replies.
     if (!counts(p, view) || view.roster.now - std::max(moved_, view.roster.seats[p].excused) < kWithheld) continue;
     const bool silent =
         std::any_of(lost_.begin(), lost_.end(), [p](const auto& entry) { return !entry.second.have.contains(p); });
@@ -283,7 +284,7 @@ bool Evictions::ordered() const {
   return std::any_of(lost_.begin(), lost_.end(), [](const auto& entry) { return entry.second.ordered; });
 }
 
-// Whether all updates of it are here that some member has and another may lack.
+// Whether all updates of p are here that some member has and another may lack.
 bool Evictions::gather(PeerId p, Lost& lost, const View& view, Commands& out) {
   const sync::UpdateLog& log = view.log;
   lost.least = lost.most = log.have(p);
@@ -306,8 +307,8 @@ bool Evictions::gather(PeerId p, Lost& lost, const View& view, Commands& out) {
   return true;
 }
 
-// A member may have an update and keep it no more: a late joiner has it in the state that it began with. So they are
-// asked one after the other.
+// A member may count an update without keeping it: a late joiner has it in the state that it began with. So the members
+// are asked one after the other.
 void Evictions::fetch(PeerId p, Lost& lost, std::uint32_t index, const View& view, Commands& out) {
   if (view.roster.now - asked_ < kAskAgain) return;
   std::vector<PeerId> had;

@@ -18,12 +18,12 @@ class MisbehaviourPolicy;
 /// Evicts peers that fall silent, so that no confirmed world ever has to be taken back.
 ///
 /// The coordinator is the lowest living peer. It asks all peers that it hears when they heard the silent peer last; a
-/// peer that anybody hears stays (see last_heard.h). Then it asks how many of the lost peer's updates they have. A
+/// peer that a member hears stays (see last_heard.h). Then it asks how many of the lost peer's updates they have. A
 /// member that replies takes no more updates from the lost peer, so the highest reply is the end of its log. The
 /// coordinator publishes in its own log the updates that a member lacks, and then the removal, with the number of the
 /// last update, at its present tick. These are delivered and repeated like any update. If the coordinator is lost
-/// meanwhile, the next one evicts both. If a member hears the peer again and does not follow, the coordinator takes
-/// its question back: polls are numbered, and one with a higher number undoes those before it.
+/// meanwhile, the next one evicts both. If a member hears the peer again and does not follow the poll, the coordinator
+/// takes the poll back: polls are numbered, and one with a higher number cancels those before it.
 class Evictions {
  public:
   explicit Evictions(const SessionView& session) : session_(session) {}
@@ -40,7 +40,7 @@ class Evictions {
   PeerId coordinator(const View& view) const;
   /// Whether p has given no sign of life for kSilence, direct or relayed.
   static bool suspected(const View& view, PeerId p) { return view.roster.unanswered(p) >= kSilence; }
-  /// Another peer has the slot now: polls of the former one do not count for it.
+  /// A new peer has the slot: polls of the former peer no longer count.
   void forget_asker(PeerId slot) {
     forget_answers(slot);
     numbers_.erase(slot);
@@ -71,10 +71,10 @@ class Evictions {
     std::uint32_t most = 0;                         ///< no member has updates from this on
     bool ordered = false;
     std::size_t fetches = 0;
-    LastHeard grounds;             ///< when it was frozen
-    std::map<PeerId, Tick> hears;  ///< by members that do not follow: when they have heard it last; -1: never
+    LastHeard grounds;             ///< what was known when it was frozen
+    std::map<PeerId, Tick> hears;  ///< by member that does not follow: tick at which it heard the peer last; -1: never
   };
-  /// Whether `from` may evict somebody, as far as this peer can tell.
+  /// Whether `from` may evict peers, as far as this peer can tell.
   bool follows(PeerId from, const wire::Poll& poll, const View& view, Tick due) const;
   void forget_answers(PeerId asker) {
     std::erase_if(answered_, [asker](const auto& entry) { return entry.first.first == asker; });
@@ -96,11 +96,11 @@ class Evictions {
   void fetch(PeerId p, Lost& lost, std::uint32_t index, const View& view, Commands& out);
   void bury(Commands& out);
 
-  /// A silent peer, and when others heard it last.
+  /// A silent peer, and the ticks at which other members heard it last.
   struct Doubted {
     std::uint32_t incarnation = 0;
     std::map<PeerId, Tick> heard;
-    bool told = false;  ///< people were told that it stays
+    bool told = false;  ///< the event kHeard has been sent
   };
 
   const SessionView& session_;
@@ -108,15 +108,15 @@ class Evictions {
   Tick doubts_asked_ = 0;
   std::map<PeerId, Lost> lost_;              ///< as the coordinator
   std::uint32_t number_ = 0;                 ///< of this peer's polls; grows with each that is taken back
-  std::vector<wire::Seat> taken_back_;       ///< whom the polls with lower numbers were about
-  Tick taken_back_at_ = 0;                   ///< the last of them
-  std::set<PeerId> unaware_;                 ///< members that may not know yet that they are taken back
-  Tick told_ = 0;                            ///< when they were told last
+  std::vector<wire::Seat> taken_back_;       ///< the peers of the poll that was taken back last
+  Tick taken_back_at_ = 0;                   ///< when that was
+  std::set<PeerId> unaware_;                 ///< members that may not know yet that it is taken back
+  Tick told_ = 0;                            ///< when they were last sent a poll with the new number
   std::map<PeerId, std::uint32_t> numbers_;  ///< of the newest poll, by asker
   std::map<std::pair<PeerId, PeerId>, std::uint32_t>
-      answered_;  ///< replied to, by asker and slot: the incarnation asked about
+      answered_;  ///< incarnation in the poll replied to, by asker and slot
   Tick asked_ = 0;
-  Tick moved_ = 0;  ///< tick of the last progress: news of a lost peer, or one more lost
+  Tick moved_ = 0;  ///< tick of the last progress: a reply, a fetched update, or one more lost peer
   struct Missing {
     PeerId of = kNoPeer;
     std::uint32_t index = 0;

@@ -5,7 +5,7 @@
 namespace padr::node {
 
 bool is_heard(const LastHeard& h) {
-  // What was heard before its machine said that nobody listens says nothing.
+  // A mark older than the machine's refusal proves nothing.
   const Tick alive = std::max(h.now - kHeardLately, h.refused.value_or(-1));
   return std::any_of(h.heard.begin(), h.heard.end(),
                      [alive](const std::optional<Tick>& heard) { return heard && *heard > alive; });

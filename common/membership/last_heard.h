@@ -17,7 +17,7 @@ struct LastHeard {
   /// One entry for each member that counts: tick of the newest mark with which the peer has answered that member;
   /// -1: there is none; nothing: the member has not replied yet.
   std::vector<std::optional<Tick>> heard;
-  /// When a question about it was taken back: replies to earlier ones are forgotten, and members are asked anew since.
+  /// When a poll was last taken back: later replies to earlier polls are ignored, and members are asked anew since.
   std::optional<Tick> taken_back;
 };
 
@@ -31,7 +31,7 @@ inline constexpr Tick kAnswerPatience = 72;
 /// Age up to which a mark shows that the member and the peer hear each other. A peer that is heard, but hears nothing,
 /// cannot stay.
 inline constexpr Tick kHeardLately = 120;
-/// A peer that is so far behind was held up: it heard nobody because it did not listen.
+/// Lag from which on a peer counts as held up: it heard nobody because it did not listen.
 inline constexpr Tick kHeldUp = 24;
 /// Time for which replies alone keep a silent peer in. A member can claim for ever that it hears a peer; only updates
 /// prove it, because nobody can sign another peer's. Less than MisbehaviourPolicy::kArrears.
@@ -41,8 +41,8 @@ inline constexpr Tick kBelieved = 7 * kTicksPerSecond;
 bool is_heard(const LastHeard& h);
 /// Whether the peer stays because a member replied so.
 bool stays_by_word(const LastHeard& h);
-/// Whether the peer may be evicted. Either nobody hears it, or it takes nothing from us, although others could relay
-/// it: that is what a peer does that is about to evict us.
+/// Whether the peer may be evicted. Either no member hears it, or it takes nothing from us although others could relay
+/// our updates: a peer that is about to evict us behaves like this.
 bool may_evict(const LastHeard& h);
 
 }  // namespace padr::node

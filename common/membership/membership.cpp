@@ -19,9 +19,9 @@ SessionEvent::Kind kind_of(const MemberChange& c, PeerId self) {
   return {};
 }
 
-/// The confirmed world may wait until a peer is declared gone; only a longer wait means that this peer is stuck.
+/// The confirmed world may wait until a peer is evicted; only a longer wait means that this peer is stuck.
 constexpr Tick kStuck = 12 * kTicksPerSecond;
-/// That nobody listens there has to be said for so long, and nothing heard meanwhile.
+/// Time for which a machine must report that nobody listens there, with nothing heard from the peer meanwhile.
 constexpr Tick kRefused = kTicksPerSecond / 10;
 
 }  // namespace
@@ -43,7 +43,7 @@ Membership::Membership(SessionState& session, RecordedReplica& replica)
 void Membership::on_join(const Endpoint& from, const wire::Join& join, Micros local) {
   const View view = this->view();
   const PeerId c = coordinator();
-  if (!view.roster.member || c == kNoPeer || way_back()) return;  // it asks again
+  if (!view.roster.member || c == kNoPeer || way_back()) return;  // the joiner asks again
   if (misbehaviour_.bars(from.key, view)) {
     if (commands_.may_answer(local)) commands_.send(from, wire::Refuse{join.nonce, "it has been cut off"});
     return;
@@ -89,8 +89,8 @@ bool Membership::doubts() const {
   return false;
 }
 
-// Where a process has ended, its machine says so long before silence does. One word may be of a datagram that was there
-// before the process was.
+// The machine of an ended process reports it long before silence shows it. A single report proves nothing: it may
+// concern a datagram that arrived before the process started.
 void Membership::on_unreachable(const Endpoint& at) {
   const Tick now = roster().now;
   for (PeerId p = 0; p < session_.slots; ++p) {
@@ -105,8 +105,9 @@ void Membership::on_unreachable(const Endpoint& at) {
   }
 }
 
-// One process is one peer: if another slot's was there, that life of it is over. Several may come to be known at once,
-// so this is asked when all of them are: where somebody was who sat there before says nothing of who does now.
+// One process is one peer: a peer of another slot at the same address is a former incarnation of it, and has ended.
+// Several changes may arrive at once, so this is checked after all of them: the address of a former occupant says
+// nothing about the present one.
 void Membership::note_former_incarnations(const std::vector<MemberChange>& changes) {
   for (const MemberChange& c : changes) {
     if (c.kind != MemberChange::Kind::kAdmitted || c.slot == session_.self) continue;
@@ -119,7 +120,7 @@ void Membership::note_former_incarnations(const std::vector<MemberChange>& chang
   }
 }
 
-// Until it knows that it has been let in anew it goes on as before, and what it says meanwhile is no sign of life.
+// The former incarnation keeps sending until its process knows of the new one; its datagrams are no sign of life.
 void Membership::end_former_incarnations() {
   for (auto it = former_.begin(); it != former_.end();) {
     const Seat& n = roster().seats[it->first];
@@ -180,7 +181,7 @@ bool Membership::stuck() const {
   return roster().now - confirmed_at_ > kStuck;
 }
 
-// Who agrees with the coordinator is right, whoever else says otherwise.
+// The coordinator's confirmed world is the right one, whatever other members say.
 std::string Membership::why_back() const {
   const Replica& n = replica_.replica();
   const PeerId c = coordinator();

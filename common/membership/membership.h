@@ -13,15 +13,15 @@
 
 namespace padr::node {
 
-/// One member's part in deciding who is in a running session: hands each message to the rule that it concerns, once a
-/// tick follows what changed, and says when this peer has to join anew.
+/// One member's part in the membership of a running session: passes each message to the rule that it concerns, follows
+/// the changes once a tick, and decides when this peer has to join anew.
 class Membership {
  public:
   /// Both must outlive it.
   Membership(SessionState& session, RecordedReplica& replica);
 
   void on_join(const Endpoint& from, const wire::Join& join, Micros local);
-  /// Answered if it is from a joiner.
+  /// Replies only to a joiner.
   void on_ping(const Endpoint& from, const wire::Ping& ping, Micros local) {
     admissions_.on_ping(from, ping, local, commands_);
   }
@@ -32,30 +32,31 @@ class Membership {
   void on_stranger(const Endpoint& from, std::size_t bytes, Micros local) {
     merge_.on_stranger(from, bytes, view(), local, commands_);
   }
-  /// Whether slot p is another one's, and who sits or sat there last is at this address.
+  /// Whether p is another slot than ours, and its present or last occupant is at this address.
   bool is_at(PeerId p, const Endpoint& where) const {
     return p < session_.slots && p != session_.self && roster().seats[p].at == where;
   }
-  /// Whether anything of a member is listened to.
+  /// Whether datagrams of member p are taken.
   bool hears(PeerId p) const { return misbehaviour_.hears(p, view()); }
-  /// A state datagram of a member's was dropped.
+  /// A state datagram of member p was dropped.
   void on_drop(PeerId p, sync::DropReason why, Micros local) {
     misbehaviour_.on_drop(p, why, view(), evictions_, local, commands_);
   }
-  /// The machine at `at` says that nobody listens there.
+  /// The machine at `at` reports that nobody listens there.
   void on_unreachable(const Endpoint& at);
-  /// Sends one Probe there: who is in this session.
+  /// Sends one Probe to `at`, which lists the members of this session.
   void knock(const Endpoint& at) { merge_.knock(at, view(), commands_); }
   /// The address of a member of a session that this peer was in before.
   void remember(const Endpoint& at) { merge_.remember(at, roster().now); }
   /// Once a tick, after the replica's step.
   void advance(Micros local);
-  /// Address to join anew, because this peer was evicted or its world differs from the others'; nothing if all is well.
+  /// Address at which to join anew after an eviction, a difference of confirmed worlds, a standstill or a lost merge of
+  /// partitions; nothing if all is well.
   std::optional<Endpoint> way_back() const;
-  /// Notes once, for people, that this peer joins anew, and why.
+  /// Reports once, as an event, that this peer joins anew, and why.
   void announce_way_back();
   PeerId coordinator() const { return evictions_.coordinator(view()); }
-  /// Who came and went since the last call.
+  /// Members that were admitted, left or were removed since the last call.
   std::vector<MemberChange> take_changes();
 
  private:
@@ -82,8 +83,8 @@ class Membership {
   PartitionMerge merge_;
   std::vector<MemberChange> changes_;
   std::map<PeerId, Tick> refused_;          ///< since when its machine reports that nobody listens there
-  std::map<PeerId, std::uint32_t> former_;  ///< slots and incarnations that their peers have left for a newer one
-  Tick confirmed_ = -1;                     ///< the tick confirmed here, and since when
+  std::map<PeerId, std::uint32_t> former_;  ///< slots and incarnations of peers that were admitted anew elsewhere
+  Tick confirmed_ = -1;                     ///< the newest confirmed tick, and since when
   Tick confirmed_at_ = 0;
   bool told_ = false;
 };

@@ -28,7 +28,7 @@ using Admitted = std::vector<const sync::Admission*>;
 enum class Signed : std::uint8_t {
   kYes,
   kNo,
-  kUnclear,  ///< not by whom we know, but the word of who sits there now may be on its way
+  kUnclear,  ///< not by the peer that we know; the admission of a newer one may be on its way
 };
 
 /// The peer that published the slot's update of that number; nothing if it is not known.
@@ -43,7 +43,7 @@ std::optional<Sayer> sayer(PeerId p, std::uint32_t index, const View& view, cons
   return std::nullopt;
 }
 
-/// Reasons that no honest peer causes, and under a seal no accident of the network either.
+/// Reasons that no honest peer causes, and under a seal no network fault either.
 bool is_nonsense(DropReason why) {
   return why == DropReason::kMalformed || why == DropReason::kEntity || why == DropReason::kValue ||
          why == DropReason::kTick || why == DropReason::kSignature;
@@ -68,7 +68,7 @@ bool may_coordinate(PeerId x, Tick t, const View& view, const Evictions& evictio
 
 bool may_pass_on(const Bundle& lost, const Bundle& by, const View& view, const Evictions& evictions) {
   const Seat& n = view.roster.seats[lost.peer];
-  // An update that is here already tells nothing new, and our own are all here.
+  // A known update changes nothing, and all of our own are known.
   if (view.log.knows(lost.peer, lost.index)) return true;
   if (lost.peer == view.roster.self) return lost.index < n.first;
   if (evictions.answered(by.peer, lost.peer)) return true;
@@ -85,8 +85,8 @@ bool admitter_is_lost(const Bundle& by, const View& view) {
                      [admitter](const sync::Removal& r) { return r.slot == admitter; });
 }
 
-/// The peer that admitted us may have been lost before the others heard of us. Then nobody could ask us for its
-/// updates, nor for those of who was lost with it.
+/// The peer that admitted us may have been lost before the others heard of us. Then nobody could poll us about it, nor
+/// about a peer that was lost with it.
 bool could_not_ask(const Bundle& by, PeerId lost, const View& view, const Evictions& evictions) {
   return by.tick <= view.roster.in_since + Evictions::kWithheld && admitter_is_lost(by, view) &&
          Evictions::suspected(view, lost) && may_coordinate(by.peer, by.tick, view, evictions);
@@ -96,7 +96,7 @@ bool could_not_ask(const Bundle& by, PeerId lost, const View& view, const Evicti
 bool is_lawful(const Bundle& b, const View& view, const Evictions& evictions) {
   const bool order = b.admission || !b.removals.empty() || !b.passed_on.empty();
   if (!order || view.log.knows(b.peer, b.index)) return true;
-  // Before we joined, others were asked.
+  // For an order from before our admission, other members were polled.
   if (!view.roster.member || b.tick <= view.roster.in_since) return true;
   for (const sync::Removal& r : b.removals)
     if (!evictions.answered(b.peer, r.slot, r.incarnation) && !could_not_ask(b, r.slot, view, evictions)) return false;
@@ -113,10 +113,11 @@ std::optional<Sayer> missing_signer(const Bundle& b, const View& view, const Adm
   return who;
 }
 
-/// Of an update and of what it passes on; `by`: what passes it on. Admitted are added to `meanwhile`.
+/// Whether an update and those that it passes on are signed. `by`: the update that passes it on. Adds admissions to
+/// `meanwhile`.
 Signed is_signed(const Bundle& b, const Bundle* by, const View& view, const Evictions& evictions, Admitted& meanwhile) {
   if (const auto who = missing_signer(b, view, meanwhile)) {
-    // Who passes on what has been said in a slot may know of somebody there of whom we have not heard yet.
+    // A peer that passes on an update of a slot may know of a newer occupant that we have not heard of yet.
     const bool may_be_new = by != nullptr && !evictions.answered(by->peer, b.peer, who->incarnation);
     return may_be_new ? Signed::kUnclear : Signed::kNo;
   }
@@ -217,7 +218,7 @@ void MisbehaviourPolicy::advance(const View& view, const Evictions& evictions, C
 }
 
 void MisbehaviourPolicy::bar(PeerId p, bool for_good, const View& view) {
-  if (!session_.config.sealed) return;  // nothing else says who somebody is
+  if (!session_.config.sealed) return;  // only a key identifies a peer
   Offender& o = offender(p, view);
   constexpr int kMostDoubled = 6;
   const Tick until = view.roster.now + (kBarred << std::min(o.times, kMostDoubled));

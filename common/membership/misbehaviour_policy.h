@@ -21,17 +21,18 @@ class Evictions;
 /// The rules for what a member may send, beyond the range of values: only the coordinator gives orders, every update is
 /// signed by its peer, and a member that keeps sending invalid datagrams is cut off.
 ///
-/// Signatures and cut-offs apply only in a session with a key; without one, anybody can send in a member's name.
+/// Signatures, and cut-offs for invalid datagrams, apply only in a session with a key; without one, anybody can send in
+/// a member's name.
 class MisbehaviourPolicy {
  public:
   explicit MisbehaviourPolicy(const SessionView& session) : session_(session), watches_(kMaxPeers) {}
 
   /// See Replica::Judge.
   sync::DropReason judge(const sync::StatePacket& packet, const View& view, const Evictions& evictions) const;
-  /// Whether an update, and those that it passes on, have valid signatures, as far as this peer can tell: it may not
-  /// know the keys of peers that were gone before it joined.
+  /// Whether an update, and those that it passes on, have valid signatures, as far as this peer can tell: it may lack
+  /// the keys of peers that left or were removed before it joined.
   bool said(const sync::Bundle& update, const View& view) const;
-  /// A datagram of p's was dropped.
+  /// A datagram of p was dropped.
   void on_drop(PeerId p, sync::DropReason why, const View& view, const Evictions& evictions, Micros local,
                Commands& out);
   /// Once a tick.
@@ -40,12 +41,12 @@ class MisbehaviourPolicy {
   bool bars(const PublicKey& key, const View& view) const;
   /// Keys with offences on record; kMostOffenders at most.
   std::size_t offenders() const { return offenders_.size(); }
-  /// Whether p is listened to.
+  /// Whether datagrams of p are taken.
   bool hears(PeerId p, const View& view) const;
 
-  static constexpr std::size_t kNonsense = 20;  ///< datagrams within kWithin and p is cut off
+  static constexpr std::size_t kNonsense = 20;  ///< invalid datagrams within kWithin for which p is cut off
   static constexpr Tick kWithin = 10 * kTicksPerSecond;
-  /// Time for which p may repeat an order that it has no right to give: what gives the right may still be on its way.
+  /// Time for which p may repeat an order that it has no right to give: the update that gives the right may be late.
   static constexpr Tick kInsists = 4 * kTicksPerSecond;
   /// Time for which a member that is heard may withhold promised updates; they hold up every confirmed world.
   static constexpr Tick kArrears = 8 * kTicksPerSecond;
@@ -65,7 +66,7 @@ class MisbehaviourPolicy {
     std::optional<Series> unlawful;
     Tick deaf_until = -1;
     struct Told {
-      std::uint64_t drops = 0;  ///< since the last word
+      std::uint64_t drops = 0;  ///< since the last event
       Micros at = std::numeric_limits<Micros>::min() / 2;
     };
     std::array<Told, sync::kDropReasons> told{};

@@ -45,7 +45,7 @@ PartitionMerge::Side PartitionMerge::ours(const View& view) const {
   return s;
 }
 
-// Two sides have nobody in common. As long as somebody seems to be on both, somebody's word is old.
+// The two parts of a partition have no peer in common. If a peer seems to be in both, one of the lists is out of date.
 bool PartitionMerge::outranks(const Side& a, const Side& b) {
   const bool disjoint = std::none_of(b.begin(), b.end(),
                                      [&](const wire::Seat& s) { return std::find(a.begin(), a.end(), s) != a.end(); });
@@ -59,19 +59,19 @@ bool PartitionMerge::outranks(const Side& a, const Side& b) {
 void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, std::size_t bytes,
                               const View& view, Micros local, Commands& out) {
   if (!view.roster.member || sender >= session_.slots) return;
-  if (sender == session_.self && probe.incarnation == view.roster.incarnation) {  // our own knock, at our own door
+  if (sender == session_.self && probe.incarnation == view.roster.incarnation) {  // our own Probe, at our own address
     std::erase_if(gone_, [&](const Gone& g) { return g.at == from; });
     return;
   }
   const Seat& n = view.roster.seats[sender];
   const bool known = n.there() && n.incarnation == probe.incarnation && n.at == from;
-  if (view.roster.now - view.roster.in_since < kGrace) return;  // we have hardly heard those among whom we are
+  if (view.roster.now - view.roster.in_since < kGrace) return;  // too early to know who is in our part
   if (known) {
-    // Or said before its sender heard that we are in.
+    // A Probe with a lower newest incarnation was sent before its sender knew of our admission.
     if (probe.knows_you || probe.newest < view.roster.incarnation) return;
     disowned_by_[sender] = n.incarnation;
   } else if (member_at(from, view)) {
-    return;  // said in another life
+    return;  // sent by another incarnation
   }
   const Side us = ours(view);
   if (outranks(probe.members, us)) {
@@ -87,8 +87,8 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
   reply_within_credit(from, bytes, view, out);
 }
 
-// Whoever that is has proven nothing, and gets no more than it has sent: where we are many, an answer to some of its
-// probes.
+// Without a key the address is unproven, and gets at most as many bytes as it sent: in a large session, a reply to only
+// some of its Probes.
 void PartitionMerge::reply_within_credit(const Endpoint& to, std::size_t bytes, const View& view, Commands& out) {
   if (session_.config.sealed) return out.send(to, our_probe(false, view));
   auto it = std::find_if(credits_.begin(), credits_.end(), [&](const Credit& c) { return c.at == to; });
@@ -112,7 +112,7 @@ wire::Probe PartitionMerge::our_probe(bool knows, const View& view) const {
 void PartitionMerge::on_stranger(const Endpoint& from, std::size_t bytes, const View& view, Micros local,
                                  Commands& out) {
   if (!view.roster.member || member_at(from, view) || !out.may_answer(local)) return;
-  // Whoever that is has proven nothing: no answer is larger than what provoked it.
+  // The address is unproven: the reply is no larger than the datagram that provoked it.
   out.send_at_most(bytes, from, our_probe(false, view));
 }
 

@@ -35,7 +35,7 @@ class PartitionMerge {
   /// Once a tick.
   void advance(const View& view, Commands& out);
 
-  /// Sends Probes there from now on, too.
+  /// Sends Probes to `at`, too, from now on.
   void remember(const Endpoint& at, Tick now);
   std::vector<Endpoint> gone() const;
   /// Address of a winning part that was heard lately, to join it anew.
@@ -52,7 +52,7 @@ class PartitionMerge {
     Endpoint at;
     Tick since = 0;
   };
-  /// Bytes that an address of no member has sent and not got back.
+  /// An address of no member, and the bytes that it has sent beyond those it received.
   struct Credit {
     Endpoint at;
     std::size_t bytes = 0;
@@ -60,13 +60,13 @@ class PartitionMerge {
   bool member_at(const Endpoint& where, const View& view) const;
   Side ours(const View& view) const;
   wire::Probe our_probe(bool knows, const View& view) const;
-  /// Replies, unless the reply is larger than what that address has sent so far.
+  /// Sends a Probe in reply; without a key, only if it is no larger than what that address has sent so far.
   void reply_within_credit(const Endpoint& to, std::size_t bytes, const View& view, Commands& out);
 
   const SessionView& session_;
   std::vector<Gone> gone_;
   std::vector<Credit> credits_;                  ///< kMost at most
-  std::map<PeerId, std::uint32_t> disowned_by_;  ///< and their incarnations
+  std::map<PeerId, std::uint32_t> disowned_by_;  ///< members whose Probes disown us, and their incarnations
   std::optional<Endpoint> winner_;
   Tick probed_ = 0;
   Tick won_at_ = 0;

@@ -27,7 +27,7 @@ void Relay::on_fetched(PeerId from, const wire::Fetched& fetched, const View& vi
   out.relay(fetched);
 }
 
-// Those that are heard, one after the other.
+// The next member, in turn, that is heard.
 PeerId Relay::next_to_ask(PeerId about, const View& view) {
   const auto slots = view.roster.slots();
   for (int i = 1; i <= slots; ++i) {
@@ -45,7 +45,7 @@ void Relay::advance(const View& view, Commands& out) {
   for (PeerId p = 0; p < view.roster.slots(); ++p) {
     const Seat& of = view.roster.seats[p];
     if (p == session_.self || !of.there() || of.frozen || of.given_up_for_good) continue;
-    // One that is heard, but does not know what has arrived here, repeats nothing.
+    // A peer that does not learn what has arrived here repeats nothing, even if it is heard.
     const bool lacks = view.roster.silence(p) >= kRelayAfter || view.arrears(p) >= kRelayAfter;
     if (!lacks || view.roster.silence(p) >= kRelayUntil) continue;
     Question& q = questions_[p];

@@ -13,7 +13,7 @@ namespace padr::node {
 /// A member that does not hear a peer, or lacks updates that the peer does not repeat, asks the others in turn, and
 /// they send what they have. In a session with a key every update is signed, so a relayed update proves that its peer
 /// was alive at its tick and that no earlier update is missing; the confirmed world goes on with it. Only members are
-/// served, at a bounded rate. Nobody is relayed for longer than kRelayUntil, because both must keep their
+/// served, at a bounded rate. No peer is relayed for longer than kRelayUntil, because both must keep their
 /// updates until they are acknowledged.
 class Relay {
  public:
@@ -42,7 +42,7 @@ class Relay {
   PeerId next_to_ask(PeerId about, const View& view);
 
   const SessionView& session_;
-  std::vector<Question> questions_;  ///< by whom they are about
+  std::vector<Question> questions_;  ///< by the peer that they are about
   std::vector<Service> services_;    ///< by asker
   int asked_last_ = 0;
 };

@@ -7,19 +7,19 @@
 
 namespace padr::node {
 
-/// How far another clock is ahead of ours, from asking it the time again and again.
+/// Estimates how far another clock is ahead of ours, from repeated requests for its time.
 ///
-/// A question bounds the difference from both sides: the answer was given after we asked and before we heard it. The
+/// A request bounds the difference from both sides: the reply was sent after our request and before it arrived. The
 /// estimate is the middle of the tightest bounds, each way's least delay by itself, so one lucky datagram each way is
-/// enough, whatever queues and jitter did to the others. What remains is half the difference of the least delays.
+/// enough, whatever queues and jitter did to the others. The error left is half the difference of the least delays.
 class OffsetEstimator {
  public:
   /// All in microseconds; `sent` and `received` by our clock, `theirs` by the other. received >= sent.
   void add(Micros sent, Micros theirs, Micros received);
   std::size_t samples() const { return samples_.size(); }
-  /// Theirs minus ours, of the last kKept samples; 0 before the first.
+  /// Their clock minus ours, us, from the last kKept samples; 0 before the first.
   Micros offset() const;
-  /// The least of the same samples; 0 before the first.
+  /// The least round trip of the same samples, us; 0 before the first.
   Micros round_trip() const;
 
   static constexpr std::size_t kKept = 64;
@@ -32,24 +32,24 @@ class OffsetEstimator {
   std::deque<Sample> samples_;
 };
 
-/// The session's time as a function of a local monotonic clock: runs at the local rate, but for a correction so slow
-/// that time never jumps and never goes back.
+/// The session's time as a function of a local monotonic clock. It runs at the local rate plus a correction, which is
+/// so slow that time never jumps and never goes back.
 class SessionClock {
  public:
-  /// Session time is local + offset from here on. Steps the clock: only for use before the session begins.
+  /// Session time is local + offset from now on. Steps the clock: only before play begins.
   void set(Micros offset);
-  /// We are `lead` microseconds ahead of the clock to follow, as far as is known at `local`. Corrects by kGain of it
-  /// a second, at most by kMaxSlew.
+  /// Corrects our lead over the clock to follow, `lead` us as far as is known at `local`: by kGain of it a second, at
+  /// most by kMaxSlew.
   void steer(Micros local, Micros lead);
-  /// Session time, us. Does not decrease as `local` does not.
+  /// Session time, us. It never decreases if `local` does not.
   Micros now(Micros local) const;
   /// The local time at which now() reaches `session`, to a microsecond or so; never too early.
   Micros local_at(Micros session) const;
-  /// Rate of the correction at work, in parts of 1.
+  /// Rate of the present correction, as a fraction.
   double slew() const { return slew_; }
 
   static constexpr double kMaxSlew = 0.005;
-  /// 1/s. The lead is the least of several seconds, half of it only seen after that: faster would swing.
+  /// 1/s. The lead is a minimum over several seconds, which shows a correction late: a higher gain would oscillate.
   static constexpr double kGain = 0.05;
 
  private:

@@ -8,30 +8,30 @@
 
 namespace padr::node {
 
-/// What happened in the session, for a host to act on or to tell people; shell/session_words.h has the words. Which
-/// fields count, the kind says.
+/// An event in the session, for the host program to act on or to show; shell/session_words.h has the texts. The kind
+/// says which fields are set.
 struct SessionEvent {
   enum class Kind : std::uint8_t {
-    kWelcomed,     ///< the member at `at` lets this peer in, as `peer`
-    kPassedOn,     ///< whoever is at `at` sends this peer to `to`
+    kWelcomed,     ///< the member at `at` welcomes this peer, as `peer`
+    kPassedOn,     ///< the peer at `at` redirects this peer to `to`
     kAdmitted,     ///< this peer, as `peer`, at `tick`
     kJoined,       ///< `peer`, which is at `at`, at `tick`
     kLeft,         ///< `peer`
     kLost,         ///< `peer`, from `tick` on
-    kRefused,      ///< a newcomer at `at`; `text`: why
-    kUnreachable,  ///< nobody listens at the address of `peer` any more, as its machine says
-    kSuspected,    ///< `peer` has been silent for kSilence, and the others are asked for its updates
-    kHeard,        ///< `peer` does not answer, but stays, as others hear it
-    kHeardAgain,   ///< the same of one that was suspected
+    kRefused,      ///< a joiner at `at`; `text`: why
+    kUnreachable,  ///< the machine of `peer` reports that nobody listens at its address any more
+    kSuspected,    ///< `peer` has been silent for kSilence, and members are polled for its updates
+    kHeard,        ///< `peer` does not answer, but stays, as other members hear it
+    kHeardAgain,   ///< as kHeard, of a peer that was suspected
     kDropped,      ///< `count` datagrams of `peer`; `text`: why
     kMuted,        ///< `peer` is ignored for a while; `text`: why
     kCutOff,       ///< `peer`, for good; `text`: why
-    kOutvoted,   ///< a part of the session with `count` members goes on without ours, which has `own`: this peer joins
-                 ///< at `at`
-    kReturning,  ///< this peer joins anew; `text`: why
-    kWrongKey,   ///< `count` datagrams were not made with this session's key, the last of them at `at`
+    kOutvoted,     ///< a part of the session with `count` members outranks ours, which has `own`: this peer joins it at
+                   ///< `at`
+    kReturning,    ///< this peer joins anew; `text`: why
+    kWrongKey,     ///< `count` datagrams were not made with this session's key, the last of them at `at`
     kLastKeyLogged,  ///< keys of `count` peers have been logged, and no more will be
-    kDiffered,       ///< the state it comes back with differs from its own of the same tick; `text`: where
+    kDiffered,       ///< the state that this peer rejoins with differs from its own of that tick; `text`: where
   };
   Kind kind{};
   PeerId peer = kNoPeer;

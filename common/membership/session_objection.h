@@ -6,7 +6,7 @@
 
 namespace padr::node {
 
-/// Why a newcomer does not fit the session of these; empty if it does.
+/// Why a joiner does not fit the session; empty if it does.
 std::string objection(const SessionConfig& session, const wire::Join& join);
 
 }  // namespace padr::node

@@ -15,29 +15,29 @@ namespace padr::node {
 
 struct SessionConfig {
   std::optional<Endpoint> join;  ///< any member; absent: found a session
-  // The founder's to say:
-  int wanted = 2;  ///< members that play waits for, 1 .. slots
+  // Set by the founder:
+  int wanted = 2;  ///< members that must be present for play to begin, 1 .. slots
   int slots = 2;   ///< avatar slots, wanted .. kMaxPeers
-  // What all must have alike; a Participant fills it in:
+  // The same for all members; a Participant fills them in:
   std::uint64_t scene_hash = 0;
   std::uint64_t fingerprint = 0;  ///< of physics: see world::physics_fingerprint, which takes some milliseconds once
   bool authority = true;
   std::string scenario;  ///< for messages to people: name and seed
-  /// Draws the session's number, or the joiner's nonce. Two runs must not have the same.
+  /// Seed of the session's number, or of the joiner's nonce. No two runs may have the same.
   std::uint64_t seed = 0;
-  /// Nobody else knows or guesses it: of it are the cookies by which a newcomer proves its address.
+  /// Key of the cookies by which a joiner proves its address. No other peer may know or guess it.
   std::uint64_t secret = 0;
-  /// Known beforehand, as in a crowd; 0: drawn by the founder.
+  /// The session's number if it is known beforehand, as in a crowd; 0: drawn by the founder.
   std::uint16_t number = 0;
-  /// A region of a crowd is founded: alone, at once, and it is this session time (us) now.
+  /// Founds a region of a crowd, alone and at once; the session time is this (us) now.
   std::optional<Micros> begins_at{};
-  bool sealed = false;  ///< it has a key; for messages to people
-  /// us from the beginning to the begin of play at most; 0: no limit.
+  bool sealed = false;  ///< the session has a key
+  /// Longest time from this peer's start to the begin of play, us; 0: no limit.
   Micros patience = 30 * kMicrosPerSecond;
 };
 
 enum class SessionPhase : std::uint8_t {
-  kJoining,   ///< asks to be let in
+  kJoining,   ///< asks a member for a slot
   kEntering,  ///< gets the agreed world, then is admitted
   kMember,    ///< has founded it, or has been admitted
   kFailed,    ///< see failure()
@@ -52,18 +52,18 @@ struct SessionDatagram {
 struct SessionPace {
   static constexpr Micros kTick = 10'000;      ///< timers are looked at this often
   static constexpr Micros kJoin = 200'000;     ///< between two Joins
-  static constexpr Micros kUnheard = 700'000;  ///< after being passed on, until asking where it asked first
+  static constexpr Micros kUnheard = 700'000;  ///< after a redirect, until it asks the first address again
 };
 
-/// What a session is to this peer: all that the rules of membership see of it.
+/// The session as this peer knows it: all that the membership rules see of it.
 struct SessionView {
   SessionConfig config;
-  PeerId self = kNoPeer;          ///< until it is a member
+  PeerId self = kNoPeer;          ///< until it is welcomed
   std::uint32_t incarnation = 0;  ///< of this peer in its slot
   std::uint16_t number = 0;
   int slots = 0;
   int wanted = 0;
-  int present = 0;  ///< members that are there, this one included
+  int present = 0;  ///< members present, this one included
   SessionClock clock;
 };
 
@@ -81,7 +81,7 @@ struct SessionState : SessionView {
   void send(const Endpoint& to, const wire::MembershipMessage& message) {
     outgoing.push_back({to, wire::seal({wire::Kind::kMembership, self, number}, wire::encode_membership(message))});
   }
-  /// Sends it only if the datagram has at most so many bytes; returns its bytes, 0 if it was not sent.
+  /// Sends the message only if its datagram has at most `bytes` bytes. Returns the datagram's bytes, 0 if not sent.
   std::size_t send_at_most(std::size_t bytes, const Endpoint& to, const wire::MembershipMessage& message) {
     send(to, message);
     const std::size_t size = outgoing.back().bytes.size();
@@ -89,7 +89,7 @@ struct SessionState : SessionView {
     outgoing.pop_back();
     return 0;
   }
-  /// Answers to anybody who asks: at most kAnswers at once and as many a second, so that nobody is flooded through us.
+  /// Limits replies to requests: at most kAnswers at once and as many a second, so that we flood no third party.
   bool may_answer(Micros local) {
     answers_ = std::min(kAnswers, answers_ + static_cast<double>(local - answered_) * kAnswers / kMicrosPerSecond);
     answered_ = local;

@@ -8,14 +8,14 @@
 
 namespace padr::node {
 
-/// What the rules of membership see of the agreed world: who is there, and whose updates have come.
+/// What the membership rules see of the agreed world: the roster, the update log and the scene.
 struct View {
   const Roster& roster;
   const sync::UpdateLog& log;
   const Scene& scene;
 
-  /// By how many ticks what p has told in full lies back, and with it everybody's confirmed world; 0 if nothing of it
-  /// is waited for.
+  /// Ticks since the last one for which all updates of p are here, or since silence was last excused; 0 if none of p is
+  /// awaited. Every confirmed world lies back as far.
   Tick arrears(PeerId p) const { return std::max(0, roster.now - std::max(log.complete(p), roster.seats[p].excused)); }
 };
 

@@ -14,11 +14,11 @@
 namespace padr::node {
 namespace {
 
-/// The clock is corrected so often; what it is corrected by is measured over seconds.
+/// Interval between corrections of the clock; the correction itself is measured over seconds.
 constexpr Tick kSteerEvery = kTicksPerSecond / 2;
-/// When all peers are stopped at once, this many leave in one tick, because every peer answers every goodbye.
+/// When all peers are stopped at once, this many leave in one tick, because every peer answers every leave update.
 constexpr int kFarewells = 4;
-/// Between two words about datagrams that do not fit the session's key.
+/// Interval between two events about datagrams that do not fit the session's key.
 constexpr Micros kWarnAgain = 10 * kMicrosPerSecond;
 
 /// Throws UserError for a session that cannot be founded in this scene.
@@ -57,7 +57,7 @@ void Participant::receive(const Endpoint& from, std::span<const std::byte> datag
   warn_of_drops(from, local);
 }
 
-// Who has another key or none at all keeps trying: somebody should know why nobody answers.
+// A peer with a wrong key, or none, keeps trying: an event tells why it gets no answer.
 void Participant::warn_of_drops(const Endpoint& place, Micros local) {
   const auto& dropped = channels_->stats().dropped;
   const std::uint64_t drops =
@@ -103,14 +103,14 @@ void Participant::take(const Endpoint& from, std::span<const std::byte> datagram
     const auto why = incarnation->replica->receive(*opened, incarnation->session->session_now(local));
     if (why == sync::DropReason::kNone) continue;
     if (why == sync::DropReason::kForeign) incarnation->membership->on_stranger(from, datagram.size(), local);
-    // Whoever has been held up itself finds everybody ahead of it.
+    // A peer that was held up finds all others ahead of it: that is no fault of theirs.
     const Tick due = incarnation->replica->replica().now() + 1;
     const bool behind = incarnation->session->session_now(local) - tick_start(due) > tick_start(kHeldUp);
     if (why != sync::DropReason::kTick || !behind) incarnation->membership->on_drop(peer, why, local);
   }
 }
 
-// Nothing proves that the network has said so: in a session with a key it does not count.
+// Nothing proves where such a report comes from: it does not count in a session with a key.
 void Participant::unreachable(const Endpoint& at, Micros local) {
   if (channels_) return;
   for (Incarnation* incarnation : {&current_, &next_})
@@ -176,7 +176,7 @@ void Participant::after_step(Micros local) {
   steer(local);
 }
 
-// The clock that counts is that of the lowest peer that is there.
+// The clock that counts is that of the lowest peer present.
 void Participant::steer(Micros local) {
   bool lower = false;
   for (PeerId p = 0; p < replica().self(); ++p) lower = lower || replica().seat(p).there();
@@ -211,7 +211,7 @@ void Participant::say_goodbye() {
   farewell_.reset();
 }
 
-// Who vanished will acknowledge nothing, but is declared gone before long.
+// A peer that vanished acknowledges nothing, but is removed before long.
 bool Participant::done(Micros local) const {
   if (!left_at_) return false;
   const bool waited = local - *left_at_ >= config_.linger;

@@ -20,20 +20,20 @@ struct ParticipantConfig {
   std::optional<ChannelConfig> channels;  ///< the session has a key; otherwise nothing is sealed
   /// Steers its session's clock with its steps. Otherwise the caller does, as in a crowd, where a peer has one clock.
   bool steers = true;
-  /// us that it waits after its goodbye, at most, for the others to have its last updates.
+  /// Longest wait after leave() for the others to acknowledge this peer's last updates, us.
   Micros linger = 3 * kMicrosPerSecond;
   /// Where the n-th incarnation of this peer (0, 1, ...) is recorded to; empty or nothing returned: nowhere.
   std::function<std::optional<RecordedReplica::Recording>(int incarnation)> recording;
   /// For tests only: what becomes of a datagram before it is sealed and sent.
   std::function<std::vector<Parcel>(Parcel)> tamper{};
-  /// As Replica's, besides the incarnation it belongs to.
+  /// As Replica's, with the number of the incarnation.
   std::function<void(int incarnation, const sync::FoldState& state, std::uint64_t hash)> on_confirmed;
 };
 
-/// A whole peer but for its clock, socket and input: founds a session or comes into one, waits there for those that
-/// play waits for, plays, and finds its way back when it was declared gone, fell out with the rest or met a larger side
-/// after a partition. Each time it begins a new incarnation, with a fresh replica that has taken over the agreed world;
-/// until that is in, the old one goes on.
+/// A whole peer except for its clock, socket and input. It founds or joins a session, waits for the members that play
+/// needs, and plays. It joins anew after an eviction, a difference of confirmed worlds or a lost merge of partitions:
+/// each time as a new incarnation, with a fresh replica that begins with the agreed world. The old one goes on until
+/// the new one is admitted.
 class Participant {
  public:
   /// `local`: microseconds on any monotonic clock of the caller's, the same for all calls. Throws UserError if the
@@ -45,7 +45,7 @@ class Participant {
   Participant& operator=(const Participant&) = delete;
 
   void receive(const Endpoint& from, std::span<const std::byte> datagram, Micros local);
-  /// The machine at `at` says that nobody listens there, and has proven that it is the one to ask.
+  /// The machine at `at` reports that nobody listens there. Ignored in a session with a key.
   void unreachable(const Endpoint& at, Micros local);
   /// Upkeep besides the ticks; call at least whenever next_due() has come.
   void advance(Micros local);
@@ -55,17 +55,17 @@ class Participant {
   bool playing() const { return current_.replica != nullptr; }
   /// Local time of the next step; only when playing.
   Micros next_step() const;
-  /// Whether that has come, and no more than kStepsPerTurn steps have been made with this very `local`: datagrams must
-  /// get their turn, or catching up makes everything worse.
+  /// Whether the next step is due, and fewer than kStepsPerTurn steps have been made with the same `local`: datagrams
+  /// must get their turn, or catching up makes everything worse.
   bool step_due(Micros local) const;
   static constexpr int kStepsPerTurn = 8;
   /// One tick, with the avatar driven towards `target` (m).
   void step(Vec2 target, Micros local);
-  /// Plays by other knobs from the next step on, in incarnations to come too; `authority` must stay.
+  /// Changes the knobs from the next step on, in later incarnations, too; `authority` must stay.
   void retune(const Technique& technique);
   /// As in Replica: one tick in a region where this peer is a guest.
   void step_led(const BodyState& from, const BodyState& to, Vec2 target, Micros local);
-  /// Corrects the session's clock towards that of the lowest peer that is there, as far as is known; only when playing.
+  /// Corrects the session's clock towards that of the lowest peer present, as far as is known; only when playing.
   void steer(Micros local);
   // As in RecordedReplica, of the present incarnation; only when playing.
   void order(const sync::Bundle& order) { current_.replica->order(order); }
@@ -73,20 +73,20 @@ class Participant {
   void set_coarseness(float times) { current_.replica->set_coarseness(times); }
   void push(EntityId b, Vec2 velocity) { current_.replica->push(b, velocity); }
   void remark(const trace::Remark& r) { current_.replica->remark(r); }
-  /// Tells somebody who says that it is in this session, but is no member, who is: so that sides come together.
+  /// Sends a Probe to a peer that claims to be in this session but is no member, so that partitions merge.
   void knock(const Endpoint& at);
-  /// Says goodbye: with the next step when playing, or some ticks later where many play. `stay`: waits
-  /// for the others' end, too, so that they get what they lack.
+  /// Leaves: with the next step when playing, or some ticks later in a large session. `stay`: also waits until the
+  /// others end, so that they get the updates that they lack.
   void leave(Micros local, bool stay = false);
   bool leaving() const { return left_at_.has_value(); }
-  /// After leave: everybody has what this peer told, nobody is there to tell, or it has lingered for long enough.
+  /// After leave: all others have this peer's updates, no other is present, or it has lingered for long enough.
   bool done(Micros local) const;
 
   /// What to send, in order; empty afterwards. Good until the next call of any other function.
   std::span<const Parcel> take_outgoing();
   /// What happened since the last call.
   std::vector<SessionEvent> take_events();
-  /// Who came and went, since the last call.
+  /// Members that were admitted, left or were removed since the last call.
   std::vector<MemberChange> take_changes();
 
   /// Of the present incarnation.
@@ -94,10 +94,10 @@ class Participant {
   const RecordedReplica& recorded() const { return *current_.replica; }
   const Session& session() const { return current_.session ? *current_.session : *next_.session; }
   Session& session() { return current_.session ? *current_.session : *next_.session; }
-  /// Lives begun so far, less one.
+  /// Incarnations begun so far, less one.
   int incarnation() const { return begun_ - 1; }
   bool returning() const { return playing() && next_.session != nullptr; }
-  /// It did not come in, or has left because too few came; session().failure() says why.
+  /// This peer was not admitted, or left because too few members came; session().failure() says why.
   bool failed() const {
     if (!current_.session) return next_.session->phase() == SessionPhase::kFailed;
     return !current_.session->failure().empty() && done(local_);
@@ -117,7 +117,7 @@ class Participant {
   };
   void bring_in_next(Micros local);
   void ask_again(Micros local);
-  /// Why not; empty if it has.
+  /// Why the scene has no room for the session's slots; empty if it has.
   std::string no_room_for(const Session& session) const;
   void found();
   void give_up_waiting(Micros local);
@@ -157,8 +157,8 @@ class Participant {
   int begun_ = 0;
   Micros began_;
   Tick steered_ = 0;
-  std::optional<Micros> left_at_;  ///< when it was told to leave
-  std::optional<Tick> farewell_;   ///< when to say goodbye; absent: it is said, or not to be yet
+  std::optional<Micros> left_at_;  ///< local time of leave()
+  std::optional<Tick> farewell_;   ///< tick at which to leave; absent: done, or not planned yet
   bool stays_ = false;
   Micros try_again_ = 0;
   std::uint64_t tries_ = 0;
@@ -167,7 +167,7 @@ class Participant {
   std::vector<MemberChange> changes_;
 };
 
-/// In which tick, entity and field two confirmed states of the same tick differ first; empty if in none.
+/// The tick, and the first entity and field, in which two confirmed states of the same tick differ; empty if in none.
 std::string first_difference(const sync::FoldState& ours, const sync::FoldState& theirs);
 
 }  // namespace padr::node

@@ -1,4 +1,4 @@
-// A Participant's coming into a session: the first time, and each time anew.
+// A Participant's entry into a session: the first time, and each time that it joins anew.
 #include <algorithm>
 #include <utility>
 
@@ -11,13 +11,13 @@
 namespace padr::node {
 namespace {
 
-/// A transfer's tick against the session's by our clock: what lies further off is not of this session, or would take us
-/// for ever to step up to. Ticks.
+/// Limits on how far a transfer's tick is from the session's by our clock, in ticks: a transfer beyond them is not of
+/// this session, or would take too long to step up from.
 constexpr Tick kMostAhead = 2 * kTicksPerSecond;
 constexpr Tick kMostBehind = 120 * kTicksPerSecond;
-/// A newcomer steps so many ticks in one call at most: datagrams must get their turn.
+/// Most ticks that a joiner steps in one call: datagrams must get their turn.
 constexpr Tick kAtOnce = kTicksPerSecond;
-/// Between two attempts to come back.
+/// Interval between two attempts to join anew.
 constexpr Micros kTryAgain = 500'000;
 constexpr Micros kReturnPatience = 6 * kMicrosPerSecond;
 
@@ -71,7 +71,7 @@ void Participant::bring_in_next(Micros local) {
   }
 }
 
-// Who was letting us in for the first time has ended: somebody else will.
+// The introducer of our first incarnation is lost: we ask anew, and another member will admit us.
 void Participant::ask_again(Micros local) {
   SessionConfig c = config_.session;
   if (c.patience > 0) c.patience -= local - began_;
@@ -82,7 +82,7 @@ void Participant::ask_again(Micros local) {
   next_.session = std::make_unique<Session>(c, local);
 }
 
-// The number of slots is the founder's to say: it may be mistaken, or lie.
+// The founder sets the number of slots: it may be mistaken, or lie.
 std::string Participant::no_room_for(const Session& session) const {
   const std::size_t places = scene_.avatar.spawns.size();
   if (static_cast<std::size_t>(session.slots()) <= places) return "";
@@ -90,7 +90,7 @@ std::string Participant::no_room_for(const Session& session) const {
          ") than the scenario has places to start from (" + std::to_string(places) + ")";
 }
 
-// Not in yet: steps along, so that it is up to date when it is.
+// Before its admission an incarnation steps along, so that it is up to date when it is admitted.
 void Participant::watch(Incarnation& incarnation, Micros local) {
   const Micros now = incarnation.session->session_now(local);
   for (Tick i = 0; i < kAtOnce && tick_start(incarnation.replica->replica().now() + 1) <= now; ++i) {
@@ -99,11 +99,11 @@ void Participant::watch(Incarnation& incarnation, Micros local) {
   }
 }
 
-// From the tick of the agreed world that it was given to the present one; then it asks to be let in.
+// Steps from the transfer's tick to the present one, and then asks to be admitted.
 void Participant::catch_up(Incarnation& incarnation, Micros local) {
   if (!incarnation.replica->catch_up(kAtOnce)) return;
   incarnation.membership = std::make_unique<Membership>(incarnation.session->state(), *incarnation.replica);
-  // Members among them are forgotten again; a slot's address says nothing, its peer may be gone.
+  // Membership forgets the members among them itself: an address in a slot proves nothing, its peer may have gone.
   for (const Endpoint& at : std::exchange(incarnation.gone, {})) incarnation.membership->remember(at);
   incarnation.session->hand_over_to(incarnation.membership.get());
   incarnation.session->enter(local);
@@ -116,7 +116,7 @@ void Participant::found() {
     const auto now = tick_at(*begins_at);
     const sync::Transfer start = sync::founding(scene_, c.slots, c.technique.authority, now, c.incarnation);
     next_.replica = std::make_unique<RecordedReplica>(scene_, c, start, now, recording(), sink());
-    next_.replica->catch_up(0);  // it is there already
+    next_.replica->catch_up(0);  // it is at that tick already
   } else {
     next_.replica = std::make_unique<RecordedReplica>(scene_, c, recording(), sink());
   }
@@ -164,7 +164,7 @@ void Participant::take_over() {
     current_.membership = std::make_unique<Membership>(current_.session->state(), *current_.replica);
     current_.session->hand_over_to(current_.membership.get());
   }
-  if (left_at_) plan_farewell();  // told to leave before it was in
+  if (left_at_) plan_farewell();  // leave() was called before its admission
   if (!before.session) return;
   collect(before);
   for (PeerId p = 0; p < before.session->slots(); ++p)
@@ -176,7 +176,7 @@ void Participant::look_for_way_back(Micros local) {
   if (left_at_) return;
   const auto where = current_.membership->way_back();
   if (where) current_.membership->announce_way_back();
-  if (!where && next_.session && !next_.replica) next_ = {};  // no need any more
+  if (!where && next_.session && !next_.replica) next_ = {};  // no longer needed
   if (next_.session || local < try_again_ || !where || !where->is_set()) return;
   SessionConfig c = config_.session;
   c.join = *where;
@@ -185,7 +185,7 @@ void Participant::look_for_way_back(Micros local) {
   next_.session = std::make_unique<Session>(c, local);
 }
 
-// Whoever goes on waiting may well be joined by those who are still missing.
+// Only this peer gives up: the missing ones may still join the members that go on waiting.
 void Participant::give_up_waiting(Micros local) {
   const Micros patience = config_.session.patience;
   const sync::Start start = replica().start();

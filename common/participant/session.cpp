@@ -60,14 +60,14 @@ bool Session::receive(const Endpoint& from, const wire::Opened& opened, Micros l
     return false;
   }
   const auto message = wire::decode_session(opened.payload);
-  // Who asks to join has proven nothing yet: what is no larger than an answer gets none.
+  // A joiner's address is not proven yet: a Join that may be smaller than its answer gets none.
   const bool small_join =
       message && std::holds_alternative<wire::Join>(*message) && opened.datagram.size() < wire::kMaxDatagram;
   if (!message || small_join) {
     ++stats_.malformed;
     return false;
   }
-  // Those who want to join do not know the session's number, nor does an answer from outside it.
+  // A joiner does not know the session's number, nor does an answer from outside the session have it.
   const bool any_number = std::holds_alternative<wire::Join>(*message) || session_.phase == SessionPhase::kJoining;
   if (!any_number && h.session != session_.number) {
     ++stats_.foreign;
@@ -128,9 +128,9 @@ void Session::dispatch(const Endpoint& from, const wire::Header& header, const w
   if (pong != nullptr && pull_ && !settled_) pull_->on_pong(from, *pong, local);
 }
 
-// Magic, version, kind and tag are where they are in every version of the protocol, and a Join always fills a datagram
-// of the largest size. So a newcomer of another version can be told, by a datagram that it cannot read but whose
-// version it can see. Nothing smaller is answered: two versions would answer each other's answers.
+// Magic, version, kind and tag are at the same place in every version of the protocol, and a Join always fills a
+// datagram of the largest size. So a joiner of another version gets an answer that it cannot read, but whose version it
+// can see. Nothing smaller is answered: two versions would answer each other's answers.
 void Session::other_version(const Endpoint& from, std::size_t bytes, std::uint8_t version, Micros local) {
   if (session_.phase == SessionPhase::kFailed) return;
   if (bytes < wire::kMaxDatagram) {

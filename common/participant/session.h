@@ -16,7 +16,7 @@ namespace padr::node {
 
 class Joiner;
 
-/// What came to a session's socket, by what became of it.
+/// Datagrams that arrived for a session, by outcome.
 struct SessionStats {
   std::uint64_t datagrams = 0;
   std::uint64_t state = 0;      ///< for the replica
@@ -27,8 +27,8 @@ struct SessionStats {
   std::uint64_t malformed = 0;  ///< does not decode
 };
 
-/// How a peer comes into a session: it founds one, or joins through any member, agrees on the clock and gets the agreed
-/// world; and, from then on, what time it is in the session.
+/// A peer's entry into a session: it founds one, or joins through any member, synchronises its clock and gets the
+/// agreed world. From then on it has the session's time.
 ///
 /// Pure: local time is microseconds on any monotonic clock of the caller's, the same for all calls. Everything is
 /// repeated until answered, at a bounded rate, so any loss below 100 % only costs time. What others send is never
@@ -40,12 +40,12 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// A datagram has arrived. Whether it is a state datagram of this session from the member it claims to be from: then
-  /// it is the replica's to read.
+  /// Takes a datagram. Returns true if it is a state datagram of this session from the member that it claims to be
+  /// from: the replica has to read it.
   bool receive(const Endpoint& from, const wire::Opened& opened, Micros local);
   /// A datagram has arrived that wire::open refused.
   void on_refused(const Endpoint& from, std::size_t bytes, wire::SealError why, std::uint8_t version, Micros local);
-  /// The machine at `at` says that nobody listens there.
+  /// The machine at `at` reports that nobody listens there.
   void unreachable(const Endpoint& at, Micros local);
   /// Does what is due; call at least whenever next_due() has come.
   void advance(Micros local);
@@ -53,46 +53,46 @@ class Session {
 
   /// What to send, in order; empty afterwards.
   std::vector<SessionDatagram> take_outgoing();
-  /// What people should know; empty afterwards.
+  /// Events to report; empty afterwards.
   std::vector<SessionEvent> take_events();
 
   SessionPhase phase() const { return session_.phase; }
-  /// Why, once the phase is kFailed.
+  /// Why the phase is kFailed, or why this peer gave up waiting for members; empty otherwise.
   const std::string& failure() const { return session_.failure; }
-  /// It failed because who was letting us in has ended, fallen silent, or sent us elsewhere.
+  /// Whether it failed because our introducer ended, fell silent or redirected us.
   bool lost_introducer() const { return session_.phase == SessionPhase::kFailed && pull_ && pull_->lost(); }
-  /// This peer's number; kNoPeer until it is a member.
+  /// This peer's number; kNoPeer until it is welcomed.
   PeerId self() const { return session_.self; }
   /// Drawn by the founder, never 0; 0 until known.
   std::uint16_t number() const { return session_.number; }
   int slots() const { return session_.slots; }
   int wanted() const { return session_.wanted; }
-  /// Members that are there, this one included.
+  /// Members present, this one included.
   int present() const { return session_.present; }
-  /// Least round trip to whoever lets or let us in so far, us; 0 for the founder.
+  /// Least round trip to our introducer so far, us; 0 for the founder.
   Micros round_trip() const { return pull_ ? pull_->round_trip() : 0; }
   const SessionStats& stats() const { return stats_; }
 
   /// While kEntering: the agreed world has come, see transfer(), and the clock runs.
   bool may_enter() const { return pull_ && pull_->ready(); }
   const wire::Bytes& transfer() const { return pull_->transfer(); }
-  /// Who lets us in.
+  /// The member that welcomed us, which is to admit us.
   const Endpoint& introducer() const { return pull_->by(); }
   PeerId introducer_number() const { return introducer_; }
-  /// Asks to be admitted; `admitted` when that has happened.
+  /// Asks to be admitted; call `admitted` once that has happened.
   void enter(Micros local) { pull_->enter(local); }
   void admitted() { session_.phase = SessionPhase::kMember; }
   /// Play has begun: from now on the clock is no longer stepped, only steered.
   void settle_clock() { settled_ = true; }
   std::uint32_t incarnation() const { return session_.incarnation; }
-  /// Once a member, or entering with may_enter(): who is there is that one's affair from now on.
+  /// Once a member, or entering with may_enter(): `membership` handles the members from now on.
   void hand_over_to(Membership* membership) { membership_ = membership; }
   SessionState& state() { return session_; }
 
   /// Once a member, or entering with may_enter(): session microseconds.
   Micros session_now(Micros local) const { return session_.clock.now(local); }
   Micros local_at(Micros session) const { return session_.clock.local_at(session); }
-  /// We are `lead` us ahead of the peer whose clock counts; see SessionClock.
+  /// Corrects our lead of `lead` us over the peer whose clock counts; see SessionClock.
   void steer(Micros local, Micros lead) { session_.clock.steer(local, lead); }
   const SessionClock& clock() const { return session_.clock; }
 

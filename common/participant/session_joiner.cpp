@@ -29,16 +29,16 @@ void Joiner::ask(Micros local) {
 
 void Joiner::on_join(const Endpoint& from, const wire::Join& join, Micros local) {
   if (join.nonce == nonce_) {
-    // Passed on to ourselves: we were the coordinator, and nobody has missed us yet. Asking again will do.
+    // After a redirect to ourselves we ask again: we were the coordinator, and the members have not missed us yet.
     if (session_.phase == SessionPhase::kJoining && redirects_ == 0)
       session_.fail("the peer to join, " + to_string(target_) + ", is this peer itself");
     return;
   }
-  if (session_.phase != SessionPhase::kEntering || !session_.may_answer(local)) return;  // it asks again
+  if (session_.phase != SessionPhase::kEntering || !session_.may_answer(local)) return;  // the joiner asks again
   session_.send(from, wire::Redirect{join.nonce, target_});
 }
 
-// We may have been told only where it is; who it is, its first answer says.
+// The address to ask may lack the peer's key: its first answer has it.
 bool Joiner::is_target(const Endpoint& from) {
   if (!target_.has_key() && same_place(from, target_)) target_ = from;
   return from == target_;
@@ -56,7 +56,7 @@ void Joiner::on_welcome(const Endpoint& from, const wire::Header& header, const 
   session_.tell({.kind = SessionEvent::Kind::kWelcomed, .peer = session_.self, .at = target_});
 }
 
-// Whoever we were passed on to may have crashed just now: then ask again where we asked first.
+// The peer that we were redirected to may have crashed: then we ask the first address again.
 void Joiner::start_over_if_unheard(Micros local) {
   if (redirects_ == 0 || local - redirected_ < SessionPace::kUnheard) return;
   target_ = *session_.config.join;
@@ -64,7 +64,7 @@ void Joiner::start_over_if_unheard(Micros local) {
   ask(local);
 }
 
-// Where we asked first there is somebody who will know better before long.
+// The member at the first address will soon know another coordinator: we ask it early.
 void Joiner::on_unreachable(const Endpoint& at, Micros local) {
   if (session_.phase != SessionPhase::kJoining || at != target_) return;
   redirected_ = std::min(redirected_, local - SessionPace::kUnheard + SessionPace::kJoin);

@@ -4,20 +4,20 @@
 
 namespace padr::node {
 
-/// The first part of coming into a session: asks a member to be let in, is passed on to the coordinator, and is
-/// welcomed or refused.
+/// The first part of joining a session: asks a member for a slot, is redirected to the coordinator, and is welcomed or
+/// refused.
 class Joiner {
  public:
   Joiner(SessionState& session, Micros local);
 
-  /// Somebody else wants to join, and asks us.
+  /// Another joiner asks us.
   void on_join(const Endpoint& from, const wire::Join& join, Micros local);
   void on_welcome(const Endpoint& from, const wire::Header& header, const wire::Welcome& welcome);
   void on_redirect(const Endpoint& from, const wire::Redirect& redirect, Micros local);
   void on_refuse(const Endpoint& from, const wire::Refuse& refuse);
-  /// Whoever is there speaks another version of the protocol.
+  /// The peer at `from` has another version of the protocol.
   void on_other_version(const Endpoint& from, int version);
-  /// The machine at `at` says that nobody listens there.
+  /// The machine at `at` reports that nobody listens there.
   void on_unreachable(const Endpoint& at, Micros local);
   void advance(Micros local);
 
@@ -29,7 +29,7 @@ class Joiner {
 
   SessionState& session_;
   std::uint64_t nonce_;
-  Endpoint target_;  ///< whom we ask
+  Endpoint target_;  ///< the peer that we ask
   int redirects_ = 0;
   Micros redirected_ = 0;
   Micros asked_ = 0;

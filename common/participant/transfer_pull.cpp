@@ -54,7 +54,7 @@ void TransferPull::on_redirect(const Endpoint& from, const wire::Redirect& redir
   if (from == by_ && redirect.nonce == nonce_ && entering_) lost_ = true;
 }
 
-// Not at once: whoever looks between two advances must not take for the end what is only another beginning.
+// Fails with the next advance only: a caller that looks between two advances must not take a restart for the end.
 void TransferPull::on_unreachable(const Endpoint& at) {
   if (at == by_) lost_ = true;
 }
@@ -70,10 +70,11 @@ void TransferPull::advance(Micros local) {
   if (entering_ && local - entered_ >= kAgain) enter(local);
 }
 
-// With the clock agreed it is only to hear whether who lets us in is still there, until its word is all we wait for.
+// Once the clock is synchronised, Pings only show whether the introducer is alive; once we ask for admission, none go
+// out.
 void TransferPull::measure(Micros local) {
   const bool measures = offset_.samples() < OffsetEstimator::kKept;
-  if (local - heard_ > kPatience) return;  // it is gone, or has forgotten us
+  if (local - heard_ > kPatience) return;  // it has ended, or has forgotten us
   if (local - pinged_ < (measures ? kPing : kIdlePing) || (!measures && entering_)) return;
   pinged_ = local;
   session_.send(by_, wire::Ping{local});

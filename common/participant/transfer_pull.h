@@ -6,8 +6,8 @@
 
 namespace padr::node {
 
-/// What follows a Welcome: agrees the clock with whoever lets us in, pulls the agreed world piece by piece, and then
-/// asks to be admitted. What gets lost is asked for again.
+/// The second part of joining a session, after a Welcome: synchronises the clock with the introducer, pulls the agreed
+/// world piece by piece, and then asks to be admitted. Lost messages are repeated.
 class TransferPull {
  public:
   /// `by` has welcomed our Join.
@@ -15,20 +15,20 @@ class TransferPull {
 
   void on_pong(const Endpoint& from, const wire::Pong& pong, Micros local);
   void on_piece(const Endpoint& from, const wire::Piece& piece, Micros local);
-  /// Who lets us in may not any more.
+  /// The introducer is no longer the coordinator.
   void on_redirect(const Endpoint& from, const wire::Redirect& redirect);
-  /// The machine at `at` says that nobody listens there.
+  /// The machine at `at` reports that nobody listens there.
   void on_unreachable(const Endpoint& at);
   void advance(Micros local);
-  /// Asks for the time, until it is known as well as it ever will be.
+  /// Asks for the time: often until there are enough samples, then rarely, to see whether the introducer is alive.
   void measure(Micros local);
   /// Asks to be admitted from now on.
   void enter(Micros local);
 
-  /// All is here: `transfer` has it, and the session's clock is set.
+  /// The transfer is complete, and the session's clock is set.
   bool ready() const { return ready_; }
   const wire::Bytes& transfer() const { return transfer_; }
-  /// Who lets us in has ended, fallen silent, or sends us elsewhere.
+  /// The introducer has ended, fallen silent or redirected us.
   bool lost() const { return lost_; }
   const Endpoint& by() const { return by_; }
   Micros round_trip() const { return offset_.round_trip(); }
@@ -38,7 +38,7 @@ class TransferPull {
   static constexpr Micros kOldestPong = 5'000'000;
   static constexpr std::size_t kSamples = 8;
   static constexpr Micros kAgain = 50'000;        ///< between two Enters, and Pulls of what is missing at least
-  static constexpr Micros kPatience = 2'500'000;  ///< with a coordinator that says nothing any more
+  static constexpr Micros kPatience = 2'500'000;  ///< longest silence of the introducer
 
  private:
   void pull(Micros local);

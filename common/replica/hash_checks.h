@@ -8,11 +8,10 @@
 
 namespace padr::node {
 
-/// Hashes of confirmed worlds: the own ones of late, and what others have told of ticks that are not confirmed here
-/// yet.
+/// Hashes of confirmed worlds: this peer's recent ones, and other peers' for ticks that are not confirmed here yet.
 class HashChecks {
  public:
-  /// What somebody says its confirmed world's hash was at a tick.
+  /// The hash of another peer's confirmed world at a tick, as that peer sent it.
   struct Told {
     Tick tick = 0;
     PeerId from = kNoPeer;
@@ -25,20 +24,20 @@ class HashChecks {
     waiting_.reserve(kKept);
   }
 
-  /// This peer's own, of a later tick than any before.
+  /// Adds this peer's own hash, of a later tick than any before.
   void add_own(Tick tick, std::uint32_t hash);
-  /// Of the latest tick that has one; tick -1 if none has.
+  /// This peer's own hash of the latest tick; tick -1 if there is none.
   struct Own {
     Tick tick = -1;
     std::uint32_t hash = 0;
   };
   Own newest() const { return own_.empty() ? Own{} : own_.back(); }
-  /// The own one of that tick, if it is kept; null otherwise.
+  /// The own hash of that tick, if it is kept; null otherwise.
   const Own* own(Tick tick) const;
 
-  /// Kept until its tick is confirmed here; the first word of a peer on a tick counts, and kKept of one peer at most.
+  /// Keeps a hash until its tick is confirmed here: the first of each peer and tick, and at most kKept of one peer.
   void put_off(const Told& told);
-  /// Takes out one of a tick up to `confirmed`, lowest tick first; false if there is none.
+  /// Takes out a hash of a tick up to `confirmed`, lowest tick first; false if there is none.
   bool take(Tick confirmed, Told& out);
   std::size_t waiting() const { return waiting_.size(); }
 

@@ -8,8 +8,8 @@
 
 namespace padr::node {
 
-/// Least time that a link's recent datagrams were on their way, by the two session clocks: delay plus the difference of
-/// the clocks. The least is the sample that queueing disturbed least. Over a sliding span, so that it follows drift.
+/// Least transit time of a link's recent datagrams by the two session clocks: delay plus the difference of the clocks.
+/// The minimum is the sample that queueing disturbed least. It covers a sliding span, so that it follows drift.
 class LinkClock {
  public:
   /// A datagram stamped with the start of `sent` (the sender's session clock) arrived at `arrived` (ours).

@@ -12,21 +12,21 @@
 
 namespace padr::node {
 
-/// The link with who sits in a slot: what is sent there and has come from there.
+/// The link to the peer in a slot: what is sent to it and what has come from it.
 struct LinkState {
   sync::OutLink out;
   ReplayWindow window;
   LinkClock clock;
   Arrivals arrivals;
-  std::uint32_t answered_seq = 0;  ///< of our newest datagram that it has said to have got
+  std::uint32_t answered_seq = 0;  ///< number of our newest datagram that it has acknowledged
   std::uint32_t promised = 0;      ///< highest mark count heard
-  bool repeats = false;            ///< it has sent again what is here: it has not heard so
-  Tick checked = 0;                ///< when it was last told a hash
-  Tick told_check = -1;            ///< of which tick
-  std::vector<sync::Bundle> held;  ///< frozen: updates of it that are here beyond the first that is not
+  bool repeats = false;            ///< it repeated updates that are here: it lacks our acknowledgement
+  Tick checked = 0;                ///< when a hash for it was last due
+  Tick told_check = -1;            ///< tick of the last hash sent to it
+  std::vector<sync::Bundle> held;  ///< while frozen: its updates beyond the first missing one
 
-  std::array<std::uint64_t, sync::kDropReasons> dropped{};  ///< by reason, of whoever has sat there
-  std::uint32_t cut_offs = 0;                               ///< how often who sits there now was given a deaf ear
+  std::array<std::uint64_t, sync::kDropReasons> dropped{};  ///< by reason, of all peers that had the slot
+  std::uint32_t cut_offs = 0;                               ///< how often its present peer was cut off or muted
 };
 
 }  // namespace padr::node

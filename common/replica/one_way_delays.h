@@ -7,8 +7,8 @@
 
 namespace padr::node {
 
-/// How long a link's latest datagrams were on their way, by the two session clocks: what people want to know of a link.
-/// (Clocks are steered by the least alone; see LinkClock.)
+/// Transit times of a link's latest datagrams by the two session clocks, to be shown to people. Clocks are steered by
+/// the least transit time alone; see LinkClock.
 class Arrivals {
  public:
   struct Delays {
@@ -18,8 +18,8 @@ class Arrivals {
 
   /// A datagram stamped with the start of `sent` (the sender's session clock) arrived at `arrived` (ours).
   void sample(Tick sent, Micros arrived);
-  /// Of those that came in the 5 s before `now`, the latest 128 at most; of the very latest one if there are none. Only
-  /// when something has come.
+  /// Delays of the datagrams that came in the 5 s before `now`, the latest 128 at most; if there are none, of the
+  /// latest one. Only if any().
   Delays delays(Micros now) const;
   bool any() const { return !ring_.empty(); }
 
@@ -30,7 +30,7 @@ class Arrivals {
     Micros arrived;
     Micros transit;
   };
-  std::vector<Sample> ring_;  ///< takes its memory with the first datagram, all of it
+  std::vector<Sample> ring_;  ///< the first datagram allocates all of its memory
   std::size_t next_ = 0;      ///< where the next one goes
 };
 

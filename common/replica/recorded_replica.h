@@ -23,7 +23,7 @@ class RecordedReplica {
 
   RecordedReplica(const Scene& scene, const ReplicaConfig& config, std::optional<Recording> recording = {},
                   Replica::ConfirmedSink on_confirmed = {});
-  /// One who comes while the session runs, as in Replica.
+  /// For a peer that joins a running session, as in Replica.
   RecordedReplica(const Scene& scene, const ReplicaConfig& config, const sync::Transfer& start, Tick now,
                   std::optional<Recording> recording = {}, Replica::ConfirmedSink on_confirmed = {});
   bool catch_up(Tick most);
@@ -31,12 +31,12 @@ class RecordedReplica {
   RecordedReplica(const RecordedReplica&) = delete;
   RecordedReplica& operator=(const RecordedReplica&) = delete;
 
-  // As in Replica. What the judge objects to is not recorded, as it leaves no trace in the replica.
+  // As in Replica. A datagram that the judge rejects is not recorded: it changes nothing in the replica but counters.
   sync::DropReason receive(const wire::Opened& opened, Micros now);
   sync::DropReason receive(std::span<const std::byte> datagram, Micros now);
   /// `lateness`: by how much the step began after the time of its tick, for the record only.
   void step(Vec2 target, Micros lateness = 0);
-  // Of a region of a crowd, whose nodes are not recorded.
+  // For a region of a crowd, whose peers are not recorded.
   void step_led(const BodyState& from, const BodyState& to, Vec2 target) { replica_.step_led(from, to, target); }
   void jolt(Vec2 velocity) { replica_.jolt(velocity); }
   void set_coarseness(float times) { replica_.set_coarseness(times); }
@@ -47,7 +47,7 @@ class RecordedReplica {
   void excuse_silence();
   void give_up(PeerId p, bool for_good = true);
   sync::DropReason relay(const wire::Fetched& fetched);
-  /// Where p is, of peers that are all there from tick 0 on.
+  /// Sets the address of p, in a session whose peers are all present from tick 0 on.
   void locate(PeerId p, const Endpoint& at) { replica_.locate(p, at); }
   void retune(const Technique& technique);
   void push(EntityId b, Vec2 velocity);
@@ -55,14 +55,14 @@ class RecordedReplica {
   void remark(const trace::Remark& r);
   void set_judge(Replica::Judge judge) { replica_.set_judge(std::move(judge)); }
   void count_drop(PeerId p, sync::DropReason why) { replica_.count_drop(p, why); }
-  /// p is not listened to any more, or not for a while: told to the trace, and given up on if it is for good.
+  /// Datagrams of p are ignored, for good or for a while: records that, and gives p up if it is for good.
   void cut_off(PeerId p, bool for_good, const std::string& why);
   std::vector<MemberChange> take_changes() { return replica_.take_changes(); }
 
   const Replica& replica() const { return replica_; }
 
-  /// Ends the trace as complete. Nothing may be called afterwards but the getters. `superseded`: the peer goes on in
-  /// another life.
+  /// Ends the trace as complete. Nothing may be called afterwards but the getters. `superseded`: the peer goes on in a
+  /// new incarnation.
   void finish(bool superseded = false);
 
  private:

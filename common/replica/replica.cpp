@@ -10,19 +10,19 @@
 namespace padr::node {
 namespace {
 
-// Peers' marks come so many ticks after one another: no divisor of any of their intervals.
+// Offset in ticks between the marks of consecutive peers: no divisor of any of their intervals.
 constexpr Tick kPhase = 11;
-// Looking ahead is the dearest thing a frame does besides physics; the low threshold lingers longer than this anyway.
+// Ticks between look-aheads, the dearest part of a frame besides physics; the low threshold lingers longer than this.
 constexpr Tick kLookEvery = 3;
-// A link that loses less is calm: see OutLink.
+// Loss below which a link is calm: see OutLink.
 constexpr float kCalmLoss = 0.02F;
-// Updates are kept this long though everybody has them: a newcomer has what its source had when it asked.
+// Time for which updates are kept although all peers have them: a joiner has only what its source had when it asked.
 constexpr Tick kKept = 15 * kTicksPerSecond;
-// Hashes go out with marks, each once; where there is so much to tell that there are none, this often.
+// Interval between hashes when updates leave no room for marks; otherwise each hash goes out once, with a mark.
 constexpr Tick kTellCheck = 60;
-// Nothing new for this long, and marks are less urgent.
+// Time without new updates after which marks are less urgent.
 constexpr Tick kQuiet = kTicksPerSecond;
-// Four marks: time to hear that somebody else leaves too, and to tell that we have everything, though some get lost.
+// Four marks: time to hear that another peer leaves too, and to acknowledge everything, even if some marks get lost.
 constexpr Tick kLastAcks = 62;
 
 void add(Hasher& h, Vec2 position, float angle, Vec2 velocity, float spin, bool awake) {
@@ -139,8 +139,8 @@ void Replica::adopt(bool as_stepped) {
   for (const sync::LiveWorld::Jump& j : live_.jumps()) shown_.correct(j.entity, j.from);
 }
 
-// Of a slot into which another body has come, what was in it is no truth any more. What has been told rounded is true
-// as it was told.
+// A slot that another body has come into keeps nothing of its former content. A state that was published rounded counts
+// as it was published.
 const std::vector<bool>& Replica::kept_from_live() {
   kept_ = own_;
   if (config_.technique.authority && config_.technique.unowned == Unowned::kLive && member()) {
@@ -157,7 +157,7 @@ const std::vector<bool>& Replica::kept_from_live() {
   return kept_;
 }
 
-// Where the own entities are as predicted, the memory of their contacts may be too: then live and predicted are one,
+// If the own entities are as predicted, the memory of their contacts may be, too: then live and predicted are the same,
 // and drift apart only when something new happens here.
 bool Replica::own_is_predicted(const std::vector<bool>& own) const {
   const sync::FoldState& p = agreed_.predicted_state();
@@ -225,7 +225,7 @@ void Replica::report(Vec2 target, Vec2 velocity_before) {
   }
 }
 
-// The avatar is where its owner has told everybody that it is. Bodies follow when what is predicted is taken over.
+// The avatar is where its owner has published it. Bodies follow when the predicted state is adopted.
 void Replica::take_on_rounded(const sync::Bundle& told) {
   if (config_.technique.precision != Precision::kRounded || !told.avatar || !told.avatar->awake) return;
   BodyState s = live_.world().state(live_.avatar());
@@ -235,9 +235,9 @@ void Replica::take_on_rounded(const sync::Bundle& told) {
   live_.place(s);
 }
 
-// The paper predicts at every turn of its loop; its techniques here do so every kLookEvery ticks. Otherwise looks are
-// taken, as often at most, when it depends on them whether something is told: an avatar whose model is right within the
-// low threshold may be as near to bodies as it likes.
+// The paper predicts at every turn of its loop; its techniques here do so every kLookEvery ticks. Other techniques look
+// ahead at most as often, and only if the result decides whether an update goes out: an avatar whose model is right
+// within the low threshold may be as near to bodies as it likes.
 void Replica::look_ahead(Vec2 target) {
   const bool always = config_.technique.update_every_contact;
   if (always ? now() % kLookEvery == 0 : now() - looked_ >= kLookEvery) {
@@ -276,8 +276,8 @@ std::vector<EntityId> Replica::push_bodies() {
   return pushed;
 }
 
-// What did not fit the bundle and is not owned yet is put back to what was predicted, and has to be pushed again. Where
-// it is not put back, it waits to be told.
+// A pushed body that did not fit the bundle and is not owned yet is reset to its predicted state, and has to be pushed
+// again. With Unowned::kLive it is not reset, and only waits to be published.
 void Replica::forget_pushes(const sync::Bundle& told) {
   std::erase_if(pushes_, [&](const auto& push) {
     const auto is_it = [&push](const sync::BodyUpdate& u) { return u.body == push.first && u.has_state; };
@@ -350,7 +350,7 @@ void Replica::keep_logs(std::uint32_t everyone) {
     own_pool_.give_back(own_log_.pop_front());
     ++own_first_;
   }
-  // Whoever falls silent may have told somebody what others lack. Nobody but a newcomer lacks what all have confirmed.
+  // A peer that falls silent may have sent one member updates that others lack. Only a joiner lacks what all confirmed.
   Tick all = std::min(agreed_.confirmed().tick, now() - kKept);
   for (PeerId p = 0; p < config_.slots; ++p)
     if (p != config_.self && seat(p).there()) all = std::min(all, seat(p).confirmed);
@@ -375,7 +375,7 @@ void Replica::fill(sync::StatePacket& packet, PeerId p) {
   packet.check_hash = newest.hash;
 }
 
-// Peers that have left linger, and want our last updates as we want theirs; one that is silent has gone for good.
+// A peer that has left lingers, and needs our last updates as we need its; once it is silent, it has ended.
 bool Replica::all_through() const {
   for (PeerId p = 0; p < config_.slots; ++p) {
     if (p == config_.self || !seat(p).reachable() || roster_.departed(p)) continue;

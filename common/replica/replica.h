@@ -33,7 +33,7 @@ struct ReplicaConfig {
   int peers = 1;                  ///< of the session at tick 0
   int wanted = 0;                 ///< members that play waits, or waited, for
   int slots = 1;                  ///< avatar slots, >= peers
-  std::uint32_t incarnation = 0;  ///< of this peer in its slot; above 0 for one that came later
+  std::uint32_t incarnation = 0;  ///< of this peer in its slot; above 0 for a peer that joined later
   std::uint16_t session = 0;      ///< in every datagram's header
   Technique technique;
   sync::Fault fault;             ///< for tests only
@@ -59,7 +59,7 @@ struct Outgoing {
 
 /// Counters since the start; never reset.
 struct ReplicaStats {
-  std::array<std::uint64_t, sync::kCauses> updates_by_cause{};  ///< entity updates told, each once however often sent
+  std::array<std::uint64_t, sync::kCauses> updates_by_cause{};  ///< entity updates, each once however often sent
   std::uint64_t bundles = 0;
   std::uint64_t datagrams_sent = 0;
   std::uint64_t wire_bytes_sent = 0;  ///< IP and UDP headers included
@@ -71,88 +71,89 @@ struct ReplicaStats {
   Tick first_mismatch = -1;
 };
 
-/// One peer's brain: everything between bytes in, input in, and bytes out. No clock and no socket: the same object runs
-/// in the real process, in the lab and in tests, and the same calls give the same bits.
+/// The core of one peer: everything from bytes and input in to bytes out. It has no clock and no socket: the same
+/// object runs in the real process, in the lab and in tests, and the same calls give the same bits.
 class Replica {
  public:
   using ConfirmedSink = sync::AgreedWorld::ConfirmedSink;
-  /// What is believable may still be said by who has no right to, or may have been made up: kNone if it may pass.
+  /// Judges a packet with valid values, which may still be forged or be an order without right; kNone if it may pass.
   using Judge = std::function<sync::DropReason(const sync::StatePacket& packet)>;
 
-  /// One who is there at tick 0.
+  /// For a peer that is present at tick 0.
   Replica(const Scene& scene, const ReplicaConfig& config, ConfirmedSink on_confirmed = {});
-  /// One who comes while the session runs, at tick `now`: watches until somebody admits it. It begins at the transfer's
-  /// tick: nothing but catch_up may be called until that is done.
+  /// For a peer that joins a running session at tick `now`, and watches until it is admitted. It begins at the
+  /// transfer's tick: nothing but catch_up may be called until that is done.
   Replica(const Scene& scene, const ReplicaConfig& config, const sync::Transfer& start, Tick now,
           ConfirmedSink on_confirmed = {});
-  /// Steps towards the tick at which it comes, by so many ticks at most; whether it is there.
+  /// Steps towards the tick at which it joins, by at most `most` ticks. Returns whether that tick is reached.
   bool catch_up(Tick most);
-  // What it is built of refers to it.
+  // Its parts refer to it.
   Replica(const Replica&) = delete;
   Replica& operator=(const Replica&) = delete;
 
-  /// A datagram of this session has arrived, `now` in session microseconds. Why it was dropped, if it was.
+  /// Takes a datagram that arrived at `now`, in session microseconds. Returns why it was dropped, kNone if it was not.
   sync::DropReason receive(const wire::Opened& opened, Micros now);
-  /// The same of one that nobody has opened yet.
+  /// The same for a datagram that has not been opened yet.
   sync::DropReason receive(std::span<const std::byte> datagram, Micros now);
-  /// Asked before anything of a datagram is taken in. What it objects to leaves no trace but in the counters.
+  /// The judge is asked before anything of a datagram is taken in. A datagram that it rejects changes only counters.
   void set_judge(Judge judge) { judge_ = std::move(judge); }
-  /// A datagram of p's was not even looked at.
+  /// Counts a datagram of p that was dropped unread.
   void count_drop(PeerId p, sync::DropReason why);
-  /// It is not listened to any more, or not for now.
+  /// Counts that datagrams of p are ignored from now on, for good or for a while.
   void count_cut_off(PeerId p) { ++links_[p].cut_offs; }
-  /// The signature of what this peer published with the last step, if it did and signs.
+  /// Signature of the update that this peer published with the last step; nothing if there is no such update or no key.
   std::optional<sync::Signature> signed_now() const;
   /// Advances to the next tick with the avatar driven towards `target` (m); `outgoing` then holds what to send.
   void step(Vec2 target);
-  /// The same in a region of a crowd where this peer is a guest: the avatar moves as another of its worlds has it, from
-  /// one place to another in this tick, and is drawn towards `target` there.
+  /// The same in a region of a crowd where this peer is a guest: another of its worlds leads the avatar, which moves
+  /// from `from` to `to` in this tick and is driven towards `target` there.
   void step_led(const BodyState& from, const BodyState& to, Vec2 target);
-  /// By how much what the avatar met on its way has changed its velocity, m/s.
+  /// Change of the avatar's velocity by its contacts in the last step_led, m/s.
   Vec2 reaction() const { return reaction_; }
-  /// Adds to the avatar's velocity, m/s, before the next step: something in another of its worlds has.
+  /// Adds to the avatar's velocity, m/s, before the next step: for a contact in another of its worlds.
   void jolt(Vec2 velocity) { jolt_ = jolt_ + velocity; }
-  /// The avatar's threshold is so many times the usual one, >= 1, until a contact is predicted: nobody is near.
+  /// Multiplies the avatar's threshold by `times`, >= 1, until a contact is predicted; for an avatar with no peer near.
   void set_coarseness(float times) { coarseness_ = times; }
-  /// One datagram per receiver at most, of the last step.
+  /// Datagrams of the last step, at most one per receiver.
   std::span<const Outgoing> outgoing() const { return {outgoing_.data(), sent_}; }
-  /// The next step tells everybody that this peer goes. Keep stepping until `delivered`.
+  /// The next step without an order publishes that this peer leaves. Keep stepping until `delivered`.
   void leave() { roster_.leaving = true; }
-  /// After leaving: everybody who is still there has all of this peer's updates, this peer has all that it knows of
-  /// theirs, and there has been time to tell. It may end.
+  /// After leaving: every peer that is still reachable has all of this peer's updates, this peer has all of theirs that
+  /// it knows of, and there was time to acknowledge them. It may end.
   bool delivered() const;
 
-  // Who is there. What the coordinator decides is published by `order`, one order a tick, and is a part of the agreed
-  // world: everybody applies it at the same tick.
+  // Membership. The coordinator publishes its decisions by `order`, one order a tick. They are a part of the agreed
+  // world: all peers apply them at the same tick.
 
-  /// To be published in place of an ordinary update: has an admission, a removal or a passed-on update, nothing else.
+  /// Queues an order, published in place of an ordinary update: an admission, removals or a passed-on update, no more.
   void order(const sync::Bundle& order) { orders_.push_back(order); }
   std::size_t orders() const { return orders_.size(); }
-  /// Takes nothing more from p, whose end is being agreed on, or takes again what it says.
+  /// Stops taking updates from p, while the end of its log is being agreed on, or resumes.
   void freeze(PeerId p, bool frozen);
-  /// Who is where, as far as is known here.
+  /// The session's roster, as this peer knows it.
   const Roster& roster() const { return roster_; }
   const Seat& seat(PeerId p) const { return roster_.seats[p]; }
   bool member() const { return roster_.member; }
-  /// This peer has been declared gone by others, or knows of updates that they have declared void.
+  /// This peer has been removed by others, or has updates of a removed peer that they have declared void.
   bool expelled() const { return expelled_; }
-  /// Whose confirmed world differs from ours, the lowest; kNoPeer if nobody's does.
+  /// The lowest peer whose confirmed world differs from ours; kNoPeer if none does.
   PeerId differs_from() const { return differs_from_; }
-  /// All that a newcomer needs to go on from here.
+  /// All that a joiner needs to continue from here.
   sync::Transfer transfer() const;
   const LinkState& link(PeerId p) const { return links_[p]; }
-  /// Where p is, of peers that are all there from tick 0 on.
+  /// Sets the address of p, in a session whose peers are all present from tick 0 on.
   void locate(PeerId p, const Endpoint& at) { roster_.seats[p].at = at; }
-  /// Since the last call.
+  /// Members that were admitted, left or were removed since the last call.
   std::vector<MemberChange> take_changes();
   /// As in Roster.
   void give_up(PeerId p, bool for_good) { roster_.give_up(p, for_good); }
-  /// Updates of p, as somebody has them who hears it while we do not. They are judged as if they came from p itself,
-  /// and none is taken if one is not. An update also says, like a mark, that those before it are all of earlier ticks.
+  /// Takes updates of p from another member, which hears p while we do not. They are judged as if they came from p
+  /// itself, and none is taken if one is rejected. An update also implies, like a mark, that those before it are all of
+  /// earlier ticks.
   sync::DropReason relay(PeerId p, std::uint32_t incarnation, const std::vector<sync::Bundle>& updates);
-  /// Plays by other knobs from the next step on. All but `authority` are a peer's own affair; that must stay.
+  /// Changes the knobs from the next step on. Each peer may choose its own, except for `authority`, which must stay.
   void retune(const Technique& technique);
-  /// Whether a push of this body would be followed now: nobody else holds it, and this peer is in the session.
+  /// Whether a push of this body would take effect now: no other peer holds it, and this peer plays.
   bool may_push(EntityId b) const;
   /// With the next report this peer takes authority over the body, unless it may not after all, and adds to its
   /// velocity (m/s), as if its avatar had touched it. Without dynamic authority it does so in its own world alone.
@@ -161,8 +162,8 @@ class Replica {
   void excuse_silence() { roster_.excuse_silence(); }
 
   Tick now() const { return agreed_.now(); }
-  /// When play begins, as far as is confirmed: until then targets and pushes have no effect. What is only predicted may
-  /// be taken back, by a farewell that comes late.
+  /// The begin of play, as far as it is confirmed: until then targets and pushes have no effect. A predicted begin may
+  /// be taken back, if a leave update comes late.
   sync::Start start() const { return agreed_.confirmed().start; }
   bool playing() const { return start().reached(now()); }
   PeerId self() const { return config_.self; }
@@ -173,29 +174,29 @@ class Replica {
   const ReplicaStats& stats() const { return stats_; }
   const sync::Reporter& reporter() const { return reporter_; }
   float threshold() const { return threshold_.metres() * (prediction_.interaction ? 1 : coarseness_); }
-  /// What the threshold was last adapted to, besides contacts that are there already.
+  /// The prediction that the threshold was last adapted to; it was also adapted to present contacts.
   const sync::Prediction& prediction() const { return prediction_; }
-  /// What a peer keeps because somebody may still need it; bounded however long a session lasts.
+  /// Sizes of what a peer keeps because it may still be needed; bounded however long a session lasts.
   struct Kept {
     std::size_t log_ticks = 0;       ///< ticks with updates above the confirmed one
-    std::size_t own_updates = 0;     ///< bundles not acknowledged by everybody
+    std::size_t own_updates = 0;     ///< bundles not acknowledged by all peers, or recent
     std::size_t pending_checks = 0;  ///< others' hashes of ticks not confirmed here yet
   };
   Kept kept() const { return {agreed_.log().size(), own_log_.size(), checks_.waiting()}; }
   std::uint64_t lookahead_steps() const { return predictor_.steps(); }
-  /// For whoever does not answer an update is told this often at least.
+  /// Longest interval between own updates while a member does not answer, ticks.
   static constexpr Tick kHeartbeat = kTicksPerSecond / 2;
   /// By how much this peer's session clock leads that of the lowest other peer, in microseconds, as far as delays
   /// are alike both ways; 0 until measured.
   Micros clock_lead() const;
-  /// Sum over own entities of the distance between the live and the predicted world (m): what the others are believed
-  /// to have wrong.
+  /// Sum over own entities of the distance between the live and the predicted world (m): the error that the others are
+  /// believed to see.
   float own_error() const;
   /// Hash over the live world's entity states, for comparing runs.
   std::uint64_t live_hash() const;
 
  private:
-  // Confirmed ticks whose hash goes round.
+  // Interval between the confirmed ticks whose hashes are exchanged.
   static constexpr Tick kCheckEvery = 30;
 
   struct Later {};
@@ -239,7 +240,7 @@ class Replica {
   Scene scene_;
   ReplicaConfig config_;
   Judge judge_;
-  HashChecks checks_;  ///< at check ticks; filled by agreed_ from its birth on
+  HashChecks checks_;  ///< at check ticks; filled by agreed_ from its construction on
   sync::AgreedWorld agreed_;
   sync::LiveWorld live_;
   sync::Reporter reporter_;
@@ -248,7 +249,7 @@ class Replica {
   sync::Prediction prediction_;
   Tick looked_ = -1000;  ///< when the last look ahead was taken
   sync::Shown shown_;
-  Ring<sync::Bundle> own_log_;   ///< not yet acknowledged by everybody, or recent
+  Ring<sync::Bundle> own_log_;   ///< not yet acknowledged by all peers, or recent
   sync::BundlePool own_pool_;    ///< for own_log_
   std::uint32_t own_first_ = 0;  ///< index of own_log_.front()
   Roster roster_;
@@ -270,11 +271,11 @@ class Replica {
   Vec2 reaction_;
   Vec2 jolt_;
   float coarseness_ = 1;
-  bool joined_ = false;  ///< the own avatar has been taken over from where it was admitted
+  bool joined_ = false;  ///< the live world has taken over the own avatar as it was admitted
   bool expelled_ = false;
   PeerId differs_from_ = kNoPeer;
   bool gone_ = false;
-  Tick news_ = 0;  ///< when the last update that was not here yet came, or was made
+  Tick news_ = 0;  ///< when the last new update arrived or was made
   Tick through_ticks_ = 0;
 };
 

@@ -11,7 +11,7 @@ using sync::DropReason;
 DropReason Replica::relay(PeerId p, std::uint32_t incarnation, const std::vector<sync::Bundle>& updates) {
   Seat& of = roster_.seats[p];
   if (p == config_.self || !of.reachable() || of.frozen || incarnation != of.incarnation) return DropReason::kForeign;
-  sync::StatePacket packet;  // that p would have sent with these
+  sync::StatePacket packet;  // as p would have sent it with these
   packet.updates = updates;
   packet.mark_tick = updates.back().tick;
   packet.mark_count = updates.back().index + 1;
@@ -29,7 +29,7 @@ DropReason Replica::relay(PeerId p, std::uint32_t incarnation, const std::vector
   return DropReason::kNone;
 }
 
-// An update that says nothing, but is one: for whoever does not hear us, but may hear those who do.
+// An empty update, for a member that does not hear us, but may hear members that do.
 void Replica::publish_heartbeat() {
   if (!own_log_.empty() && own_log_.back().tick > now() - kHeartbeat) return;
   bool missed = false;

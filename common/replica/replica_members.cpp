@@ -12,8 +12,8 @@ void Replica::file(const sync::Bundle& bundle) {
   note_changes(bundle);
 }
 
-// Acted upon as soon as it is heard, not when it is confirmed: nothing can be confirmed before those are asked who must
-// be. What is heard out of order is put right by the incarnation.
+// A change takes effect as soon as it is heard, not when it is confirmed: it decides whose updates a confirmed tick
+// needs. Incarnations put right what is heard out of order.
 void Replica::note_changes(const sync::Bundle& b) {
   for (const sync::Bundle& lost : b.passed_on) file(lost);
   for (const sync::Removal& r : b.removals) remove(r, b);
@@ -21,7 +21,7 @@ void Replica::note_changes(const sync::Bundle& b) {
   if (!b.leave) return;
   Seat& n = roster_.seats[b.peer];
   const bool of_before = b.index < (b.peer == config_.self && member() ? own_first_ : n.first);
-  if (of_before) return;  // somebody else sits there already
+  if (of_before) return;  // a later peer has the slot already
   agreed_.close(b.peer, b.index + 1);
   if (b.peer == config_.self || !n.there()) return;
   n.presence = Presence::kLeft;
@@ -50,7 +50,7 @@ void Replica::admit(const sync::Admission& a, const sync::Bundle& by) {
   }
   if (a.incarnation <= n.incarnation) return;
   const Endpoint at = as_seen_from(a.at, roster_.place_of_sayer(by));
-  agreed_.close(a.slot, a.first);  // should the removal of who sat there before come later
+  agreed_.close(a.slot, a.first);  // in case the removal of the former occupant comes later
   agreed_.open(a.slot, by.tick);
   repeats_of_gone_ += links_[a.slot].out.repeats();
   LinkState link;
@@ -65,22 +65,22 @@ void Replica::admit(const sync::Admission& a, const sync::Bundle& by) {
 void Replica::remove(const sync::Removal& r, const sync::Bundle& by) {
   if (r.slot == config_.self) {
     if (r.incarnation == config_.incarnation) expelled_ = true;
-    if (!member()) agreed_.close(r.slot, r.count);  // of who sat there before
+    if (!member()) agreed_.close(r.slot, r.count);  // of the former occupant
     return;
   }
   Seat& n = roster_.seats[r.slot];
   if (r.incarnation != n.incarnation || !n.reachable()) return;
-  if (agreed_.log().have(r.slot) > r.count) expelled_ = true;  // they agreed without us
+  if (agreed_.log().have(r.slot) > r.count) expelled_ = true;  // the others agreed without us
   agreed_.close(r.slot, r.count);
   n.frozen = false;
   links_[r.slot].held.clear();
-  if (!n.there()) return;  // it has left: its farewell was the end, and counts
+  if (!n.there()) return;  // it has left: the end of its log is its leave update, which counts
   n.presence = Presence::kAbsent;
   changes_.push_back({MemberChange::Kind::kRemoved, r.slot, r.incarnation, n.at, by.tick, by.peer});
 }
 
-// How many of its updates are here must not grow any more: not by datagrams, and not by what others pass on to close a
-// hole beyond which there is more.
+// The log of a frozen peer must not grow any more: not by its datagrams, and not by passed-on updates that fill a gap
+// before updates already here.
 void Replica::freeze(PeerId p, bool frozen) {
   bool& is_frozen = roster_.seats[p].frozen;
   if (is_frozen == frozen) return;
@@ -101,7 +101,7 @@ sync::Transfer Replica::transfer() const {
   sync::Transfer t;
   t.state = agreed_.confirmed();
   t.tail = agreed_.log().since(t.state.tick);
-  // Without what lies beyond holes: a removal might close one that the newcomer is never told of otherwise.
+  // Without updates beyond a gap: a removal might close a gap that the joiner never hears of otherwise.
   std::erase_if(t.tail, [&](const sync::Bundle& b) { return b.index >= agreed_.log().have(b.peer); });
   t.slots.resize(roster_.slots());
   t.have.resize(roster_.slots());
@@ -113,8 +113,8 @@ sync::Transfer Replica::transfer() const {
   return t;
 }
 
-// Who sent the transfer knows where everybody is. The updates in it tell where somebody was seen by a coordinator who
-// may have gone, and whose slot may be another's by now.
+// The sender of the transfer knows all present addresses. Updates in it have an address as a coordinator saw it, which
+// may have gone since, and whose slot may be another peer's by now.
 void Replica::keep_places(const sync::Transfer& start) {
   for (PeerId p = 0; p < roster_.slots(); ++p)
     if (p != config_.self && start.slots[p].at.is_set()) roster_.seats[p].at = start.slots[p].at;
@@ -130,7 +130,7 @@ Replica::Replica(const Scene& scene, const ReplicaConfig& config, const sync::Tr
     const sync::Transfer::Slot& s = start.slots[p];
     Seat& n = roster_.seats[p];
     const sync::Member& member = start.state.members[p];
-    // Who is there in the state may have gone since: then the tail says so.
+    // A peer that is present in the state may have left or been removed since: then the tail says so.
     n.incarnation = member.incarnation;
     n.at = s.at;
     n.confirmed = n.heard = n.answered = start.state.tick;

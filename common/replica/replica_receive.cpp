@@ -9,7 +9,7 @@ using sync::DropReason;
 
 namespace {
 
-// What lossy links send twice comes earlier.
+// Age in ticks above which a repeated update means a lack of acknowledgement; repeats against loss come earlier.
 constexpr Tick kLate = 16;
 
 }  // namespace
@@ -83,7 +83,7 @@ DropReason Replica::check_claims(const sync::StatePacket& packet, PeerId from) c
   return DropReason::kNone;
 }
 
-// Whether something is sent again that is here: that it has arrived is not known there.
+// Whether the packet repeats an update that is here: its sender does not know that the update has arrived.
 bool Replica::repeats(const sync::StatePacket& packet, PeerId from) const {
   return std::any_of(packet.updates.begin(), packet.updates.end(), [&](const sync::Bundle& b) {
     return agreed_.log().knows(from, b.index) && packet.mark_tick - b.tick > kLate;
@@ -92,12 +92,12 @@ bool Replica::repeats(const sync::StatePacket& packet, PeerId from) const {
 
 DropReason Replica::file_updates(const sync::StatePacket& packet, PeerId from) {
   const sync::UpdateLog& log = agreed_.log();
-  // What was promised to be complete is complete: an unknown update below it contradicts its own sender.
+  // A tick that was promised to be complete is complete: an unknown update of it contradicts its own sender.
   for (const sync::Bundle& b : packet.updates)
     if (b.index >= log.have(from) && b.tick <= log.complete(from)) return DropReason::kOrder;
   if (log.contradicts(from, packet.mark_tick, packet.mark_count)) return DropReason::kOrder;
   for (const sync::Bundle& b : packet.updates) file(b);
-  // An update just filed may have been its end.
+  // An update just filed may have ended the sender's log.
   if (agreed_.log().closed(from)) return DropReason::kNone;
   agreed_.mark(from, packet.mark_tick, packet.mark_count);
   links_[from].promised = std::max(links_[from].promised, packet.mark_count);
@@ -120,7 +120,7 @@ void Replica::settle_checks() {
     if (seat(told.from).incarnation == told.incarnation) compare(told.tick, told.hash, told.from);
 }
 
-// Who has been declared gone meanwhile went its own way, and so may who has left: nobody asks it any more.
+// Not of a peer that was removed or left meanwhile: it may go its own way, as nobody waits for its updates.
 void Replica::compare(Tick t, std::uint32_t theirs, PeerId from) {
   if (!seat(from).there()) return;
   const HashChecks::Own* mine = checks_.own(t);

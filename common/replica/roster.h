@@ -10,47 +10,47 @@
 namespace padr::node {
 
 enum class Presence : std::uint8_t {
-  kAbsent,  ///< nobody sits in the slot, or who did has been declared gone
+  kAbsent,  ///< the slot is empty, or its peer has been removed
   kThere,
-  kLeft,  ///< has said goodbye, and may linger to get its last words across
+  kLeft,  ///< said goodbye; may linger until its last updates are acknowledged
 };
 
-/// Who sat in a slot before who sits there now.
+/// A former occupant of a slot.
 struct Former {
   std::uint32_t first = 0;  ///< number of its first update
   std::uint32_t incarnation = 0;
   Endpoint at;
 };
 
-/// Who sits in another slot of the session, and what has been heard of it. Times are ticks of the observer.
+/// The occupant of another slot of the session, and what has been heard of it. Times are ticks of the observer.
 struct Seat {
   Presence presence = Presence::kAbsent;
-  std::uint32_t incarnation = 0;  ///< of who sits or sat there last
+  std::uint32_t incarnation = 0;  ///< of the present or last occupant
   std::uint32_t first = 0;        ///< number of its first update
   Endpoint at;
   std::vector<Former> former;  ///< the latest kFormer, eldest first
 
   Tick since = 0;                  ///< tick of its admission
-  Tick excused = 0;                ///< nothing before this is held against it
-  Tick heard = 0;                  ///< when anything valid came last
-  Tick answered = 0;               ///< when it last said that it got something new of ours
-  Tick answer_mark = -1;           ///< of its newest mark that has answered us
-  Tick relayed = -1;               ///< of its newest update that has come by somebody else only
+  Tick excused = 0;                ///< silence and arrears before this tick do not count
+  Tick heard = 0;                  ///< when its last valid datagram came
+  Tick answered = 0;               ///< when it last acknowledged something new of ours
+  Tick answer_mark = -1;           ///< tick of its newest mark that has answered us
+  Tick relayed = -1;               ///< tick of its newest update that came by relay only
   Tick given_up = -1;              ///< since when it counts as silent, whatever was heard before; -1: it does not
-  bool given_up_for_good = false;  ///< whoever hears it
+  bool given_up_for_good = false;  ///< even if others hear it
   bool proven = false;             ///< it has answered since silence was last excused
-  Tick confirmed = 0;              ///< it has confirmed so far at least
+  Tick confirmed = 0;              ///< it has confirmed at least up to this tick
   Tick unacknowledged = -1;        ///< tick of our first update that it has not acknowledged; -1: it has all
-  bool differs = false;            ///< it has told a hash that is not ours
-  bool frozen = false;             ///< being declared gone: nothing more is taken from it
+  bool differs = false;            ///< it has sent a hash that differs from ours
+  bool frozen = false;             ///< its eviction is under way: nothing more is taken from it
 
   static constexpr std::size_t kFormer = 4;
   bool there() const { return presence == Presence::kThere; }
-  /// Whether it gets our datagrams and we may get some of it.
+  /// Whether it is sent our datagrams, and its datagrams may still come.
   bool reachable() const { return presence != Presence::kAbsent; }
 };
 
-/// Somebody has come or gone, as far as is known here.
+/// A peer was admitted, left or was removed, as far as this peer knows.
 struct MemberChange {
   enum class Kind : std::uint8_t { kAdmitted, kLeft, kRemoved };
   Kind kind = Kind::kAdmitted;
@@ -58,52 +58,52 @@ struct MemberChange {
   std::uint32_t incarnation = 0;
   Endpoint at;  ///< as it is to be reached from here; not set if not known
   Tick tick = 0;
-  PeerId by = kNoPeer;  ///< who said so
+  PeerId by = kNoPeer;  ///< the peer that published it
 };
 
-/// Who is where in a session, as one peer knows it: a value. A Replica keeps it, and the rules of membership decide by
-/// it.
+/// The occupants of a session's slots, as one peer knows them: a value. A Replica keeps it, and the membership rules
+/// decide by it.
 struct Roster {
   std::uint16_t session = 0;
   PeerId self = kNoPeer;
   std::uint32_t incarnation = 0;  ///< of this peer in its slot
   Tick now = 0;
   bool member = false;           ///< this peer's avatar is, or was once, part of the session
-  bool leaving = false;          ///< this peer has said goodbye, or will with its next step
+  bool leaving = false;          ///< this peer has published that it leaves, or is about to
   Tick in_since = 0;             ///< tick of this peer's admission; its updates are of later ones
-  PeerId admitted_by = kNoPeer;  ///< whose update that was; kNoPeer: its own, as it was there from tick 0 on
-  std::vector<Seat> seats;       ///< by slot; the own one is only a place
+  PeerId admitted_by = kNoPeer;  ///< whose update that was; kNoPeer: its own, or present from tick 0 on
+  std::vector<Seat> seats;       ///< by slot; of the own one mainly `first` and `former` count
 
   PeerId slots() const { return static_cast<PeerId>(seats.size()); }
   /// Ticks since anything valid was heard of p; since the start if nothing was.
   Tick silence(PeerId p) const { return now - seats[p].heard; }
-  /// Ticks since the last sign that p hears us, or that others hear p: since p last said that it had got something new
-  /// of ours, or the tick of its newest update that was relayed.
+  /// Ticks since the last sign that p hears us, or that others hear p: since p last acknowledged something new of ours,
+  /// or since the tick of its newest relayed update.
   Tick unanswered(PeerId p) const;
-  /// How old the first update of ours is that p, which may well hear us, has not acknowledged; ticks.
+  /// Age of our first update that p has not acknowledged although it may well hear us, ticks; 0 if there is none.
   Tick unacknowledged(PeerId p) const;
-  /// A peer that has left and been silent since has ended.
+  /// Whether p has left and then been silent for kDeparted: it has ended.
   bool departed(PeerId p) const { return seats[p].presence == Presence::kLeft && silence(p) > kDeparted; }
   /// The highest incarnation that this peer has heard of, its own included.
   std::uint32_t newest_incarnation() const;
-  /// Where who said the update was then; not set if that is not known, or if it was this peer.
+  /// Address at that time of the peer that published the update; not set if it is unknown, or if it was this peer.
   Endpoint place_of_sayer(const sync::Bundle& said) const;
 
-  /// p has said, with a mark of that tick, that it got something new of ours.
+  /// p has acknowledged something new of ours, with a mark of tick `mark`.
   void note_answer(PeerId p, Tick mark);
-  /// Counts as silent from now on, until it answers again. `for_good`: it does not matter whether others hear it.
+  /// p counts as silent from now on, until it answers again. `for_good`: even if others hear it.
   void give_up(PeerId p, bool for_good);
-  /// This peer was held up: nobody can be blamed for not having been heard meanwhile.
+  /// This peer was held up: the silence of the others meanwhile does not count.
   void excuse_silence();
-  /// Another peer sits there from that tick on; who sat there before is remembered.
+  /// Gives slot p to another peer from that tick on, and remembers the former occupant.
   void seat(PeerId p, std::uint32_t as_incarnation, std::uint32_t first, const Endpoint& at, Tick from);
 
-  /// Who has left and been silent for this long has ended.
+  /// Silence after which a peer that has left counts as ended, ticks.
   static constexpr Tick kDeparted = 60;
 };
 
-/// Who has not been heard for so long is asked for by others' having it, and no longer than kRelayUntil: what is kept
-/// for it meanwhile is not told as received.
+/// Silence of a peer after which others are asked for its updates, until its silence reaches kRelayUntil; ticks. The
+/// limit is there because all that it has not acknowledged must be kept meanwhile.
 inline constexpr Tick kRelayAfter = 90;
 inline constexpr Tick kRelayUntil = 5 * 60 * kTicksPerSecond;
 
