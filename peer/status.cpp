@@ -48,6 +48,7 @@ std::string Status::line(const Player& player, Micros now) {
   if (history.left() > 0) line += fmt::format("  left {}", history.left());
   if (history.removed() > 0) line += fmt::format("  lost {}", history.removed());
   if (const std::uint64_t n = refused(totals.replica); n > 0) line += fmt::format("  refused {}", n);
+  if (player.channels() != nullptr && player.channels()->stats().readable > 0) line += "  readable datagrams come";
   if (player.incarnation() > 0) line += fmt::format("  life {}", player.incarnation() + 1);
   if (player.returning()) line += "  joining anew";
   if (player.leaving()) line += "  leaving";

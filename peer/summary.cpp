@@ -48,7 +48,11 @@ void put_seal(Json& j, const Report& r) {
   j.key("seal").begin_object();
   j.field("mode", r.options.seal == wire::SealMode::kAuth ? "auth" : "encrypt");
   j.field("public_key", shell::key_text(channels->key())).field("known", channels->channels());
-  j.field("received", s.datagrams).field("passed", s.passed).field("handshakes", s.handshakes).field("moves", s.moves);
+  j.field("received", s.datagrams)
+      .field("passed", s.passed)
+      .field("handshakes", s.handshakes)
+      .field("moves", s.moves)
+      .field("readable", s.readable);
   j.key("dropped").begin_object();
   for (std::size_t d = 0; d < node::kChannelDrops; ++d) j.field(node::kChannelDropNames[d], s.dropped[d]);
   j.end_object().end_object();

@@ -50,6 +50,8 @@ std::string words_of(const node::SessionEvent& e) {
       return count + " datagrams were not made with this session's key, the last by " + to_string(e.at);
     case Kind::kLastKeyLogged:
       return "the keys of " + count + " peers have been logged, and no more will be";
+    case Kind::kReadable:
+      return to_string(e.at) + " sends readable datagrams (--seal auth), though this peer encrypts";
     case Kind::kDiffered:
       return "here and there " + e.text;
   }

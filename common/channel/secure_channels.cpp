@@ -196,6 +196,7 @@ std::optional<SecureChannels::Arrival> SecureChannels::receive(const Endpoint& p
       }
       heard(c, place, number, local);
       ++stats_.passed;
+      note_mode(c, sealed->mode);
       return Arrival{c.name, unsealed_};
     }
     return drop(why);
@@ -230,6 +231,12 @@ void SecureChannels::heard(Channel& c, const Endpoint& place, std::uint64_t numb
   if (newest && c.here < kSettled && ++c.here == kSettled) c.home = c.at;
   c.met = true;
   c.heard = local;
+}
+
+void SecureChannels::note_mode(Channel& c, wire::SealMode mode) {
+  if (config_.mode != wire::SealMode::kEncrypt || mode == wire::SealMode::kEncrypt) return;
+  ++stats_.readable;
+  if (!std::exchange(c.readable, true)) readable_.push_back(c.name);
 }
 
 wire::Tag SecureChannels::cookie_for(const Endpoint& place, const PublicKey& key, std::int64_t age) const {

@@ -8,6 +8,8 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "common/channel/outbox.h"
 #include "common/channel/parcel.h"
@@ -47,6 +49,8 @@ struct ChannelStats {
   std::uint64_t passed = 0;
   std::uint64_t handshakes = 0;  ///< messages of it that were right
   std::uint64_t moves = 0;       ///< peers that were found at another address than before
+  /// Passed datagrams that anybody on their way could read, though this peer encrypts what it sends.
+  std::uint64_t readable = 0;
   std::array<std::uint64_t, kChannelDrops> dropped{};
 };
 
@@ -79,6 +83,8 @@ class SecureChannels {
   std::span<const Parcel> take_outgoing() { return outgoing_.take(); }
 
   const ChannelStats& stats() const { return stats_; }
+  /// Peers whose first readable datagram came since the last call, in a peer that encrypts what it sends.
+  std::vector<Endpoint> take_readable() { return std::exchange(readable_, {}); }
   std::size_t channels() const { return channels_.size(); }
   /// Places that were sent something, and of which nobody's key is known yet.
   std::size_t callers() const { return callers_.size(); }
@@ -100,8 +106,9 @@ class SecureChannels {
     Endpoint home;  ///< where it was before, until it has settled there
     int here = 0;   ///< of its newest datagrams in a row, how many came from there; counted to kSettled
     NumberWindow<4096> window;
-    bool met = false;  ///< something of it has come
-    Micros heard = 0;  ///< when, or when we began
+    bool met = false;       ///< something of it has come
+    bool readable = false;  ///< something readable of it has come to a peer that encrypts
+    Micros heard = 0;       ///< when, or when we began
     Micros greeted = kNever;
     std::uint64_t nonce = 0;  ///< of the last Hello; 0: none is out
     std::optional<wire::Tag> cookie;
@@ -134,6 +141,7 @@ class SecureChannels {
   void introduce(Channel& to);
   void keep_company(Channel& c, Micros local);
   void heard(Channel& c, const Endpoint& place, std::uint64_t number, Micros local);
+  void note_mode(Channel& c, wire::SealMode mode);
   wire::Tag cookie_for(const Endpoint& place, const PublicKey& key, std::int64_t age) const;
   std::optional<Arrival> drop(ChannelDrop why);
   /// That a datagram with this number is new, and of whom it says; counts it as dropped if not.
@@ -158,6 +166,7 @@ class SecureChannels {
   wire::Bytes sealed_;    ///< what is being sent
   wire::Bytes unsealed_;  ///< what has arrived
   ChannelStats stats_;
+  std::vector<Endpoint> readable_;
 };
 
 }  // namespace padr::node

@@ -31,6 +31,7 @@ struct SessionEvent {
     kReturning,    ///< this peer joins anew; `text`: why
     kWrongKey,     ///< `count` datagrams were not made with this session's key, the last of them at `at`
     kLastKeyLogged,  ///< keys of `count` peers have been logged, and no more will be
+    kReadable,       ///< the peer at `at` sends readable datagrams, though this one encrypts
     kDiffered,       ///< the state that this peer rejoins with differs from its own of that tick; `text`: where
   };
   Kind kind{};

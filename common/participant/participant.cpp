@@ -53,6 +53,8 @@ void Participant::receive(const Endpoint& from, std::span<const std::byte> datag
   if (!channels_) return take(from, datagram, local);
   const auto arrival = channels_->receive(from, datagram, local);
   warn_of_last_key();
+  for (const Endpoint& at : channels_->take_readable())
+    events_.push_back({.kind = SessionEvent::Kind::kReadable, .at = at});
   if (arrival) return take(arrival->from, arrival->datagram, local);
   warn_of_drops(from, local);
 }

@@ -79,6 +79,20 @@ TEST(SecureChannels, WhatIsNotSealedIsNotRead) {
   EXPECT_TRUE(taken(g.b).empty());
 }
 
+TEST(SecureChannels, WhoEncryptsIsToldOnceOfEachPeerThatDoesNot) {
+  TwoPeers g(wire::SealMode::kAuth, wire::SealMode::kEncrypt);
+  g.meet();
+  g.say("again");
+  g.carry();
+  EXPECT_EQ(g.b.stats().readable, 2U);
+  ASSERT_EQ(g.b.take_readable().size(), 1U);
+  EXPECT_TRUE(g.b.take_readable().empty());
+  g.b.send(place(1), kNoPeer, words("hidden"), g.now);
+  g.carry();
+  EXPECT_EQ(g.a.stats().readable, 0U);
+  EXPECT_TRUE(g.a.take_readable().empty());
+}
+
 TEST(SecureChannels, ADatagramPassesOnce) {
   TwoPeers g;
   g.meet();

@@ -47,8 +47,8 @@ inline std::vector<node::Parcel> taken(node::SecureChannels& channels) {
 
 /// Two gates at the places 1 and 2, between which whoever tests carries everything.
 struct TwoPeers {
-  explicit TwoPeers(wire::SealMode mode = wire::SealMode::kAuth)
-      : a(channel_config(1, mode)), b(channel_config(2, mode)) {}
+  explicit TwoPeers(wire::SealMode mode = wire::SealMode::kAuth) : TwoPeers(mode, mode) {}
+  TwoPeers(wire::SealMode of_a, wire::SealMode of_b) : a(channel_config(1, of_a)), b(channel_config(2, of_b)) {}
   node::SecureChannels a;
   node::SecureChannels b;
   Micros now = 1'000'000;

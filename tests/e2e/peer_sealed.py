@@ -70,6 +70,9 @@ class Sessions(Case):
         for p, mode in zip(peers, ("auth", "encrypt", "auth")):
             seal = p.summary()["seal"]
             self.assertEqual((seal["mode"], seal["moves"], seal["dropped"]["tag"]), (mode, 0, 0))
+            self.assertEqual(seal["readable"] > 0, mode == "encrypt")
+            warnings = [line for line in p.text().splitlines() if "sends readable datagrams" in line]
+            self.assertEqual(len(warnings), 2 if mode == "encrypt" else 0, p.text())  # of each of the others, once
 
     def test_who_has_another_key_or_none_is_not_answered(self):
         founder = self.peer("--wait-peers", 2, "--join-timeout", 5, env=with_key(KEY))
