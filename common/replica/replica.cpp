@@ -22,8 +22,6 @@ constexpr Tick kKept = 15 * kTicksPerSecond;
 constexpr Tick kTellCheck = 60;
 // Time without new updates after which marks are less urgent.
 constexpr Tick kQuiet = kTicksPerSecond;
-// Four marks: time to hear that another peer leaves too, and to acknowledge everything, even if some marks get lost.
-constexpr Tick kLastAcks = 62;
 
 void add(Hasher& h, Vec2 position, float angle, Vec2 velocity, float spin, bool awake) {
   for (const float v : {position.x, position.y, angle, velocity.x, velocity.y, spin}) h.add(v);
@@ -124,10 +122,6 @@ void Replica::go_on(Vec2 target, Vec2 velocity_before) {
   settle_checks();
   send();
   through_ticks_ = gone_ && all_through() ? through_ticks_ + 1 : 0;
-}
-
-bool Replica::delivered() const {
-  return through_ticks_ >= kLastAcks;
 }
 
 void Replica::adopt(bool as_stepped) {
@@ -373,16 +367,6 @@ void Replica::fill(sync::StatePacket& packet, PeerId p) {
   if (newest.tick < 0) return;
   packet.check_tick = newest.tick;
   packet.check_hash = newest.hash;
-}
-
-// A peer that has left lingers, and needs our last updates as we need its; once it is silent, it has ended.
-bool Replica::all_through() const {
-  for (PeerId p = 0; p < config_.slots; ++p) {
-    if (p == config_.self || !seat(p).reachable() || roster_.departed(p)) continue;
-    if (links_[p].out.acked() < own_end()) return false;
-    if (agreed_.log().have(p) < links_[p].promised) return false;
-  }
-  return true;
 }
 
 float Replica::own_error() const {

@@ -1,4 +1,4 @@
-// A Replica's part in membership: its own admission, and the admissions and removals of others.
+// A Replica's part in membership: its own admission and farewell, and the admissions and removals of others.
 #include <algorithm>
 #include <utility>
 
@@ -6,6 +6,13 @@
 #include "common/replica/replica.h"
 
 namespace padr::node {
+namespace {
+
+// Four marks: time to hear that another peer leaves too, and to acknowledge everything, even if some marks get lost.
+constexpr Tick kLastAcks = 62;
+
+}  // namespace
+
 void Replica::file(const sync::Bundle& bundle) {
   if (!agreed_.insert(bundle)) return;
   news_ = now();
@@ -95,6 +102,20 @@ void Replica::freeze(PeerId p, bool frozen) {
 
 std::vector<MemberChange> Replica::take_changes() {
   return std::exchange(changes_, {});
+}
+
+bool Replica::delivered() const {
+  return through_ticks_ >= kLastAcks;
+}
+
+// A peer that has left lingers, and needs our last updates as we need its; once it is silent, it has ended.
+bool Replica::all_through() const {
+  for (PeerId p = 0; p < config_.slots; ++p) {
+    if (p == config_.self || !seat(p).reachable() || roster_.departed(p)) continue;
+    if (links_[p].out.acked() < own_end()) return false;
+    if (agreed_.log().have(p) < links_[p].promised) return false;
+  }
+  return true;
 }
 
 sync::Transfer Replica::transfer() const {
