@@ -168,6 +168,15 @@ class Eviction : public testing::Test {
     heard_again_ |= out.told(SessionEvent::Kind::kHeardAgain);
   }
 
+  /// Nobody hears it any more: its eviction begins.
+  void begin() {
+    pass(1);
+    reply(1, false, 1, -1);
+    reply(2, false, 1, -1);
+    pass(node::kSilence - node::kDoubt);
+    ASSERT_TRUE(rules_.busy());
+  }
+
   Situation s_{4, 0};
   Evictions rules_{s_.session};
   std::vector<sync::Bundle> orders_;
@@ -194,11 +203,7 @@ TEST_F(Eviction, WaitsForNobodyWhoHearsIt) {
 }
 
 TEST_F(Eviction, OrdersWhatNobodyMayLackAndThenTheRemoval) {
-  pass(1);
-  reply(1, false, 1, -1);
-  reply(2, false, 2, -1);
-  pass(node::kSilence - node::kDoubt);
-  ASSERT_TRUE(rules_.busy());
+  begin();
   EXPECT_TRUE(s_.roster.seats[3].frozen);
   reply(1, true, 1, -1);
   pass(3);
@@ -220,11 +225,7 @@ TEST_F(Eviction, OrdersWhatNobodyMayLackAndThenTheRemoval) {
 }
 
 TEST_F(Eviction, IsTakenBackIfAMemberHearsItAgain) {
-  pass(1);
-  reply(1, false, 1, -1);
-  reply(2, false, 1, -1);
-  pass(node::kSilence - node::kDoubt);
-  ASSERT_TRUE(rules_.busy());
+  begin();
   reply(1, false, 1, 2);
   EXPECT_TRUE(heard_again_);
   EXPECT_FALSE(rules_.busy());
@@ -237,10 +238,7 @@ TEST_F(Eviction, IsTakenBackIfAMemberHearsItAgain) {
 }
 
 TEST_F(Eviction, NamesWhoWithholdsItsReply) {
-  pass(1);
-  reply(1, false, 1, -1);
-  reply(2, false, 1, -1);
-  pass(node::kSilence - node::kDoubt);
+  begin();
   reply(1, true, 1, -1);
   pass(Evictions::kWithheld - 1);
   EXPECT_TRUE(rules_.withholding(s_.view()).empty());

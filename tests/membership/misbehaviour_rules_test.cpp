@@ -144,7 +144,6 @@ TEST(MisbehaviourRules, WhoHoldsUpEverybodyIsCutOff) {
   };
   for (const Row& r : rows) {
     Situation s(4, r.self);
-    for (PeerId p = 0; p < 4; ++p) s.log.begin(p, 0, kNow);
     r.change(s);
     ListedCommands out;
     MisbehaviourPolicy(s.session).advance(s.view(), Evictions(s.session), out);

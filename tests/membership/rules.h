@@ -81,7 +81,7 @@ class ListedCommands final : public node::Commands {
 };
 
 /// A session as values, seen by the member in slot `self` at kNow: all slots are taken, all have just been heard,
-/// and nobody has told anything.
+/// and nobody has anything more to tell.
 struct Situation {
   explicit Situation(int slots, PeerId self) : log(slots) {
     session.self = self;
@@ -93,7 +93,7 @@ struct Situation {
     roster.incarnation = 1U + self;
     roster.seats.resize(static_cast<std::size_t>(slots));
     for (PeerId p = 0; p < slots; ++p) {
-      log.begin(p, 0, -1);
+      log.begin(p, 0, kNow);
       node::Seat& s = roster.seats[p];
       s.at = at(p);
       if (p == self) continue;
