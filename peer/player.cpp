@@ -148,6 +148,7 @@ void Player::follow_start() {
   if (start.wanted > 0 || first_tick_ >= 0) return;
   if (waited_) {
     waited_ = false;
+    tell_events();  // before what follows from them, even if both come in one step
     log_.session->info("session {} of {} peers starts in {:.2f} s; this is peer {}", session().number(), present(),
                        std::max(0.0, static_cast<double>(start.at - replica().now()) / kTicksPerSecond), self());
     say_what_is_played();
@@ -199,9 +200,13 @@ void Player::watch_hashes() {
                    replica().stats().first_mismatch);
 }
 
-void Player::tell() {
+void Player::tell_events() {
   for (const node::SessionEvent& e : participant_.take_events())
     log_.session->log(shell::is_problem(e) ? spdlog::level::warn : spdlog::level::info, "{}", shell::words_of(e));
+}
+
+void Player::tell() {
+  tell_events();
   for (const node::MemberChange& c : participant_.take_changes()) {
     if (has_begun()) history_.change(c);
     if (watcher_ != nullptr) watcher_->changed(c);

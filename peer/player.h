@@ -125,6 +125,7 @@ class Player {
   void say_what_is_played();
   void watch_clock(Micros now);
   void watch_hashes();
+  void tell_events();
   void tell();
 
   const Options& options_;

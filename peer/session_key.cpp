@@ -7,23 +7,40 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <span>
 #include <string_view>
 #include <system_error>
 
 #include "common/model/user_error.h"
 #include "shell/key_text.h"
 #include "shell/run_main.h"
+#include "shell/secrets.h"
 
 namespace padr::peer {
 namespace {
 
 constexpr const char* kEnvironment = "PADR_KEY";
 
-wire::Key unpredictable_bytes() {
-  wire::Key key{};
-  if (::getentropy(key.data(), key.size()) != 0)
+/// 256 bytes at most.
+void unpredictable_bytes(std::span<std::byte> out) {
+  if (::getentropy(out.data(), out.size()) != 0)
     throw std::system_error(errno, std::generic_category(), "no random numbers from the system");
+}
+
+wire::Key unpredictable_key() {
+  wire::Key key{};
+  unpredictable_bytes(std::as_writable_bytes(std::span<std::uint8_t>(key)));
   return key;
+}
+
+std::optional<wire::Key> parsed(const shell::SecretText& text) {
+  wire::Key key{};
+  if (!shell::parse_key(text.text(), key)) return std::nullopt;
+  return key;
+}
+
+void wipe(std::string& text) {
+  wire::wipe(std::as_writable_bytes(std::span(text)));
 }
 
 }  // namespace
@@ -40,31 +57,35 @@ int keygen(int argc, const char* const* argv) {
     }
     throw UserError("keygen: '" + std::string(argv[argc - 1]) + "' is not expected; give one file, or nothing");
   }
-  const std::string text = shell::key_text(unpredictable_bytes()) + "\n";
+  shell::protect_memory();
+  std::string text = shell::key_text(unpredictable_key()) + "\n";
   if (file.empty() || file == "-") {
     std::fputs(text.c_str(), stdout);
-    return shell::kExitFine;
+  } else {
+    shell::OutputFile out("keygen", file, shell::Readers::kOwnerNew);
+    out.write(text);
+    out.close();
   }
-  shell::OutputFile out("keygen", file, shell::Readers::kOwnerNew);
-  out.write(text);
-  out.close();
+  wipe(text);
   return shell::kExitFine;
 }
 
 std::optional<wire::Key> session_key(const std::string& file, std::vector<std::string>& warnings) {
   constexpr std::string_view kWanted = "64 hexadecimal digits, such as padr-peer keygen makes";
   if (!file.empty()) {
-    const auto key = shell::parse_key(shell::read_file("--key-file", file, 4096));
+    shell::protect_memory();
+    auto key = parsed(shell::SecretText("--key-file", file));
     if (!key) throw UserError("--key-file: '" + file + "' has no key in it; a key is " + std::string(kWanted));
     struct stat s {};
     if (::stat(file.c_str(), &s) == 0 && S_ISREG(s.st_mode) && (s.st_mode & (S_IRWXG | S_IRWXO)) != 0)
       warnings.push_back("--key-file: other users than its owner may read '" + file + "'");
     return key;
   }
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): before any thread is there, and nobody sets variables
-  const char* text = std::getenv(kEnvironment);
-  if (text == nullptr || *text == '\0') return std::nullopt;
-  const auto key = shell::parse_key(text);
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): before any thread is there, and nobody else sets variables
+  const char* value = std::getenv(kEnvironment);
+  if (value == nullptr || *value == '\0') return std::nullopt;
+  shell::protect_memory();
+  auto key = parsed(shell::SecretText(kEnvironment));
   // What it is instead may be somebody's secret all the same.
   if (!key) throw UserError(std::string(kEnvironment) + ": is no key; a key is " + std::string(kWanted));
   return key;
@@ -73,7 +94,9 @@ std::optional<wire::Key> session_key(const std::string& file, std::vector<std::s
 Keylog::Keylog(const std::string& file) : file_("--keylog", file, shell::Readers::kOwner) {}
 
 void Keylog::add(const PublicKey& from, const PublicKey& to, const wire::Key& key) {
-  file_.write(shell::keylog_line({from, to, key}));
+  std::string line = shell::keylog_line({from, to, key});
+  file_.write(line);
+  wipe(line);
   file_.flush();
 }
 
@@ -81,7 +104,8 @@ std::optional<node::ChannelConfig> gate_config(const Options& options, Keylog* k
   if (!options.key) return std::nullopt;
   node::ChannelConfig c;
   c.session = *options.key;
-  c.seed = unpredictable_bytes();
+  c.seed = unpredictable_key();
+  c.random = unpredictable_bytes;
   c.mode = options.seal;
   if (keylog != nullptr)
     c.on_key = [keylog](const PublicKey& from, const PublicKey& to, const wire::Key& key) {

@@ -15,7 +15,8 @@ namespace padr::peer {
 /// code. Throws UserError.
 int keygen(int argc, const char* const* argv);
 
-/// The session's key by --key-file or else PADR_KEY; nothing if neither is given. Throws UserError.
+/// The session's key by --key-file or else PADR_KEY; nothing if neither is given. Before it is read, the memory of the
+/// process is protected, and it is wiped where it came from. Throws UserError.
 std::optional<wire::Key> session_key(const std::string& file, std::vector<std::string>& warnings);
 
 /// The keys of a session as they are made, for those who analyse captures.

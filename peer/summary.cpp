@@ -51,6 +51,7 @@ void put_seal(Json& j, const Report& r) {
   j.field("received", s.datagrams)
       .field("passed", s.passed)
       .field("handshakes", s.handshakes)
+      .field("rekeys", s.rekeys)
       .field("moves", s.moves)
       .field("readable", s.readable);
   j.key("dropped").begin_object();

@@ -26,15 +26,20 @@ std::string key_text(const KeyBytes& key) {
   return text;
 }
 
-std::optional<KeyBytes> parse_key(std::string_view text) {
+bool parse_key(std::string_view text, KeyBytes& key) {
   const std::string_view digits = word(text);
-  KeyBytes key{};
-  if (digits.size() != 2 * key.size() || !word(text).empty()) return std::nullopt;
+  if (digits.size() != 2 * key.size() || !word(text).empty()) return false;
   try {
     boost::algorithm::unhex(digits, key.begin());
   } catch (const boost::algorithm::hex_decode_error&) {
-    return std::nullopt;
+    return false;
   }
+  return true;
+}
+
+std::optional<KeyBytes> parse_key(std::string_view text) {
+  KeyBytes key{};
+  if (!parse_key(text, key)) return std::nullopt;
   return key;
 }
 

@@ -14,6 +14,8 @@ using KeyBytes = PublicKey;
 std::string key_text(const KeyBytes& key);
 /// White space around it does not matter; nothing if it is no key.
 std::optional<KeyBytes> parse_key(std::string_view text);
+/// The same into `key`, so that a secret is nowhere else; false, and `key` is worth nothing, if it is no key.
+bool parse_key(std::string_view text, KeyBytes& key);
 
 /// A line of --keylog: what datagrams of one program to another are sealed with.
 struct KeylogEntry {

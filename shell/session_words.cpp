@@ -37,8 +37,9 @@ std::string words_of(const node::SessionEvent& e) {
     case Kind::kDropped:
       return "dropped " + count + (e.count == 1 ? " datagram of " : " datagrams of ") + who + ": " + e.text;
     case Kind::kMuted:
-      return who + " " + e.text + ": ignored for " +
-             std::to_string(node::MisbehaviourPolicy::kMuted / kTicksPerSecond) + " s";
+      return who + " " + e.text + ": ignored for " + std::to_string(e.tick / kTicksPerSecond) + " s";
+    case Kind::kWithholds:
+      return who + " does not say which updates it has of a lost peer, or does not send them: going on without";
     case Kind::kCutOff:
       return who + " " + e.text + ": cut off";
     case Kind::kOutvoted:

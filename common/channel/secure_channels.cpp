@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cassert>
+#include <span>
 #include <type_traits>
 #include <utility>
-
-#include "common/model/rng.h"
 
 namespace padr::node {
 namespace {
@@ -15,8 +14,7 @@ constexpr Micros kGreetAgain = 100'000;
 /// The same to somebody whom we knew and have not heard for kQuiet.
 constexpr Micros kGreetQuiet = 1'000'000;
 constexpr Micros kQuiet = 2'000'000;
-/// A cookie is good for this long at its maker's, and then some; whoever has one counts on less.
-constexpr Micros kCookieAge = 10'000'000;
+/// Whoever has a cookie counts on less than its maker does.
 constexpr Micros kCookieFresh = 5'000'000;
 /// Whoever has been quiet for so long may be forgotten for somebody else.
 constexpr Micros kForgettable = 60'000'000;
@@ -30,12 +28,6 @@ std::uint64_t whole_number(std::uint64_t newest, std::uint32_t low) {
   return near;
 }
 
-std::uint64_t first_word(const wire::Key& key) {
-  std::uint64_t v = 0;
-  for (unsigned i = 0; i < 8; ++i) v |= std::uint64_t{key[i]} << (8 * i);
-  return v;
-}
-
 }  // namespace
 
 SecureChannels::SecureChannels(ChannelConfig config)
@@ -44,9 +36,9 @@ SecureChannels::SecureChannels(ChannelConfig config)
       public_(wire::public_key(secret_)),
       id_(wire::short_id(public_)),
       handshake_(wire::handshake_key(config_.session)),
-      cookies_(wire::derive_key(config_.seed, "cookies")),
-      nonces_(first_word(wire::derive_key(config_.seed, "nonces"))) {
-  assert(config_.mode != wire::SealMode::kNone);
+      cookies_(wire::derive_key(config_.seed, "cookies")) {
+  assert(config_.mode != wire::SealMode::kNone && config_.random);
+  wire::wipe(std::as_writable_bytes(std::span<std::uint8_t>(config_.seed)));
 }
 
 SecureChannels::Channel* SecureChannels::known(const PublicKey& key) {
@@ -66,39 +58,52 @@ std::optional<SecureChannels::Channel> SecureChannels::channel_to(const PublicKe
                                                                   Micros local) const {
   const auto keys = wire::pair_keys(config_.session, secret_, public_, key);
   if (!keys) return std::nullopt;
-  Channel c;
-  c.key = key;
-  c.id = wire::short_id(key);
-  c.keys = *keys;
+  Channel c(key, ChannelKeys(*keys, public_ < key, local));
   c.at = at.place();
   c.home = c.at;
   c.name = c.at;
   c.name.key = key;
   c.heard = local;
+  if (const auto before = forgotten_.find(key); before != forgotten_.end()) c.window.start_after(before->second);
   return c;
 }
 
 std::list<SecureChannels::Channel>::iterator SecureChannels::quietest() {
-  return std::min_element(channels_.begin(), channels_.end(),
-                          [](const Channel& a, const Channel& b) { return a.heard < b.heard; });
+  return std::min_element(channels_.begin(), channels_.end(), [](const Channel& a, const Channel& b) {
+    return std::pair(a.met, a.heard) < std::pair(b.met, b.heard);
+  });
 }
 
 bool SecureChannels::has_room(Micros local) {
   return channels_.size() < kMostChannels || local - quietest()->heard >= kForgettable;
 }
 
+// What the network has kept of a forgotten peer must not pass when the peer is back.
+void SecureChannels::make_room() {
+  const auto out = quietest();
+  const std::uint64_t newest = out->window.newest();
+  if (newest > 0 && forgotten_.insert_or_assign(out->key, newest).second) {
+    forgotten_order_.push_back(out->key);
+    if (forgotten_order_.size() > kMostForgotten) {
+      forgotten_.erase(forgotten_order_.front());
+      forgotten_order_.pop_front();
+    }
+  }
+  channels_.erase(out);
+}
+
 SecureChannels::Channel& SecureChannels::keep(const Channel& c) {
-  if (channels_.size() >= kMostChannels) channels_.erase(quietest());
-  tell_keys(c);
+  if (channels_.size() >= kMostChannels) make_room();
+  tell_keys(c.key, c.keys.first());
   channels_.push_back(c);
   return channels_.back();
 }
 
-void SecureChannels::tell_keys(const Channel& c) {
+void SecureChannels::tell_keys(const PublicKey& whose, const wire::PairKeys& keys) {
   if (!config_.on_key || keys_told_ == config_.most_keys) return;
   ++keys_told_;
-  config_.on_key(public_, c.key, c.keys.out);
-  config_.on_key(c.key, public_, c.keys.in);
+  config_.on_key(public_, whose, keys.out);
+  config_.on_key(whose, public_, keys.in);
 }
 
 // Those whom we were told of come in by force: their number is that of the session's slots and of who has been there.
@@ -123,6 +128,7 @@ void SecureChannels::send(const Endpoint& to, PeerId state_to, std::span<const s
   }
   keep_company(*c, local);
   post(*c, state_to, datagram);
+  renew(*c, local);
 }
 
 void SecureChannels::call(const Endpoint& to, PeerId state_to, std::span<const std::byte> datagram, Micros local) {
@@ -140,13 +146,8 @@ void SecureChannels::greet(const Endpoint& place, std::uint64_t& nonce, Micros& 
   if (local - greeted < pace) return;
   greeted = local;
   // The same for as long as it is not answered: an answer that takes longer than the pace is an answer, too.
-  while (nonce == 0) nonce = splitmix64(nonces_);
+  while (nonce == 0) config_.random(std::as_writable_bytes(std::span(&nonce, 1)));
   outgoing_.add(place, kNoPeer, wire::encode_handshake(wire::Hello{public_, nonce}, handshake_));
-}
-
-void SecureChannels::introduce(Channel& to) {
-  const wire::Introduction i{public_, ++number_, *to.cookie};
-  outgoing_.add(to.at, kNoPeer, wire::encode_handshake(i, to.keys.out));
 }
 
 // It may not know us yet, or not any more.
@@ -155,20 +156,26 @@ void SecureChannels::keep_company(Channel& c, Micros local) {
   // Where we were told that it is, whoever may have led us elsewhere since.
   c.home = c.name.place();
   c.here = 0;
+  if (!c.answers) c.at = c.home;  // it has not answered from there
+  c.answers = true;
   if (c.cookie && local - c.baked <= kCookieFresh) {
     if (local - c.greeted < kGreetAgain) return;
     c.greeted = local;
-    return introduce(c);
+    return introduce(c, local);
   }
   c.cookie.reset();
   greet(c.at, c.nonce, c.greeted, c.met ? kGreetQuiet : kGreetAgain, local);
 }
 
 void SecureChannels::post(Channel& to, PeerId state_to, std::span<const std::byte> datagram) {
-  wire::seal_with(to.keys.out, config_.mode, id_, ++number_, datagram, sealed_);
-  outgoing_.add(to.at, state_to, sealed_);
+  wire::seal_with(to.keys.out(), config_.mode, id_, ++number_, datagram, sealed_);
+  transmit(to, state_to, sealed_);
+}
+
+void SecureChannels::transmit(Channel& to, PeerId state_to, std::span<const std::byte> sealed) {
+  if (may_send_there(to, sealed.size())) outgoing_.add(to.at, state_to, sealed);
   // If both of two are led astray, neither gets what would put the other right.
-  if (!same_place(to.home, to.at)) outgoing_.add(to.home, state_to, sealed_);
+  if (!same_place(to.home, to.at)) outgoing_.add(to.home, state_to, sealed);
 }
 
 // ---- in
@@ -190,13 +197,15 @@ std::optional<SecureChannels::Arrival> SecureChannels::receive(const Endpoint& p
         why = ChannelDrop::kReplay;
         continue;
       }
-      if (!wire::unseal_with(c.keys.in, number, datagram, unsealed_)) {
+      const auto opens = [&](const wire::Key& key) { return wire::unseal_with(key, number, datagram, unsealed_); };
+      if (!c.keys.open(opens, local)) {
         why = ChannelDrop::kTag;
         continue;
       }
-      heard(c, place, number, local);
+      heard(c, place, number, datagram.size(), local);
       ++stats_.passed;
       note_mode(c, sealed->mode);
+      renew(c, local);
       return Arrival{c.name, unsealed_};
     }
     return drop(why);
@@ -220,111 +229,44 @@ std::optional<SecureChannels::Arrival> SecureChannels::receive(const Endpoint& p
 }
 
 // Only the newest says where somebody is: what was under way when it moved comes from where it was.
-void SecureChannels::heard(Channel& c, const Endpoint& place, std::uint64_t number, Micros local) {
+void SecureChannels::heard(Channel& c, const Endpoint& place, std::uint64_t number, std::size_t bytes, Micros local) {
   const bool newest = number > c.window.newest();
   c.window.pass(number);
+  c.heard = local;
+  c.in_vain = 0;
+  count_rekeys(c);
   if (newest && !same_place(c.at, place)) {
     if (c.met) ++stats_.moves;
     c.at = place.place();
     c.here = 0;
+    c.answers = same_place(c.home, place);  // where it has answered before, or where we were told that it is
+    c.credit = 0;
+    c.nonce = 0;
+    c.greeted = kNever;
   }
-  if (newest && c.here < kSettled && ++c.here == kSettled) c.home = c.at;
   c.met = true;
-  c.heard = local;
+  if (same_place(c.at, place)) c.credit += c.answers ? 0 : kUnprovenTimes * bytes;
+  if (newest && c.here < kSettled && c.answers && ++c.here == kSettled) c.home = c.at;
+  if (!c.answers) challenge(c, local);
+}
+
+// The sender's address in a datagram proves nothing: whoever has recorded it can send it first, from anywhere.
+void SecureChannels::challenge(Channel& c, Micros local) {
+  if (local - c.greeted >= kGreetAgain && may_send_there(c, wire::kHandshakeBytes))
+    greet(c.at, c.nonce, c.greeted, kGreetAgain, local);
+}
+
+bool SecureChannels::may_send_there(Channel& c, std::size_t bytes) {
+  if (c.answers) return true;
+  if (c.credit < bytes) return false;
+  c.credit -= bytes;
+  return true;
 }
 
 void SecureChannels::note_mode(Channel& c, wire::SealMode mode) {
   if (config_.mode != wire::SealMode::kEncrypt || mode == wire::SealMode::kEncrypt) return;
   ++stats_.readable;
   if (!std::exchange(c.readable, true)) readable_.push_back(c.name);
-}
-
-wire::Tag SecureChannels::cookie_for(const Endpoint& place, const PublicKey& key, std::int64_t age) const {
-  wire::Bytes text;
-  for (const std::uint8_t b : place.address) text.push_back(static_cast<std::byte>(b));
-  for (unsigned i = 0; i < 16; i += 8) text.push_back(static_cast<std::byte>(place.port >> i));
-  for (const std::uint8_t b : key) text.push_back(static_cast<std::byte>(b));
-  for (unsigned i = 0; i < 64; i += 8) text.push_back(static_cast<std::byte>(static_cast<std::uint64_t>(age) >> i));
-  return wire::tag_of(cookies_, text);
-}
-
-void SecureChannels::take(const Endpoint& place, const wire::Hello& hello, Micros local) {
-  ++stats_.handshakes;
-  const wire::Cookie c{public_, hello.nonce, cookie_for(place, hello.key, local / kCookieAge)};
-  outgoing_.add(place.place(), kNoPeer, wire::encode_handshake(c, handshake_));
-}
-
-void SecureChannels::take(const Endpoint& place, const wire::Cookie& cookie, Micros local) {
-  Parcel waiting;
-  Channel* c = known(cookie.key);
-  const auto caller = std::find_if(callers_.begin(), callers_.end(), [&](const Caller& k) {
-    return k.nonce == cookie.nonce && same_place(k.place, place);
-  });
-  if (caller != callers_.end()) {
-    waiting = std::move(caller->waiting);
-    callers_.erase(caller);
-    if (c == nullptr) c = make(cookie.key, place, local);
-    if (c == nullptr) return;
-    if (!c->met) c->at = c->home = place.place();
-  } else if (c == nullptr || c->nonce == 0 || c->nonce != cookie.nonce) {
-    drop(ChannelDrop::kCookie);
-    return;
-  }
-  ++stats_.handshakes;
-  c->nonce = 0;
-  c->cookie = cookie.cookie;
-  c->baked = local;
-  c->greeted = local;
-  introduce(*c);
-  if (!waiting.bytes.empty()) post(*c, waiting.state_to, waiting.bytes);
-}
-
-bool SecureChannels::proven(const Channel& c, std::uint64_t number, std::span<const std::byte> datagram) {
-  const bool is_new = c.window.would_pass(number);
-  if (is_new && wire::proves(datagram, c.keys.in, number)) return true;
-  drop(is_new ? ChannelDrop::kTag : ChannelDrop::kReplay);
-  return false;
-}
-
-void SecureChannels::take(const Endpoint& place, const wire::Introduction& in, std::span<const std::byte> datagram,
-                          Micros local) {
-  const std::int64_t age = local / kCookieAge;
-  if (!wire::same(in.cookie, cookie_for(place, in.key, age)) &&
-      !wire::same(in.cookie, cookie_for(place, in.key, age - 1))) {
-    drop(ChannelDrop::kCookie);
-    return;
-  }
-  Channel* c = known(in.key);
-  std::optional<Channel> fresh;
-  if (c == nullptr) {
-    if (has_room(local)) fresh = channel_to(in.key, place, local);
-    if (!fresh) {
-      drop(ChannelDrop::kFull);
-      return;
-    }
-  }
-  if (!proven(c != nullptr ? *c : *fresh, in.number, datagram)) return;
-  if (fresh) {
-    // Whatever it has sent before was to somebody here who knew it and has forgotten it.
-    fresh->window.start_after(in.number);
-    c = &keep(*fresh);
-  }
-  heard(*c, place, in.number, local);
-  ++stats_.handshakes;
-  const wire::Acceptance a{public_, ++number_};
-  outgoing_.add(c->at, kNoPeer, wire::encode_handshake(a, c->keys.out));
-}
-
-void SecureChannels::take(const Endpoint& place, const wire::Acceptance& in, std::span<const std::byte> datagram,
-                          Micros local) {
-  Channel* c = known(in.key);
-  if (c == nullptr) {
-    drop(ChannelDrop::kStranger);
-    return;
-  }
-  if (!proven(*c, in.number, datagram)) return;
-  heard(*c, place, in.number, local);
-  ++stats_.handshakes;
 }
 
 }  // namespace padr::node

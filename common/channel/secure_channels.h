@@ -2,8 +2,10 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <list>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/channel/channel_keys.h"
 #include "common/channel/outbox.h"
 #include "common/channel/parcel.h"
 #include "common/channel/replay_window.h"
@@ -22,12 +25,15 @@ struct ChannelConfig {
   wire::Key session{};  ///< the session's key
   /// 32 bytes that nobody can guess and no other run of the program has: the secret key and the cookies come of them.
   wire::Key seed{};
+  /// For new keys and the nonces of Hellos. It is asked each time, so that two processes that are restored from one
+  /// snapshot of a machine get different bytes.
+  RandomBytes random;
   wire::SealMode mode = wire::SealMode::kAuth;  ///< of what goes out; not kNone
-  /// Told of the keys of those who have proven theirs, or whom we were told of: once for each direction, who sends, who
-  /// receives (public keys), and the key. Of so many peers at most: whoever has the session's key can come under any
-  /// number of names.
+  /// Told of the keys of those who have proven theirs, or whom we were told of, and of each new key: once for each
+  /// direction, who sends, who receives (public keys), and the key. So many pairs at most: whoever has the session's
+  /// key can come under any number of names.
   std::function<void(const PublicKey& from, const PublicKey& to, const wire::Key& key)> on_key;
-  std::size_t most_keys = 4096;
+  std::size_t most_keys = 65'536;
 };
 
 /// Why a datagram went no further.
@@ -48,6 +54,7 @@ struct ChannelStats {
   std::uint64_t datagrams = 0;  ///< that came
   std::uint64_t passed = 0;
   std::uint64_t handshakes = 0;  ///< messages of it that were right
+  std::uint64_t rekeys = 0;      ///< times that a channel went over to new keys
   std::uint64_t moves = 0;       ///< peers that were found at another address than before
   /// Passed datagrams that anybody on their way could read, though this peer encrypts what it sends.
   std::uint64_t readable = 0;
@@ -57,7 +64,8 @@ struct ChannelStats {
 /// Between the network and a peer in a session with a key: seals what goes out, and lets in what was sealed by somebody
 /// who has the session's key, for us, once. Whoever comes in is named by place and public key; a peer whose place
 /// changes keeps its name. Whoever passes datagrams on can make it seem to have moved, so that what is for it goes to
-/// where it was, too, until enough has come from the new place.
+/// where it was, too, until enough has come from the new place; and until it has answered from there, little is sent
+/// there.
 ///
 /// Two programs get to know one another's keys by a handshake, or from others whom they know: endpoints that carry a
 /// key are enough to begin with, and the handshake goes on beside until there is an answer. Everything is repeated by
@@ -94,17 +102,26 @@ class SecureChannels {
   /// No more keys are told.
   bool has_told_all_keys() const { return keys_told_ == config_.most_keys; }
   static constexpr int kSettled = 8;
+  /// To a place that a peer seems to have moved to, at most so many times the bytes that came from there are sent until
+  /// it has echoed a nonce.
+  static constexpr std::size_t kUnprovenTimes = 3;
+  /// Peers that made room for others, and whose datagrams do not pass a second time all the same; the latest so many.
+  static constexpr std::size_t kMostForgotten = 65'536;
 
  private:
   /// Somebody whose public key we know.
   struct Channel {
-    PublicKey key{};
-    std::uint32_t id = 0;
-    wire::PairKeys keys;
+    Channel(const PublicKey& whose, const ChannelKeys& both) : key(whose), id(wire::short_id(whose)), keys(both) {}
+    PublicKey key;
+    std::uint32_t id;
+    ChannelKeys keys;
     Endpoint name;  ///< as we were told of it, or first met it
     Endpoint at;    ///< where it is, by what it sent last
     Endpoint home;  ///< where it was before, until it has settled there
     int here = 0;   ///< of its newest datagrams in a row, how many came from there; counted to kSettled
+    /// It answers at `at`: it has echoed a nonce that was sent there, or `at` is where we were told that it is.
+    bool answers = true;
+    std::size_t credit = 0;  ///< until then: bytes that may be sent there
     NumberWindow<4096> window;
     bool met = false;       ///< something of it has come
     bool readable = false;  ///< something readable of it has come to a peer that encrypts
@@ -112,7 +129,9 @@ class SecureChannels {
     Micros greeted = kNever;
     std::uint64_t nonce = 0;  ///< of the last Hello; 0: none is out
     std::optional<wire::Tag> cookie;
-    Micros baked = 0;  ///< when the cookie came
+    Micros baked = 0;          ///< when the cookie came
+    std::uint64_t rekeys = 0;  ///< as many as have been counted
+    int in_vain = 0;           ///< introductions by later keys than the first, since it was heard last
   };
   /// Somebody of whom we know only the place.
   struct Caller {
@@ -123,6 +142,8 @@ class SecureChannels {
     Parcel waiting;  ///< what was to be sent last
   };
   static constexpr Micros kNever = -(Micros{1} << 60U);
+  /// A cookie is good for this long at its maker's, and then some.
+  static constexpr Micros kCookieAge = 10'000'000;
 
   Channel* known(const PublicKey& key);
   Channel* lately_at(const Endpoint& place, Micros local);
@@ -132,24 +153,37 @@ class SecureChannels {
   /// Without forgetting anybody who was there a moment ago.
   bool has_room(Micros local);
   std::list<Channel>::iterator quietest();
-  /// Whoever has been quiet for the longest makes room.
+  /// Whoever has been quiet for the longest makes room; before anybody else, who never said anything.
   Channel& keep(const Channel& c);
-  void tell_keys(const Channel& c);
+  void make_room();
+  void tell_keys(const PublicKey& whose, const wire::PairKeys& keys);
   void greet(const Endpoint& place, std::uint64_t& nonce, Micros& greeted, Micros pace, Micros local);
   void call(const Endpoint& to, PeerId state_to, std::span<const std::byte> datagram, Micros local);
   void post(Channel& to, PeerId state_to, std::span<const std::byte> datagram);
-  void introduce(Channel& to);
+  void transmit(Channel& to, PeerId state_to, std::span<const std::byte> sealed);
+  void introduce(Channel& to, Micros local);
+  void accept(Channel& to);
+  /// Asks for new keys if it is time.
+  void renew(Channel& c, Micros local);
+  void tell(Channel& to, wire::Rekey rekey);
   void keep_company(Channel& c, Micros local);
-  void heard(Channel& c, const Endpoint& place, std::uint64_t number, Micros local);
+  void heard(Channel& c, const Endpoint& place, std::uint64_t number, std::size_t bytes, Micros local);
+  void challenge(Channel& c, Micros local);
+  bool may_send_there(Channel& c, std::size_t bytes);
   void note_mode(Channel& c, wire::SealMode mode);
   wire::Tag cookie_for(const Endpoint& place, const PublicKey& key, std::int64_t age) const;
   std::optional<Arrival> drop(ChannelDrop why);
   /// That a datagram with this number is new, and of whom it says; counts it as dropped if not.
-  bool proven(const Channel& c, std::uint64_t number, std::span<const std::byte> datagram);
+  bool proven(Channel& c, std::uint64_t number, std::span<const std::byte> datagram, Micros local);
+  /// The same of an introduction, which may go back to the first keys.
+  bool introduced(Channel& c, std::uint64_t number, std::span<const std::byte> datagram, Micros local);
   void take(const Endpoint& place, const wire::Hello& hello, Micros local);
   void take(const Endpoint& place, const wire::Cookie& cookie, Micros local);
   void take(const Endpoint& place, const wire::Introduction& in, std::span<const std::byte> datagram, Micros local);
   void take(const Endpoint& place, const wire::Acceptance& in, std::span<const std::byte> datagram, Micros local);
+  void take(const Endpoint& place, const wire::Rekey& in, std::span<const std::byte> datagram, Micros local);
+  void count_rekeys(Channel& c);
+  void follow(Channel& c, const wire::Rekey& in, Micros local);
 
   ChannelConfig config_;
   wire::Key secret_;
@@ -157,9 +191,11 @@ class SecureChannels {
   std::uint32_t id_;
   wire::Key handshake_;
   wire::Key cookies_;
-  std::uint64_t nonces_;      ///< state of their generator
   std::uint64_t number_ = 0;  ///< of the last datagram sealed, for whomever
   std::list<Channel> channels_;
+  /// The newest number of each peer that made room for another one, and their keys in the order of that.
+  std::map<PublicKey, std::uint64_t> forgotten_;
+  std::deque<PublicKey> forgotten_order_;
   std::list<Caller> callers_;
   std::size_t keys_told_ = 0;
   Outbox outgoing_;

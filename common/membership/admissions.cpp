@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/membership/session_objection.h"
+#include "common/sync/validation.h"
 #include "common/wire/secret.h"
 #include "common/wire/transfer_codec.h"
 
@@ -60,6 +61,7 @@ void Admissions::on_join(const Endpoint& from, const wire::Join& join, const Vie
   w.wanted = session_.wanted;
   w.incarnation = guest->incarnation;
   w.cookie = guest->cookie;
+  w.session = session_.id;
   out.send(from, w);
 }
 
@@ -81,13 +83,29 @@ Admissions::Guest* Admissions::take_in(const Endpoint& from, const wire::Join& j
   g.cookie = cookie_for(from, join.nonce);
   g.slot = *slot;
   g.since = local;
-  // Never another peer's incarnation: late datagrams identify their sender and receiver by it.
-  g.incarnation = view.roster.newest_incarnation();
-  for (const Guest& other : guests_) g.incarnation = std::max(g.incarnation, other.incarnation);
-  // A step drawn from the nonce: the other part of a partition hardly ever assigns the same incarnation.
-  g.incarnation += 1 + static_cast<std::uint32_t>(join.nonce % kSpread);
+  g.incarnation = incarnation_for(join.nonce, view);
+  if (g.incarnation >= sync::kEndOfNumbers) {
+    refuse(from, join, "this session has had too many members; found another", out);
+    return nullptr;
+  }
   guests_.push_back(std::move(g));
   return &guests_.back();
+}
+
+// Never another peer's incarnation: late datagrams identify their sender and receiver by it. The step is drawn from the
+// nonce: the other part of a partition hardly ever assigns the same incarnation. Joiners that come and go must not push
+// the numbers beyond what members accept.
+std::uint32_t Admissions::incarnation_for(std::uint64_t nonce, const View& view) const {
+  const std::uint32_t newest = view.roster.newest_incarnation();
+  std::uint32_t base = newest;
+  for (const Guest& g : guests_)
+    if (g.incarnation <= newest + kMostIncarnationStep / 4) base = std::max(base, g.incarnation);
+  std::uint32_t next = base + 1 + static_cast<std::uint32_t>(nonce % kSpread);
+  const auto is_taken = [&] {
+    return std::any_of(guests_.begin(), guests_.end(), [&](const Guest& g) { return g.incarnation == next; });
+  };
+  while (is_taken()) ++next;
+  return next;
 }
 
 bool Admissions::is_free(PeerId p, const View& view) const {
@@ -146,9 +164,11 @@ void Admissions::on_pull(const Endpoint& from, const wire::Pull& pull, const Tra
     }
   }
   const auto count = static_cast<std::uint32_t>(guest->pieces.size());
-  for (std::uint32_t i = 0; i < kBurst && pull.from + i < count; ++i)
-    if ((pull.wanted >> i & 1U) != 0)
-      out.send(from, wire::Piece{pull.nonce, pull.from + i, count, guest->pieces[pull.from + i]});
+  for (std::uint32_t i = 0; i < kBurst && pull.from + i < count; ++i) {
+    if ((pull.wanted >> i & 1U) == 0 || guest->sent >= kMostTimes * count) continue;
+    ++guest->sent;
+    out.send(from, wire::Piece{pull.nonce, pull.from + i, count, guest->pieces[pull.from + i]});
+  }
 }
 
 // A peer that was removed, or left, after the joiner got its transfer sends the joiner nothing, and the members had no

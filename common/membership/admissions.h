@@ -34,6 +34,9 @@ class Admissions {
   /// Time after which a joiner no longer keeps other joiners waiting, us: it may have vanished, or be slow.
   static constexpr Micros kTurn = 2 * kMicrosPerSecond;
 
+  /// Most times that all the pieces of a transfer are sent to one joiner; three quarters of them may get lost.
+  static constexpr std::size_t kMostTimes = 8;
+
   /// Forgets joiners whose time is up.
   void advance(Micros local);
   /// Joiners that are being admitted; at most one per slot.
@@ -49,9 +52,11 @@ class Admissions {
     std::uint32_t incarnation = 0;
     Micros since = 0;  ///< local time of its Join, then of each Pull until its turn begins
     std::vector<wire::Bytes> pieces;
+    std::size_t sent = 0;             ///< pieces sent, each time counted
     std::vector<std::uint32_t> have;  ///< by slot: with the pieces, the joiner has all updates below this
     bool ordered = false;
   };
+  std::uint32_t incarnation_for(std::uint64_t nonce, const View& view) const;
   Guest* guest_at(const Endpoint& where, std::uint64_t nonce);
   std::uint64_t cookie_for(const Endpoint& where, std::uint64_t nonce) const;
   bool is_free(PeerId p, const View& view) const;

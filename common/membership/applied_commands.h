@@ -29,8 +29,8 @@ class AppliedCommands final : public Commands {
   void publish(const sync::Bundle& order) override { replica_.order(order); }
   void freeze(PeerId p, bool frozen) override { replica_.freeze(p, frozen); }
   void give_up(PeerId p, bool for_good) override { replica_.give_up(p, for_good); }
-  void cut_off(PeerId p, bool for_good, const std::string& why) override { replica_.cut_off(p, for_good, why); }
-  void relay(const wire::Fetched& updates) override { replica_.relay(updates); }
+  void cut_off(PeerId p, const std::string& why) override { replica_.cut_off(p, why); }
+  void relay(const wire::Fetched& updates, PeerId by) override { replica_.relay(updates, by); }
   void count_present(int members) override { session_.present = members; }
   void tell(SessionEvent event) override { session_.tell(std::move(event)); }
 

@@ -32,10 +32,10 @@ class Commands {
   virtual void freeze(PeerId p, bool frozen) = 0;
   /// p counts as silent until it answers again; `for_good`: even if others hear it.
   virtual void give_up(PeerId p, bool for_good) = 0;
-  /// Datagrams of p are ignored, for good or for a while.
-  virtual void cut_off(PeerId p, bool for_good, const std::string& why) = 0;
-  /// Files updates that another member relayed.
-  virtual void relay(const wire::Fetched& updates) = 0;
+  /// Datagrams of p are ignored from now on, and p counts as silent until others relay its updates.
+  virtual void cut_off(PeerId p, const std::string& why) = 0;
+  /// Files updates that member `by` relayed.
+  virtual void relay(const wire::Fetched& updates, PeerId by) = 0;
 
   /// Sets the number of members present, this one included.
   virtual void count_present(int members) = 0;

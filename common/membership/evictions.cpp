@@ -7,15 +7,16 @@
 
 namespace padr::node {
 
-PeerId Evictions::coordinator(const View& view) const {
-  for (PeerId p = 0; p < view.roster.slots(); ++p) {
-    if (p == view.roster.self) {
-      if (view.roster.member && !view.roster.leaving) return p;
-    } else if (view.roster.seats[p].there() && !suspected(view, p) && !lost_.contains(p)) {
-      return p;
-    }
-  }
-  return kNoPeer;
+PeerId Evictions::first_of(const View& view, PeerSet without) const {
+  const auto lives = [&](PeerId p) {
+    if ((without & only(p)) != 0) return false;
+    if (p == view.roster.self) return view.roster.member && !view.roster.leaving;
+    return view.roster.seats[p].there() && !suspected(view, p) && !lost_.contains(p);
+  };
+  PeerId first = kNoPeer;
+  for (PeerId p = 0; p < view.roster.slots(); ++p)
+    if (lives(p) && (first == kNoPeer || view.roster.is_senior(p, first))) first = p;
+  return first;
 }
 
 // A peer that was held up excuses the silence of the others for that time, so it takes a lost coordinator for alive
@@ -24,7 +25,8 @@ PeerId Evictions::coordinator(const View& view) const {
 // A peer that resumes reads the waiting datagrams before it steps: the silence has then lasted until `due`.
 bool Evictions::follows(PeerId from, const wire::Poll& poll, const View& view, Tick due) const {
   if (coordinator(view) == from) return true;
-  for (PeerId p = 0; p < from; ++p) {
+  for (PeerId p = 0; p < view.roster.slots(); ++p) {
+    if (!view.roster.is_senior(p, from)) continue;
     if (p == view.roster.self) {
       if (view.roster.member && !view.roster.leaving) return false;
       continue;
@@ -41,13 +43,13 @@ bool Evictions::follows(PeerId from, const wire::Poll& poll, const View& view, T
   return view.roster.seats[from].there() && !suspected(view, from) && !lost_.contains(from);
 }
 
-void Evictions::on_poll(PeerId from, const wire::Poll& poll, const View& view, Tick due, Commands& out) {
+void Evictions::on_poll(PeerId from, const wire::Poll& poll, const View& view, Tick due, bool vouched, Commands& out) {
   std::uint32_t& number = numbers_[from];
   if (poll.number < number) return;  // it has been taken back
   if (poll.number > number) forget_answers(from);
   number = poll.number;
   wire::Answer answer;
-  answer.frozen = poll.freeze && follows(from, poll, view, due);
+  answer.frozen = poll.freeze && !contests(from, poll, view) && !vouched && follows(from, poll, view, due);
   answer.tick = view.roster.now;
   answer.number = number;
   for (const wire::Seat& s : poll.lost) {
@@ -56,11 +58,13 @@ void Evictions::on_poll(PeerId from, const wire::Poll& poll, const View& view, T
     const bool same = n.incarnation == s.incarnation;
     if (answer.frozen) {
       if (n.reachable() && same && !n.frozen) out.freeze(s.slot, true);
-      answered_[{from, s.slot}] = s.incarnation;
+      answered_[{from, s.slot}] = {s.incarnation, view.roster.now};
     }
     answer.lost.push_back({s.slot, s.incarnation, view.log.have(s.slot)});
-    if (!same || n.frozen || n.answer_mark < 0) continue;
-    const auto ago = static_cast<std::uint32_t>(std::max(0, answer.tick - n.answer_mark));
+    const Tick answered = n.frozen ? n.answered_frozen : n.answer_mark;
+    const bool hears = n.frozen ? hears_again(s.slot, view) : answered >= 0 && !view.delays(s.slot);
+    if (!same || !hears) continue;
+    const auto ago = static_cast<std::uint32_t>(std::max(0, answer.tick - answered));
     answer.lost.back().heard = std::min(ago + 1, wire::kMostHeard);
   }
   if (!answer.lost.empty()) out.send(view.roster.seats[from].at, answer);
@@ -80,6 +84,7 @@ void Evictions::on_answer(PeerId from, const wire::Answer& answer, const View& v
       if (is_vetoed(s.slot, it->second, view)) return take_back(view, out);
       continue;
     }
+    it->second.hears.erase(from);
     // No log reaches further than this beyond an update that another log lacks.
     const std::uint32_t most = view.log.have(s.slot) + sync::UpdateLog::kMostBeyond;
     if (it->second.have.insert_or_assign(from, std::min(s.have, most)).second) moved_ = view.roster.now;
@@ -92,9 +97,34 @@ void Evictions::on_fetch(PeerId from, const wire::Fetch& fetch, const View& view
   if (!f.updates.empty()) out.send(view.roster.seats[from].at, f);
 }
 
-void Evictions::on_fetched(const wire::Fetched& fetched, const View& view, const MisbehaviourPolicy& misbehaviour) {
+// Whether the peer has published one of these after it was frozen, or so shortly before that it cannot have been
+// silent.
+bool Evictions::lives(const wire::Fetched& fetched, const Lost& lost, const View& view,
+                      const MisbehaviourPolicy& misbehaviour) const {
+  const LastHeard& h = lost.grounds;
+  if (h.given_up || ordered()) return false;
+  const sync::Bundle* newest = nullptr;  // of those after which none is missing
+  std::uint32_t next = view.log.have(fetched.slot);
+  for (const sync::Bundle& b : fetched.updates) {
+    if (b.index != next) continue;
+    newest = &b;
+    ++next;
+  }
+  const Tick alive = std::max(h.now - kHeardLately, h.refused.value_or(-1));
+  return newest != nullptr && newest->tick > alive && newest->tick <= view.roster.now + kHeardLately &&
+         misbehaviour.said(*newest, view) &&
+         sync::admit(*newest, view.scene, session_.slots) == sync::DropReason::kNone;
+}
+
+void Evictions::on_fetched(PeerId from, const wire::Fetched& fetched, const View& view,
+                           const MisbehaviourPolicy& misbehaviour, Commands& out) {
   const auto it = lost_.find(fetched.slot);
   if (it == lost_.end() || it->second.incarnation != fetched.incarnation) return;
+  if (lives(fetched, it->second, view, misbehaviour)) {
+    take_back(view, out);
+    thaw(view, out);
+    return out.relay(fetched, from);
+  }
   for (const sync::Bundle& b : fetched.updates)
     if (b.index >= it->second.least && b.index < it->second.most && !it->second.fetched.contains(b.index) &&
         misbehaviour.said(b, view) && sync::admit(b, view.scene, session_.slots) == sync::DropReason::kNone) {
@@ -103,12 +133,45 @@ void Evictions::on_fetched(const wire::Fetched& fetched, const View& view, const
     }
 }
 
+// Whether a frozen peer and this one have heard each other for a while: it was silent here, too, but for a moment only.
+bool Evictions::hears_again(PeerId p, const View& view) {
+  const Seat& s = view.roster.seats[p];
+  return s.there() && !s.given_up_for_good && s.answered_frozen - s.answers_since >= kHeardAgain;
+}
+
+// Whether this peer hears somebody again whom it has frozen for this asker. Then it wants the poll to be taken back.
+bool Evictions::contests(PeerId from, const wire::Poll& poll, const View& view) {
+  bool any = false;
+  for (const wire::Seat& s : poll.lost) {
+    const auto it = answered_.find({from, s.slot});
+    if (it == answered_.end() || it->second.incarnation != s.incarnation) continue;
+    it->second.polled = view.roster.now;
+    if (!view.roster.seats[s.slot].frozen || lost_.contains(s.slot) || !hears_again(s.slot, view)) continue;
+    if (it->second.contested < 0) it->second.contested = view.roster.now;
+    any = true;
+  }
+  return any;
+}
+
+// Whether an asker lies. An honest one polls until it gives its order or takes the poll back, and does that as long as
+// it has not given its order, if somebody hears the peer.
+bool Evictions::has_expired(PeerId asker, const Answered& a, const View& view) const {
+  const Tick now = view.roster.now;
+  if (!session_.config.sealed) return false;
+  if (a.contested >= 0 && now - a.contested >= kLease && now - a.polled < kLease) return true;
+  return now - a.polled >= kLease && view.log.complete(asker) >= a.polled + kLease;
+}
+
 // An asker may evict on our reply until it takes the poll back, leaves or is removed.
 void Evictions::thaw(const View& view, Commands& out) {
   for (PeerId p = 0; p < view.roster.slots(); ++p) {
     if (!view.roster.seats[p].frozen || lost_.contains(p)) continue;
+    if (hears_again(p, view))
+      std::erase_if(answered_, [&](const auto& entry) {
+        return entry.first.second == p && has_expired(entry.first.first, entry.second, view);
+      });
     const bool asked = std::any_of(answered_.begin(), answered_.end(), [&](const auto& entry) {
-      return entry.first.second == p && entry.second == view.roster.seats[p].incarnation &&
+      return entry.first.second == p && entry.second.incarnation == view.roster.seats[p].incarnation &&
              view.roster.seats[entry.first.first].there();
     });
     if (!asked) out.freeze(p, false);
@@ -122,8 +185,7 @@ bool Evictions::is_vetoed(PeerId p, const Lost& lost, const View& view) const {
   h.now = view.roster.now;
   h.heard.clear();
   for (const auto& [q, heard] : lost.hears)
-    if (q != p && counts(q, view) && view.roster.unanswered(q) < kDoubt && !lost.have.contains(q))
-      h.heard.push_back(heard);
+    if (q != p && counts(q, view) && view.roster.unanswered(q) < kDoubt) h.heard.push_back(heard);
   return stays_by_word(h);
 }
 
@@ -159,11 +221,13 @@ void Evictions::tell_taken_back(const View& view, Commands& out) {
   }
 }
 
-// Whether this peer is the lowest one that answers: it will have to decide.
+// Whether this peer is the most senior one that answers: it will have to decide.
 bool Evictions::is_first_well(const View& view) const {
   if (!view.roster.member || view.roster.leaving) return false;
-  for (PeerId p = 0; p < session_.self; ++p)
-    if (view.roster.seats[p].there() && view.roster.unanswered(p) < kDoubt && !lost_.contains(p)) return false;
+  for (PeerId p = 0; p < view.roster.slots(); ++p)
+    if (view.roster.is_senior(p, session_.self) && view.roster.seats[p].there() && view.roster.unanswered(p) < kDoubt &&
+        !lost_.contains(p))
+      return false;
   return true;
 }
 
@@ -217,7 +281,7 @@ void Evictions::notice(const View& view, Commands& out) {
     out.freeze(p, true);
     lost_[p].incarnation = view.roster.seats[p].incarnation;
     lost_[p].grounds = h;
-    asked_ = view.roster.now - kAskAgain;
+    polled_ = view.roster.now - kAskAgain;
     moved_ = view.roster.now;
     out.tell({.kind = SessionEvent::Kind::kSuspected, .peer = p});
   }
@@ -225,7 +289,17 @@ void Evictions::notice(const View& view, Commands& out) {
 
 /// Whether replies of p are awaited. An update that only a lost peer had will never be sent.
 bool Evictions::counts(PeerId p, const View& view) const {
-  return p != session_.self && view.roster.seats[p].reachable() && !view.roster.departed(p) && !lost_.contains(p);
+  return p != session_.self && view.roster.seats[p].reachable() && !view.roster.departed(p) && !lost_.contains(p) &&
+         !withholds_.contains(p);
+}
+
+// An update that was here once and is no longer, all have confirmed: nobody else keeps it, either, and a member that
+// says it lacks it is behind or lies.
+bool Evictions::is_to_blame(PeerId p, const Missing& missing, const View& view) const {
+  const auto of = lost_.find(missing.of);
+  if (of == lost_.end()) return false;
+  const bool has = of->second.have.at(p) > missing.index;
+  return has != (missing.index < view.log.have(missing.of));
 }
 
 std::vector<PeerId> Evictions::withholding(const View& view) const {
@@ -236,8 +310,7 @@ std::vector<PeerId> Evictions::withholding(const View& view) const {
     if (!counts(p, view) || view.roster.now - std::max(moved_, view.roster.seats[p].excused) < kWithheld) continue;
     const bool silent =
         std::any_of(lost_.begin(), lost_.end(), [p](const auto& entry) { return !entry.second.have.contains(p); });
-    const auto of = missing_ ? lost_.find(missing_->of) : lost_.end();
-    if (silent || (of != lost_.end() && of->second.have.at(p) > missing_->index)) who.push_back(p);
+    if (silent || (missing_ && is_to_blame(p, *missing_, view))) who.push_back(p);
   }
   return who;
 }
@@ -252,11 +325,11 @@ bool Evictions::all_answered(const View& view) const {
 }
 
 void Evictions::ask(const View& view, Commands& out) {
-  if (view.roster.now - asked_ < kAskAgain) return;
-  asked_ = view.roster.now;
+  if (view.roster.now - polled_ < kAskAgain) return;
+  polled_ = view.roster.now;
   wire::Poll question{{}, true, number_};
   for (const auto& [slot, lost] : lost_)
-    if (question.lost.size() < wire::kMostLost) question.lost.push_back({slot, lost.incarnation});
+    if (question.lost.size() < wire::kMostLost) question.lost.push_back({slot, lost.incarnation, view.log.have(slot)});
   poll(question, view, out);
 }
 
@@ -272,12 +345,26 @@ void Evictions::advance(const View& view, Commands& out) {
   tell_taken_back(view, out);
   doubt(view, out);
   notice(view, out);
+  if (lost_.empty()) withholds_.clear();
+  go_on_without(view, out);
   missing_.reset();
   if (lost_.empty() || ordered()) return;
-  if (!all_answered(view)) return ask(view, out);
+  ask(view, out);  // until the order is given, so that members know that it is not
+  if (!all_answered(view)) return;
   for (auto& [p, lost] : lost_)
     if (!gather(p, lost, view, out)) return;
   bury(out);
+}
+
+// A member that was not waited for does not take the removal, as it has not been asked. It joins anew.
+void Evictions::go_on_without(const View& view, Commands& out) {
+  const std::vector<PeerId> who = withholding(view);
+  if (who.empty()) return;
+  for (const PeerId p : who) {
+    withholds_.insert(p);
+    out.tell({.kind = SessionEvent::Kind::kWithholds, .peer = p});
+  }
+  moved_ = view.roster.now;
 }
 
 bool Evictions::ordered() const {

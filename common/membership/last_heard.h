@@ -34,7 +34,7 @@ inline constexpr Tick kHeardLately = 120;
 /// Lag from which on a peer counts as held up: it heard nobody because it did not listen.
 inline constexpr Tick kHeldUp = 24;
 /// Time for which replies alone keep a silent peer in. A member can claim for ever that it hears a peer; only updates
-/// prove it, because nobody can sign another peer's. Less than MisbehaviourPolicy::kArrears.
+/// prove it, because nobody can sign another peer's. Less than View::kArrears.
 inline constexpr Tick kBelieved = 7 * kTicksPerSecond;
 
 /// Whether a member replied that it hears the peer.

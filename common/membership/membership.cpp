@@ -34,17 +34,27 @@ Membership::Membership(SessionState& session, RecordedReplica& replica)
       evictions_(session),
       relay_(session),
       misbehaviour_(session),
-      merge_(session) {
-  replica.set_judge(
-      [this](const sync::StatePacket& packet) { return misbehaviour_.judge(packet, view(), evictions_); });
+      merge_(session),
+      testimony_(session),
+      vouching_(session) {
+  replica.set_judge([this](const sync::StatePacket& packet, PeerId by) { return judge(packet, by); });
   count_present();
+}
+
+sync::DropReason Membership::judge(const sync::StatePacket& packet, PeerId relayed_by) {
+  for (const sync::Bundle& b : packet.updates) testimony_.on_repeat(b, packet.incarnation, view());
+  return misbehaviour_.judge(packet, relayed_by, view(), evictions_);
+}
+
+bool Membership::bars(const PublicKey& key) const {
+  return testimony_.convicts(key) || misbehaviour_.bars(key, view());
 }
 
 void Membership::on_join(const Endpoint& from, const wire::Join& join, Micros local) {
   const View view = this->view();
   const PeerId c = coordinator();
   if (!view.roster.member || c == kNoPeer || way_back()) return;  // the joiner asks again
-  if (misbehaviour_.bars(from.key, view)) {
+  if (bars(from.key)) {
     if (commands_.may_answer(local)) commands_.send(from, wire::Refuse{join.nonce, "it has been cut off"});
     return;
   }
@@ -55,8 +65,10 @@ void Membership::on_join(const Endpoint& from, const wire::Join& join, Micros lo
 void Membership::receive(const Endpoint& from, const wire::Header& header, const wire::MembershipMessage& message,
                          std::size_t bytes, Micros local) {
   const View view = this->view();
-  if (const auto* probe = std::get_if<wire::Probe>(&message))
-    return merge_.on_probe(from, header.sender, *probe, bytes, view, local, commands_);
+  if (const auto* probe = std::get_if<wire::Probe>(&message)) {
+    if (!bars(from.key)) merge_.on_probe(from, header.sender, *probe, bytes, view, local, commands_);
+    return;
+  }
   if (const auto* pull = std::get_if<wire::Pull>(&message))
     return admissions_.on_pull(
         from, *pull, [this] { return transfer(); }, local, commands_);
@@ -66,11 +78,18 @@ void Membership::receive(const Endpoint& from, const wire::Header& header, const
       return admissions_.pass_on(from, *enter, view.roster.seats[c].at, commands_);
     return admissions_.on_enter(from, *enter, view, c == session_.self && !evictions_.busy() && !doubts(), commands_);
   }
-  const PeerId member = header.sender;
-  if (!is_at(member, from) || !view.roster.seats[member].reachable() || !hears(member)) return;
+  if (is_at(header.sender, from) && view.roster.seats[header.sender].reachable() && hears(header.sender))
+    receive_of_member(header.sender, message, local);
+}
+
+void Membership::receive_of_member(PeerId member, const wire::MembershipMessage& message, Micros local) {
+  const View view = this->view();
   if (const auto* poll = std::get_if<wire::Poll>(&message)) {
     const Tick due = std::max(view.roster.now, tick_at(session_.clock.now(local)));
-    evictions_.on_poll(member, *poll, view, due, commands_);
+    vouching_.prove_alive(*poll, view, commands_);
+    const bool vouched =
+        vouching_.vouches(member, *poll, view, due, evictions_.number(), misbehaviour_, relay_, commands_);
+    evictions_.on_poll(member, *poll, view, due, vouched, commands_);
   }
   if (const auto* answer = std::get_if<wire::Answer>(&message)) evictions_.on_answer(member, *answer, view, commands_);
   if (const auto* fetch = std::get_if<wire::Fetch>(&message)) {
@@ -78,7 +97,8 @@ void Membership::receive(const Endpoint& from, const wire::Header& header, const
     relay_.on_fetch(member, *fetch, view, commands_);
   }
   if (const auto* fetched = std::get_if<wire::Fetched>(&message)) {
-    evictions_.on_fetched(*fetched, view, misbehaviour_);
+    testimony_.on_updates(member, *fetched, view);
+    evictions_.on_fetched(member, *fetched, view, misbehaviour_, commands_);
     relay_.on_fetched(member, *fetched, view, commands_);
   }
 }
@@ -133,6 +153,8 @@ void Membership::end_former_incarnations() {
 sync::Transfer Membership::transfer() const {
   sync::Transfer t = replica_.replica().transfer();
   t.gone = merge_.gone();
+  t.proofs = testimony_.proofs();
+  for (PeerId p = 0; p < session_.slots; ++p) t.slots[p].since = merge_.since(p, view());
   return t;
 }
 
@@ -141,15 +163,51 @@ void Membership::follow_changes() {
   for (const MemberChange& c : changes) {
     commands_.tell({.kind = kind_of(c, session_.self), .peer = c.slot, .tick = c.tick, .at = c.at});
     if (c.kind == MemberChange::Kind::kAdmitted) evictions_.forget_asker(c.slot);
-    merge_.on_change(c);
+    merge_.on_change(c, view());
     changes_.push_back(c);
   }
   note_former_incarnations(changes);
 }
 
+void Membership::take(const std::vector<sync::Transfer::Proof>& proofs) {
+  for (const sync::Transfer::Proof& p : proofs) testimony_.take(p);
+}
+
+void Membership::inherit(const Membership& before) {
+  take(before.testimony_.proofs());
+  misbehaviour_.inherit(before.misbehaviour_);
+  // Where they are, not evidence: this peer was in no session with them and with the present members.
+  const Tick now = roster().now;
+  for (const Seat& s : before.roster().seats) merge_.remember({s.at, now, now}, now);
+}
+
+void Membership::follow_testimony() {
+  const View view = this->view();
+  testimony_.advance(view, commands_);
+  for (PeerId p = 0; p < session_.slots; ++p) {
+    if (p == session_.self || !roster().seats[p].there() || !testimony_.convicts(roster().seats[p].at.key)) continue;
+    misbehaviour_.convict(p, view, commands_);
+    evictions_.forget_asker(p);
+  }
+  const auto liar = testimony_.misled_by();
+  if (!liar || roster().leaving || std::exchange(misled_, true)) return;
+  misbehaviour_.distrust(*liar, view, commands_);
+  evictions_.forget_asker(*liar);
+  // The others redirect whoever joins to the coordinator, which has to be another one.
+  stands_down_ = coordinator() == session_.self && guide() != kNoPeer;
+  if (stands_down_) replica_.leave();
+}
+
+PeerId Membership::guide() const {
+  const auto liar = testimony_.misled_by();
+  return evictions_.first_of(view(), only(session_.self) | (liar ? only(*liar) : 0));
+}
+
 void Membership::advance(Micros local) {
   const View view = this->view();
-  misbehaviour_.advance(view, evictions_, commands_);
+  // The others owe nothing to a peer that joins anew: they may have declared it gone.
+  if (!told_ && !way_back()) misbehaviour_.advance(view, commands_);
+  follow_testimony();
   evictions_.advance(view, commands_);
   relay_.advance(view, commands_);
   follow_changes();
@@ -184,9 +242,15 @@ bool Membership::stuck() const {
 // The coordinator's confirmed world is the right one, whatever other members say.
 std::string Membership::why_back() const {
   const Replica& n = replica_.replica();
+  // If all have been misled, one has to stay, which is the next coordinator.
+  const bool is_guide = coordinator() == session_.self && !stands_down_;
+  if (const auto liar = testimony_.misled_by(); liar && guide() != kNoPeer && !is_guide)
+    return "peer " + std::to_string(*liar) + " kept an update from this peer that it has told others";
   const PeerId c = coordinator();
   if (c == session_.self || c == kNoPeer) return "";
-  if (n.seat(c).differs)
+  // With a key, the two first find out who has lied to whom.
+  const Tick disputed = session_.config.sealed ? roster().now - n.seat(c).disputed : Testimony::kDispute;
+  if (n.seat(c).differs && disputed >= Testimony::kDispute)
     return "CONFIRMED WORLDS DIFFER from peer " + std::to_string(c) + "'s at tick " +
            std::to_string(n.stats().first_mismatch);
   if (stuck()) return "nothing has been confirmed for " + std::to_string(kStuck / kTicksPerSecond) + " s";
@@ -194,10 +258,10 @@ std::string Membership::why_back() const {
 }
 
 std::optional<Endpoint> Membership::way_back() const {
-  if (roster().leaving) return std::nullopt;
+  if (roster().leaving && !stands_down_) return std::nullopt;
   if (const auto winner = merge_.winner(view())) return winner;
   if (why_back().empty()) return std::nullopt;
-  return roster().seats[coordinator()].at;
+  return roster().seats[guide()].at;
 }
 
 void Membership::announce_way_back() {

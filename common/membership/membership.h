@@ -10,6 +10,8 @@
 #include "common/membership/misbehaviour_policy.h"
 #include "common/membership/partition_merge.h"
 #include "common/membership/relay.h"
+#include "common/membership/testimony.h"
+#include "common/membership/vouching.h"
 
 namespace padr::node {
 
@@ -40,14 +42,21 @@ class Membership {
   bool hears(PeerId p) const { return misbehaviour_.hears(p, view()); }
   /// A state datagram of member p was dropped.
   void on_drop(PeerId p, sync::DropReason why, Micros local) {
-    misbehaviour_.on_drop(p, why, view(), evictions_, local, commands_);
+    misbehaviour_.on_drop(p, why, view(), local, commands_);
   }
   /// The machine at `at` reports that nobody listens there.
   void on_unreachable(const Endpoint& at);
   /// Sends one Probe to `at`, which lists the members of this session.
   void knock(const Endpoint& at) { merge_.knock(at, view(), commands_); }
-  /// The address of a member of a session that this peer was in before.
-  void remember(const Endpoint& at) { merge_.remember(at, roster().now); }
+  /// A peer that was evicted from this session, by the word of the transfer; or one of a session that this peer was in
+  /// before.
+  void remember(const sync::Transfer::Gone& gone) { merge_.remember(gone, roster().now); }
+  /// Proofs of the transfer.
+  void take(const std::vector<sync::Transfer::Proof>& proofs);
+  /// Whether the peer with this key is barred: it may not join, and this peer joins nobody by it.
+  bool bars(const PublicKey& key) const;
+  /// Bans, proofs and places that this peer's former incarnation knew.
+  void inherit(const Membership& before);
   /// Once a tick, after the replica's step.
   void advance(Micros local);
   /// Address at which to join anew after an eviction, a difference of confirmed worlds, a standstill or a lost merge of
@@ -63,6 +72,11 @@ class Membership {
   const Roster& roster() const { return replica_.replica().roster(); }
   View view() const { return view_of(replica_.replica()); }
   sync::Transfer transfer() const;
+  void receive_of_member(PeerId member, const wire::MembershipMessage& message, Micros local);
+  sync::DropReason judge(const sync::StatePacket& packet, PeerId relayed_by);
+  void follow_testimony();
+  /// The most senior living member but this peer and whoever has misled it; kNoPeer if there is none.
+  PeerId guide() const;
   void follow_changes();
   void count_present();
   void note_former_incarnations(const std::vector<MemberChange>& changes);
@@ -81,12 +95,16 @@ class Membership {
   Relay relay_;
   MisbehaviourPolicy misbehaviour_;
   PartitionMerge merge_;
+  Testimony testimony_;
+  Vouching vouching_;
   std::vector<MemberChange> changes_;
   std::map<PeerId, Tick> refused_;          ///< since when its machine reports that nobody listens there
   std::map<PeerId, std::uint32_t> former_;  ///< slots and incarnations of peers that were admitted anew elsewhere
   Tick confirmed_ = -1;                     ///< the newest confirmed tick, and since when
   Tick confirmed_at_ = 0;
   bool told_ = false;
+  bool misled_ = false;       ///< another member has lied to this one
+  bool stands_down_ = false;  ///< as the coordinator, it has left its seat to join anew
 };
 
 }  // namespace padr::node

@@ -13,7 +13,7 @@ namespace {
 using sync::Bundle;
 using sync::DropReason;
 
-/// Time for which a former coordinator may still send orders that it prepared before a lower peer was admitted.
+/// Time for which two peers may take themselves for the coordinator, or their orders be under way.
 constexpr Tick kHandOver = 10 * kTicksPerSecond;
 constexpr Tick kForGood = std::numeric_limits<Tick>::max();
 
@@ -43,37 +43,67 @@ std::optional<Sayer> sayer(PeerId p, std::uint32_t index, const View& view, cons
   return std::nullopt;
 }
 
-/// Reasons that no honest peer causes, and under a seal no network fault either.
+/// Reasons that no honest peer causes, whatever the receiver knows, and under a seal no network fault either. All other
+/// rules depend on the receiver's clock or log, and a liar who tells different peers different things can make honest
+/// peers break them.
 bool is_nonsense(DropReason why) {
   return why == DropReason::kMalformed || why == DropReason::kEntity || why == DropReason::kValue ||
-         why == DropReason::kTick || why == DropReason::kSignature;
+         why == DropReason::kSignature;
 }
 
-/// Whether x may have been the coordinator at tick t: no lower peer is alive, as far as this peer can tell.
-bool may_coordinate(PeerId x, Tick t, const View& view, const Evictions& evictions) {
-  const auto new_then = [t](std::uint32_t incarnation, Tick since) {
-    return incarnation > 0 && since + kHandOver >= t;
-  };
-  for (PeerId p = 0; p < x; ++p) {
+/// The slots whose occupants' removals or farewells come earlier in the datagram that is being judged.
+void note_freed(const Bundle& b, PeerSet& freed) {
+  if (b.leave) freed |= only(b.peer);
+  for (const sync::Removal& r : b.removals) freed |= only(r.slot);
+  for (const Bundle& lost : b.passed_on) note_freed(lost, freed);
+}
+
+/// Whether the slot of an admission is free, as far as this peer can tell: nobody is thrown out by it.
+bool is_free(const sync::Admission& a, const View& view, PeerSet freed) {
+  const Roster& r = view.roster;
+  if ((freed & only(a.slot)) != 0) return true;
+  if (a.slot == r.self) return !r.member || r.leaving || a.incarnation == r.incarnation;
+  const Seat& s = r.seats[a.slot];
+  return !s.there() || s.frozen || a.incarnation <= s.incarnation;
+}
+
+/// Whether x may be the coordinator: no more senior peer is alive, as far as this peer can tell.
+bool may_coordinate(PeerId x, const View& view, const Evictions& evictions) {
+  for (PeerId p = 0; p < view.roster.slots(); ++p) {
+    if (!view.roster.is_senior(p, x)) continue;
     if (p == view.roster.self) {
-      if (!view.roster.leaving && !new_then(view.roster.incarnation, view.roster.in_since)) return false;
+      if (!view.roster.leaving) return false;
       continue;
     }
     const Seat& n = view.roster.seats[p];
-    const bool well = n.there() && !n.frozen && !Evictions::suspected(view, p) && !evictions.answered(x, p);
-    if (well && !new_then(n.incarnation, n.since)) return false;
+    if (n.there() && !n.frozen && !Evictions::suspected(view, p) && !evictions.answered(x, p)) return false;
   }
   return true;
 }
 
-bool may_pass_on(const Bundle& lost, const Bundle& by, const View& view, const Evictions& evictions) {
+/// Whether an admission makes its peer the most junior: with a low incarnation it would be the next coordinator. Two
+/// coordinators may assign numbers at the same time.
+bool is_junior(const sync::Admission& a, Tick told, const View& view) {
+  const Roster& r = view.roster;
+  for (PeerId p = 0; p < r.slots(); ++p) {
+    // A transfer tells when a peer was first admitted; it was in this slot before this peer was admitted.
+    const Tick since = p == r.self ? r.in_since : std::max(r.in_since, r.seats[p].since);
+    const bool there = p == r.self || r.seats[p].there();
+    if (there && p != a.slot && since + kHandOver < told && a.incarnation <= r.incarnation_of(p)) return false;
+  }
+  return true;
+}
+
+bool may_pass_on(const Bundle& lost, const Bundle& by, const View& view, const Evictions& evictions, bool sealed) {
   const Seat& n = view.roster.seats[lost.peer];
   // A known update changes nothing, and all of our own are known.
   if (view.log.knows(lost.peer, lost.index)) return true;
   if (lost.peer == view.roster.self) return lost.index < n.first;
+  // Its own signature is checked, and then it does not matter who passes it on.
+  if (sealed && sayer(lost.peer, lost.index, view, {})) return true;
   if (evictions.answered(by.peer, lost.peer)) return true;
   const bool of_nobody_now = lost.index < n.first || !n.there() || n.frozen;
-  return of_nobody_now && may_coordinate(by.peer, by.tick, view, evictions);
+  return of_nobody_now && may_coordinate(by.peer, view, evictions);
 }
 
 bool admitter_is_lost(const Bundle& by, const View& view) {
@@ -89,20 +119,42 @@ bool admitter_is_lost(const Bundle& by, const View& view) {
 /// about a peer that was lost with it.
 bool could_not_ask(const Bundle& by, PeerId lost, const View& view, const Evictions& evictions) {
   return by.tick <= view.roster.in_since + Evictions::kWithheld && admitter_is_lost(by, view) &&
-         Evictions::suspected(view, lost) && may_coordinate(by.peer, by.tick, view, evictions);
+         Evictions::suspected(view, lost) && may_coordinate(by.peer, view, evictions);
 }
 
 /// Whether its peer may give this order. Updates that an order passes on are not judged again.
-bool is_lawful(const Bundle& b, const View& view, const Evictions& evictions) {
+bool is_lawful(const Bundle& b, const View& view, const Evictions& evictions, PeerSet freed, bool sealed) {
   const bool order = b.admission || !b.removals.empty() || !b.passed_on.empty();
   if (!order || view.log.knows(b.peer, b.index)) return true;
-  // For an order from before our admission, other members were polled.
-  if (!view.roster.member || b.tick <= view.roster.in_since) return true;
+  // For an order from before our admission, other members were polled: one of them has to relay it, unless its peer has
+  // let us in. Without a key nothing shows who has told what.
+  if (!view.roster.member || b.tick <= view.roster.in_since) return !sealed || b.peer == view.roster.admitted_by;
   for (const sync::Removal& r : b.removals)
     if (!evictions.answered(b.peer, r.slot, r.incarnation) && !could_not_ask(b, r.slot, view, evictions)) return false;
-  if (b.admission && !may_coordinate(b.peer, b.tick, view, evictions)) return false;
+  if (b.admission && !(may_coordinate(b.peer, view, evictions) && is_free(*b.admission, view, freed) &&
+                       is_junior(*b.admission, b.tick, view)))
+    return false;
   return std::all_of(b.passed_on.begin(), b.passed_on.end(),
-                     [&](const Bundle& lost) { return may_pass_on(lost, b, view, evictions); });
+                     [&](const Bundle& lost) { return may_pass_on(lost, b, view, evictions, sealed); });
+}
+
+/// Whether another member has taken this order, which it can only have judged by what it knew itself. What a rule
+/// allows depends on who has heard what, but all members have to take the same orders.
+bool was_lawful_to(PeerId relayer, const Bundle& b, const View& view) {
+  return relayer != kNoPeer && relayer != b.peer && view.roster.seats[relayer].there() &&
+         view.roster.seats[relayer].since < b.tick;
+}
+
+/// Whether the incarnations that an update assigns, by itself or in what it passes on, are no further ahead of the
+/// newest one than honest coordinators get. Without this limit one admission could use up the numbers of a session.
+bool is_in_step(const Bundle& b, const View& view, std::uint32_t& newest) {
+  if (view.log.knows(b.peer, b.index)) return true;
+  if (b.admission) {
+    if (b.admission->incarnation > newest + kMostIncarnationStep) return false;
+    newest = std::max(newest, b.admission->incarnation);
+  }
+  return std::all_of(b.passed_on.begin(), b.passed_on.end(),
+                     [&](const Bundle& lost) { return is_in_step(lost, view, newest); });
 }
 
 /// The peer whose valid signature a new update lacks; nothing if it has one, or if the peer is not known.
@@ -113,36 +165,63 @@ std::optional<Sayer> missing_signer(const Bundle& b, const View& view, const Adm
   return who;
 }
 
-/// Whether an update and those that it passes on are signed. `by`: the update that passes it on. Adds admissions to
-/// `meanwhile`.
-Signed is_signed(const Bundle& b, const Bundle* by, const View& view, const Evictions& evictions, Admitted& meanwhile) {
-  if (const auto who = missing_signer(b, view, meanwhile)) {
-    // A peer that passes on an update of a slot may know of a newer occupant that we have not heard of yet.
-    const bool may_be_new = by != nullptr && !evictions.answered(by->peer, b.peer, who->incarnation);
-    return may_be_new ? Signed::kUnclear : Signed::kNo;
-  }
+/// Whether an update and those that it passes on are signed. Adds admissions to `meanwhile`.
+Signed is_signed(const Bundle& b, bool passed_on, const View& view, Admitted& meanwhile) {
+  // A peer that passes on an update of a slot may know of a newer occupant that we have not heard of yet.
+  if (missing_signer(b, view, meanwhile)) return passed_on ? Signed::kUnclear : Signed::kNo;
   if (b.admission) meanwhile.push_back(&*b.admission);
   for (const Bundle& lost : b.passed_on)
-    if (const Signed is = is_signed(lost, &b, view, evictions, meanwhile); is != Signed::kYes) return is;
+    if (const Signed is = is_signed(lost, true, view, meanwhile); is != Signed::kYes) return is;
   return Signed::kYes;
+}
+
+/// Signatures that have to be checked for an update and those that it passes on.
+int signatures_in(const Bundle& b, const View& view) {
+  if (view.log.knows(b.peer, b.index)) return 0;
+  int all = 1;
+  for (const Bundle& lost : b.passed_on) all += signatures_in(lost, view);
+  return all;
 }
 
 }  // namespace
 
-DropReason MisbehaviourPolicy::judge(const sync::StatePacket& packet, const View& view,
-                                     const Evictions& evictions) const {
+// A signature takes far longer to check than to repeat.
+bool MisbehaviourPolicy::may_check(const sync::StatePacket& packet, const View& view) {
+  if (!session_.config.sealed || packet.updates.empty()) return true;
+  Watch& w = watch(packet.updates.front().peer, view);
+  w.checks = std::min(kMostChecks, w.checks + kChecksPerTick * (view.roster.now - w.checked));
+  w.checked = view.roster.now;
+  int needed = 0;
+  for (const Bundle& b : packet.updates) needed += signatures_in(b, view);
+  if (needed > w.checks) return false;
+  w.checks -= needed;
+  return true;
+}
+
+DropReason MisbehaviourPolicy::judge(const sync::StatePacket& packet, PeerId relayed_by, const View& view,
+                                     const Evictions& evictions) {
+  for (const Bundle& b : packet.updates)  // what the log would not take needs no check
+    if (b.index > view.log.have(b.peer) + sync::UpdateLog::kMostBeyond) return DropReason::kOrder;
+  if (!may_check(packet, view)) return DropReason::kCutOff;
   Admitted meanwhile;
+  PeerSet freed = 0;
+  std::uint32_t newest = view.roster.newest_incarnation();
   for (const Bundle& b : packet.updates) {
-    if (!is_lawful(b, view, evictions)) return DropReason::kRight;
+    const bool lawful = is_lawful(b, view, evictions, freed, session_.config.sealed) ||
+                        (session_.config.sealed && was_lawful_to(relayed_by, b, view));
+    if (!lawful || !is_in_step(b, view, newest)) return DropReason::kRight;
+    note_freed(b, freed);
     if (!session_.config.sealed) continue;
     if (b.admission && !b.admission->at.has_key()) return DropReason::kValue;
-    const Signed is = is_signed(b, nullptr, view, evictions, meanwhile);
+    const Signed is = is_signed(b, false, view, meanwhile);
     if (is != Signed::kYes) return is == Signed::kNo ? DropReason::kSignature : DropReason::kRight;
   }
   return DropReason::kNone;
 }
 
 bool MisbehaviourPolicy::said(const Bundle& b, const View& view) const {
+  std::uint32_t newest = view.roster.newest_incarnation();
+  if (!is_in_step(b, view, newest)) return false;
   if (!session_.config.sealed) return true;
   if (missing_signer(b, view, {})) return false;
   return std::all_of(b.passed_on.begin(), b.passed_on.end(), [&](const Bundle& lost) { return said(lost, view); });
@@ -158,28 +237,23 @@ MisbehaviourPolicy::Watch& MisbehaviourPolicy::watch(PeerId p, const View& view)
 }
 
 bool MisbehaviourPolicy::hears(PeerId p, const View& view) const {
+  const Seat& s = view.roster.seats[p];
+  if (session_.config.sealed && bars(s.at.key, view)) return false;
   const Watch& w = watches_[p];
-  return w.incarnation != view.roster.seats[p].incarnation || view.roster.now >= w.deaf_until;
+  return w.incarnation != s.incarnation || view.roster.now >= w.deaf_until;
 }
 
-void MisbehaviourPolicy::on_drop(PeerId p, DropReason why, const View& view, const Evictions& evictions, Micros local,
-                                 Commands& out) {
+void MisbehaviourPolicy::on_drop(PeerId p, DropReason why, const View& view, Micros local, Commands& out) {
   // Late datagrams of a removed peer, and duplicates by the network, are nobody's fault.
   if (!view.roster.seats[p].reachable() || why == DropReason::kForeign || why == DropReason::kDuplicate) return;
   Watch& w = watch(p, view);
   tell(p, why, w, local, out);
-  if (!session_.config.sealed || (why != DropReason::kRight && !is_nonsense(why))) return;
-  if (is_too_much(p, why, view)) cut_off(p, w, "keeps sending invalid datagrams", view, evictions, out);
+  if (!session_.config.sealed || !is_nonsense(why)) return;
+  if (is_too_much(p, view)) cut_off(p, true, "keeps sending invalid datagrams", view, out);
 }
 
-bool MisbehaviourPolicy::is_too_much(PeerId p, DropReason why, const View& view) {
+bool MisbehaviourPolicy::is_too_much(PeerId p, const View& view) {
   const Tick now = view.roster.now;
-  if (why == DropReason::kRight) {
-    Watch& w = watch(p, view);
-    if (!w.unlawful || now - w.unlawful->last > kMuted) w.unlawful = Watch::Series{now, now};
-    w.unlawful->last = now;
-    return now - w.unlawful->since >= kInsists;
-  }
   std::deque<Tick>& nonsense = offender(p, view).nonsense;
   nonsense.push_back(now);
   while (nonsense.front() < now - kWithin) nonsense.pop_front();
@@ -199,32 +273,63 @@ MisbehaviourPolicy::Offender& MisbehaviourPolicy::offender(PeerId p, const View&
   return offenders_.back();
 }
 
-void MisbehaviourPolicy::advance(const View& view, const Evictions& evictions, Commands& out) {
-  if (!view.roster.member || view.roster.leaving) return;
-  for (PeerId p = 0; p < view.roster.slots(); ++p) {
-    const Seat& other = view.roster.seats[p];
-    if (p == view.roster.self || !other.there() || other.frozen || view.roster.silence(p) > kTicksPerSecond) continue;
-    const bool tells = view.arrears(p) < kArrears;
-    if (tells && view.roster.unacknowledged(p) < kArrears) continue;
-    Watch& w = watch(p, view);
-    const PeerId coordinator = evictions.coordinator(view);
-    if (w.deaf_until == kForGood || (coordinator != view.roster.self && coordinator != p)) continue;
-    const std::string what = tells ? "acknowledged no updates" : "not sent the updates that it promised";
-    cut_off(p, w, "has " + what + " for " + std::to_string(kArrears / kTicksPerSecond) + " s", view, evictions, out);
-  }
-  for (const PeerId p : evictions.withholding(view))
-    if (Watch& w = watch(p, view); w.deaf_until != kForGood)
-      cut_off(p, w, "does not send its updates of a lost peer", view, evictions, out);
+bool MisbehaviourPolicy::is_heard(PeerId p, const View& view) const {
+  const Seat& s = view.roster.seats[p];
+  return p != view.roster.self && s.there() && !s.frozen && view.roster.silence(p) <= kTicksPerSecond && hears(p, view);
 }
 
-void MisbehaviourPolicy::bar(PeerId p, bool for_good, const View& view) {
-  if (!session_.config.sealed) return;  // only a key identifies a peer
+// Whether most of several members that this peer hears acknowledge nothing: then they have declared it gone, it may be,
+// and it has not heard of it.
+bool MisbehaviourPolicy::is_ignored(const View& view) const {
+  int heard = 0;
+  int ignoring = 0;
+  for (PeerId p = 0; p < view.roster.slots(); ++p) {
+    if (!is_heard(p, view)) continue;
+    ++heard;
+    if (view.roster.unacknowledged(p) >= View::kArrears / 2) ++ignoring;
+  }
+  return heard > 1 && 2 * ignoring > heard;
+}
+
+void MisbehaviourPolicy::advance(const View& view, Commands& out) {
+  if (!view.roster.member || view.roster.leaving) return;
+  const bool ignored = is_ignored(view);
+  for (PeerId p = 0; p < view.roster.slots(); ++p) {
+    if (!is_heard(p, view) || !view.delays(p)) continue;
+    const bool tells = view.arrears(p) < View::kArrears;
+    if (tells && ignored && view.roster.unacknowledged(p) < 2 * View::kArrears) continue;
+    const std::string what = tells ? "acknowledged no updates" : "not sent the updates that it promised";
+    cut_off(p, false, "has " + what + " for " + std::to_string(View::kArrears / kTicksPerSecond) + " s", view, out);
+  }
+}
+
+void MisbehaviourPolicy::convict(PeerId p, const View& view, Commands& out) {
+  const Seat& s = view.roster.seats[p];
+  if (!session_.config.sealed) return;
+  // This peer's former incarnation may have barred it.
+  if (!bars_for_good(s.at.key)) cut_off(p, true, "has signed two different updates of one number", view, out);
+  if (!s.given_up_for_good) out.give_up(p, true);
+}
+
+void MisbehaviourPolicy::distrust(PeerId p, const View& view, Commands& out) {
+  cut_off(p, false, "has kept back an update that it promised was none", view, out);
+}
+
+// How long p is barred, ticks.
+Tick MisbehaviourPolicy::bar(PeerId p, bool for_good, const View& view) {
+  if (!session_.config.sealed) return kBarred;  // only a key identifies a peer
   Offender& o = offender(p, view);
   constexpr int kMostDoubled = 6;
   const Tick until = view.roster.now + (kBarred << std::min(o.times, kMostDoubled));
   o.barred_until = for_good ? kForGood : std::max(o.barred_until, until);
   o.nonsense.clear();
   ++o.times;
+  return for_good ? kForGood : until - view.roster.now;
+}
+
+bool MisbehaviourPolicy::bars_for_good(const PublicKey& key) const {
+  return std::any_of(offenders_.begin(), offenders_.end(),
+                     [&](const Offender& o) { return o.key == key && o.barred_until == kForGood; });
 }
 
 bool MisbehaviourPolicy::bars(const PublicKey& key, const View& view) const {
@@ -243,24 +348,18 @@ void MisbehaviourPolicy::tell(PeerId p, DropReason why, Watch& w, Micros local, 
   told = {0, local};
 }
 
-// The coordinator can evict the peer; if the peer is the coordinator, the next one can. Any other member that gave it
-// up would wait for its updates for ever, as the coordinator still hears it. So another member only mutes it for a
-// while.
-void MisbehaviourPolicy::cut_off(PeerId p, Watch& w, const std::string& why, const View& view,
-                                 const Evictions& evictions, Commands& out) {
-  const PeerId coordinator = evictions.coordinator(view);
-  const bool for_good = coordinator == view.roster.self || coordinator == p;
-  const auto withholding = evictions.withholding(view);
-  const bool by_network = view.arrears(p) >= kArrears || view.roster.unacknowledged(p) >= kArrears ||
-                          std::find(withholding.begin(), withholding.end(), p) != withholding.end();
-  bar(p, !by_network, view);
-  w.unlawful.reset();
-  w.deaf_until = for_good ? kForGood : view.roster.now + kMuted;
-  out.tell({.kind = for_good ? SessionEvent::Kind::kCutOff : SessionEvent::Kind::kMuted, .peer = p, .text = why});
-  out.cut_off(p, for_good, why);
+// Its updates come by relay from now on, as long as other members hear it. If nobody hears it, it is evicted.
+void MisbehaviourPolicy::cut_off(PeerId p, bool for_good, const std::string& why, const View& view, Commands& out) {
+  const Tick barred = bar(p, for_good, view);
+  watch(p, view).deaf_until = for_good ? kForGood : view.roster.now + barred;
+  out.tell({.kind = for_good ? SessionEvent::Kind::kCutOff : SessionEvent::Kind::kMuted,
+            .peer = p,
+            .tick = barred,
+            .text = why});
+  out.cut_off(p, why);
 }
 
-bool said(const sync::Transfer& transfer, std::uint16_t session) {
+bool said(const sync::Transfer& transfer, const SessionId& session) {
   struct Sitter {
     std::uint32_t first = 0;
     Sayer who;

@@ -5,23 +5,56 @@
 
 namespace padr::node {
 
-void PartitionMerge::on_change(const MemberChange& change) {
-  if (change.kind == MemberChange::Kind::kAdmitted)
-    std::erase_if(gone_, [&](const Gone& g) { return same_place(g.at, change.at); });
-  if (change.kind == MemberChange::Kind::kRemoved) remember(change.at, change.tick);
+namespace {
+
+template <typename T>
+void keep(std::vector<T>& list, const T& entry, std::size_t most) {
+  if (list.size() == most) list.erase(list.begin());
+  list.push_back(entry);
 }
 
-void PartitionMerge::remember(const Endpoint& at, Tick now) {
-  const bool known = std::any_of(gone_.begin(), gone_.end(), [&](const Gone& g) { return g.at == at; });
-  if (!at.is_set() || known) return;
-  if (gone_.size() == kMost) gone_.erase(gone_.begin());
-  gone_.push_back({at, now});
+}  // namespace
+
+void PartitionMerge::on_change(const MemberChange& change, const View& view) {
+  const auto first_admission = [&] {
+    Tick first = change.since;
+    for (const Gone& g : returned_)
+      if (g.at.key == change.at.key) first = std::min(first, g.since);
+    return first;
+  };
+  if (change.kind == MemberChange::Kind::kRemoved) {
+    remember({change.at, first_admission(), change.tick}, view.roster.now);
+  } else if (change.kind == MemberChange::Kind::kAdmitted) {
+    if (change.slot == view.roster.self) own_key_ = change.at.key;
+    Gone before{change.at, first_admission(), change.tick};
+    for (const Remembered& r : gone_)
+      if (r.gone.at.key == change.at.key) before.since = std::min(before.since, r.gone.since);
+    for (PeerId p = 0; p < view.roster.slots(); ++p)
+      if (p != change.slot && view.roster.seats[p].at.key == change.at.key)
+        before.since = std::min(before.since, view.roster.seats[p].since);
+    if (before.since < change.tick && change.at.has_key()) keep(returned_, before, kMost);
+    std::erase_if(gone_, [&](const Remembered& r) { return same_place(r.gone.at, change.at); });
+  }
 }
 
-std::vector<Endpoint> PartitionMerge::gone() const {
-  std::vector<Endpoint> places;
-  for (const Gone& g : gone_) places.push_back(g.at);
-  return places;
+void PartitionMerge::remember(const Gone& gone, Tick now) {
+  const bool known = std::any_of(gone_.begin(), gone_.end(), [&](const Remembered& r) { return r.gone.at == gone.at; });
+  if (gone.at.is_set() && !known) keep(gone_, {gone, now}, kMost);
+}
+
+std::vector<sync::Transfer::Gone> PartitionMerge::gone() const {
+  std::vector<Gone> all;
+  for (const Remembered& r : gone_) all.push_back(r.gone);
+  return all;
+}
+
+Tick PartitionMerge::since(PeerId p, const View& view) const {
+  const Seat& s = view.roster.seats[p];
+  const bool own = p == view.roster.self;
+  Tick first = own ? view.roster.in_since : s.since;
+  for (const Gone& g : returned_)
+    if (g.at.key == (own ? own_key_ : s.at.key)) first = std::min(first, g.since);
+  return first;
 }
 
 bool PartitionMerge::member_at(const Endpoint& where, const View& view) const {
@@ -56,11 +89,68 @@ bool PartitionMerge::outranks(const Side& a, const Side& b) {
                                       });
 }
 
+void PartitionMerge::note_witness(const Endpoint& from, PeerId sender, std::uint32_t incarnation, Tick now) {
+  std::erase_if(witnesses_, [&](const Witness& w) { return w.from.key == from.key || now - w.heard >= kLately; });
+  keep(witnesses_, {from, sender, incarnation, now}, kMost);
+}
+
+// The peers of that part that have sent a Probe lately and, by our own log, were members until they were evicted, or
+// are until now.
+std::vector<sync::Transfer::Gone> PartitionMerge::evidence(const Side& side, const View& view) const {
+  std::vector<Gone> known;
+  for (const Witness& w : witnesses_) {
+    const bool listed = std::any_of(side.begin(), side.end(), [&](const wire::Seat& s) {
+      return s.slot == w.slot && s.incarnation == w.incarnation;
+    });
+    if (!listed || view.roster.now - w.heard >= kLately) continue;
+    const auto gone =
+        std::find_if(gone_.begin(), gone_.end(), [&](const Remembered& r) { return r.gone.at.key == w.from.key; });
+    const auto disowned = disowned_by_.find(w.slot);
+    if (gone != gone_.end())
+      known.push_back(gone->gone);
+    else if (disowned != disowned_by_.end() && disowned->second == w.incarnation &&
+             view.roster.seats[w.slot].at.key == w.from.key)
+      known.push_back({w.from, since(w.slot, view), view.roster.now});
+  }
+  return known;
+}
+
+bool PartitionMerge::is_outranked(const wire::Probe& probe, const Side& us, const View& view) const {
+  if (!session_.config.sealed) return outranks(probe.members, us);
+  const bool disjoint = outranks(probe.members, us) || outranks(us, probe.members);
+  const std::vector<Gone> witnesses = evidence(probe.members, view);
+  if (!disjoint || witnesses.empty()) return false;
+  Tick split = std::numeric_limits<Tick>::max();
+  for (const Gone& g : witnesses) split = std::min(split, g.removed);
+  // Nothing shows which part is the larger one, in neither of them perhaps: then they may have their word, after a
+  // while.
+  const bool met = std::any_of(witnesses.begin(), witnesses.end(), [](const Gone& g) { return g.since < g.removed; });
+  if (!met) {
+    const bool larger = witnesses.size() == us.size() ? outranks(probe.members, us) : witnesses.size() > us.size();
+    return larger && view.roster.now - split >= kStrangers;
+  }
+  // If most were no members for long when the two parts evicted each other, all those count that were members.
+  for (const Tick margin : {kMayBeUnknown, 0}) {
+    Weight theirs;
+    Weight ours;
+    for (const Gone& g : witnesses)
+      if (g.since + margin <= g.removed) theirs.add(g.since);
+    for (const wire::Seat& s : us)
+      if (since(s.slot, view) + margin <= split) ours.add(since(s.slot, view));
+    const std::size_t both = theirs.peers + ours.peers;
+    if (both == 0 || (margin > 0 && 2 * both < witnesses.size() + us.size())) continue;
+    if (theirs.peers != ours.peers) return theirs.peers > ours.peers;
+    if (theirs.senior != ours.senior) return theirs.senior < ours.senior;
+    return outranks(probe.members, us);
+  }
+  return false;
+}
+
 void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, std::size_t bytes,
                               const View& view, Micros local, Commands& out) {
   if (!view.roster.member || sender >= session_.slots) return;
   if (sender == session_.self && probe.incarnation == view.roster.incarnation) {  // our own Probe, at our own address
-    std::erase_if(gone_, [&](const Gone& g) { return g.at == from; });
+    std::erase_if(gone_, [&](const Remembered& r) { return r.gone.at == from; });
     return;
   }
   const Seat& n = view.roster.seats[sender];
@@ -73,10 +163,12 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
   } else if (member_at(from, view)) {
     return;  // sent by another incarnation
   }
+  note_witness(from, sender, probe.incarnation, view.roster.now);
   const Side us = ours(view);
-  if (outranks(probe.members, us)) {
+  if (is_outranked(probe, us, view)) {
     if (!winner_)
       out.tell({.kind = SessionEvent::Kind::kOutvoted, .at = from, .count = probe.members.size(), .own = us.size()});
+    if (!is_outvoted(view)) yields_since_ = view.roster.now;
     winner_ = from;
     won_at_ = view.roster.now;
     return;
@@ -101,8 +193,17 @@ void PartitionMerge::reply_within_credit(const Endpoint& to, std::size_t bytes, 
   it->bytes -= out.send_at_most(it->bytes, to, our_probe(false, view));
 }
 
+bool PartitionMerge::is_outvoted(const View& view) const {
+  return winner_ && view.roster.now - won_at_ < kLately;
+}
+
 std::optional<Endpoint> PartitionMerge::winner(const View& view) const {
-  return winner_ && view.roster.now - won_at_ < kLately ? winner_ : std::nullopt;
+  if (!is_outvoted(view)) return std::nullopt;
+  // A liar can make each of two parts yield to the other, and then neither lets anybody in. So after some time a peer
+  // stays, every other time on average, and those of the other part do so at other times.
+  const auto round = static_cast<std::size_t>((view.roster.now - yields_since_) / kPatience);
+  const bool stays = round > 0 && (own_key_[round % own_key_.size()] & 1U) != 0;
+  return stays ? std::nullopt : winner_;
 }
 
 wire::Probe PartitionMerge::our_probe(bool knows, const View& view) const {
@@ -123,8 +224,9 @@ void PartitionMerge::knock(const Endpoint& at, const View& view, Commands& out) 
 void PartitionMerge::advance(const View& view, Commands& out) {
   if (!view.roster.member || view.roster.now - probed_ < kPace) return;
   probed_ = view.roster.now;
-  std::erase_if(gone_, [&](const Gone& g) { return view.roster.now - g.since > kRemember || member_at(g.at, view); });
-  for (const Gone& g : gone_) out.send(g.at, our_probe(false, view));
+  std::erase_if(
+      gone_, [&](const Remembered& r) { return view.roster.now - r.kept > kRemember || member_at(r.gone.at, view); });
+  for (const Remembered& r : gone_) out.send(r.gone.at, our_probe(false, view));
 }
 
 }  // namespace padr::node

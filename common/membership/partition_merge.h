@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -15,6 +17,11 @@ namespace padr::node {
 /// Each part goes on sending Probes to the addresses of the peers that it lost. When a Probe arrives, the part with
 /// more living peers wins; of two alike, the part with the lowest slot, or the lowest incarnation in it. The peers of
 /// the other part join the winner anew and take over its world.
+///
+/// A Probe lists the peers of a part, and a single liar could list any. So in a session with a key a list only says who
+/// belongs together. Each listed peer counts only if it has sent a Probe lately itself, and its key was a member's that
+/// this part evicted. Peers that the other part cannot know do not count on either side: those that were admitted after
+/// the eviction, or shortly before. Of two parts with equally many the one with the most senior of these peers wins.
 class PartitionMerge {
  public:
   /// The living peers of one part, by slot.
@@ -25,7 +32,7 @@ class PartitionMerge {
 
   explicit PartitionMerge(const SessionView& session) : session_(session) {}
 
-  void on_change(const MemberChange& change);
+  void on_change(const MemberChange& change, const View& view);
   void on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, std::size_t bytes, const View& view,
                 Micros local, Commands& out);
   /// A state datagram of this session has come from an address of no member.
@@ -35,9 +42,11 @@ class PartitionMerge {
   /// Once a tick.
   void advance(const View& view, Commands& out);
 
-  /// Sends Probes to `at`, too, from now on.
-  void remember(const Endpoint& at, Tick now);
-  std::vector<Endpoint> gone() const;
+  /// Sends Probes to this evicted peer, too, from now on.
+  void remember(const sync::Transfer::Gone& gone, Tick now);
+  std::vector<sync::Transfer::Gone> gone() const;
+  /// Tick at which the peer in slot p was first admitted to the session, in whatever slot.
+  Tick since(PeerId p, const View& view) const;
   /// Address of a winning part that was heard lately, to join it anew.
   std::optional<Endpoint> winner(const View& view) const;
 
@@ -45,12 +54,36 @@ class PartitionMerge {
   static constexpr Tick kGrace = kTicksPerSecond;
   static constexpr Tick kLately = 2 * kTicksPerSecond;
   static constexpr Tick kRemember = 20 * 60 * kTicksPerSecond;
+  /// A peer that was admitted within this time before an eviction may be unknown to the evicted peer: the longest time
+  /// from a partition to the eviction.
+  static constexpr Tick kMayBeUnknown = kSilence + Evictions::kWithheld;
+  /// Time after which a part is believed of which this peer knows no more than where its peers are, ticks.
+  static constexpr Tick kStrangers = 10 * kTicksPerSecond;
+  /// Time for which this peer tries to join the other part before it may let others in again, ticks.
+  static constexpr Tick kPatience = 4 * kTicksPerSecond;
   static constexpr std::size_t kMost = sync::Transfer::kMostGone;
 
  private:
-  struct Gone {
-    Endpoint at;
-    Tick since = 0;
+  using Gone = sync::Transfer::Gone;
+  struct Remembered {
+    Gone gone;
+    Tick kept = 0;  ///< when it was remembered
+  };
+  /// A peer of another part, by a Probe of its own.
+  struct Witness {
+    Endpoint from;
+    PeerId slot = kNoPeer;
+    std::uint32_t incarnation = 0;
+    Tick heard = 0;
+  };
+  /// The peers of a part that the other part knows.
+  struct Weight {
+    std::size_t peers = 0;
+    Tick senior = std::numeric_limits<Tick>::max();  ///< first admission of the most senior of them
+    void add(Tick since) {
+      ++peers;
+      senior = std::min(senior, since);
+    }
   };
   /// An address of no member, and the bytes that it has sent beyond those it received.
   struct Credit {
@@ -59,17 +92,26 @@ class PartitionMerge {
   };
   bool member_at(const Endpoint& where, const View& view) const;
   Side ours(const View& view) const;
+  void note_witness(const Endpoint& from, PeerId sender, std::uint32_t incarnation, Tick now);
+  std::vector<Gone> evidence(const Side& side, const View& view) const;
+  /// Whether a Probe of the larger part has come lately.
+  bool is_outvoted(const View& view) const;
+  bool is_outranked(const wire::Probe& probe, const Side& us, const View& view) const;
   wire::Probe our_probe(bool knows, const View& view) const;
   /// Sends a Probe in reply; without a key, only if it is no larger than what that address has sent so far.
   void reply_within_credit(const Endpoint& to, std::size_t bytes, const View& view, Commands& out);
 
   const SessionView& session_;
-  std::vector<Gone> gone_;
+  std::vector<Remembered> gone_;
+  std::vector<Gone> returned_;                   ///< those of them that were admitted anew; kMost at most
+  std::vector<Witness> witnesses_;               ///< kMost at most
+  PublicKey own_key_{};                          ///< by the order that admitted this peer
   std::vector<Credit> credits_;                  ///< kMost at most
   std::map<PeerId, std::uint32_t> disowned_by_;  ///< members whose Probes disown us, and their incarnations
   std::optional<Endpoint> winner_;
   Tick probed_ = 0;
   Tick won_at_ = 0;
+  Tick yields_since_ = 0;  ///< when the other part was first found to be the larger one
 };
 
 }  // namespace padr::node

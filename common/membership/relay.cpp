@@ -8,6 +8,7 @@ void Relay::on_fetch(PeerId from, const wire::Fetch& fetch, const View& view, Co
   if (fetch.slot >= session_.slots || fetch.slot == session_.self) return;
   const Seat& of = view.roster.seats[fetch.slot];
   if (!of.reachable() || of.frozen || of.incarnation != fetch.incarnation) return;
+  note_unheard(from, fetch.slot, view);
   Service& s = services_[from];
   if (view.roster.now - s.since >= kPace) s = {view.roster.now, 0};
   if (s.times >= kServed) return;
@@ -17,6 +18,13 @@ void Relay::on_fetch(PeerId from, const wire::Fetch& fetch, const View& view, Co
   out.send(view.roster.seats[from].at, f);
 }
 
+Tick Relay::note_unheard(PeerId from, PeerId about, const View& view) {
+  Unheard& u = unheard_[{from, about}];
+  if (view.roster.now - u.last >= kAsksOn) u.since = view.roster.now;
+  u.last = view.roster.now;
+  return u.last - u.since;
+}
+
 void Relay::on_fetched(PeerId from, const wire::Fetched& fetched, const View& view, Commands& out) {
   if (fetched.slot >= session_.slots) return;
   Question& q = questions_[fetched.slot];
@@ -24,7 +32,7 @@ void Relay::on_fetched(PeerId from, const wire::Fetched& fetched, const View& vi
   if (q.to != from || now - q.at > kPatience) return;
   q.to = kNoPeer;
   q.next = now + kHurry;
-  out.relay(fetched);
+  out.relay(fetched, from);
 }
 
 // The next member, in turn, that is heard.

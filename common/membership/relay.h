@@ -1,5 +1,7 @@
 #pragma once
 
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "common/membership/commands.h"
@@ -23,11 +25,18 @@ class Relay {
   void on_fetched(PeerId from, const wire::Fetched& fetched, const View& view, Commands& out);
   /// Once a tick.
   void advance(const View& view, Commands& out);
+  /// Member `from` does not hear `about`. Returns for how long it has been saying so, ticks.
+  Tick note_unheard(PeerId from, PeerId about, const View& view);
+  /// Time after which a member that does not hear a peer may have it evicted, though others hear it; ticks. A little
+  /// less than kRelayUntil, as it asks one member after the other.
+  static constexpr Tick kUnheardForLong = kRelayUntil - 10 * kTicksPerSecond;
 
   static constexpr Tick kPace = 15;      ///< between two requests for one peer's updates, ticks
   static constexpr Tick kHurry = 6;      ///< until the next request after a reply, ticks
   static constexpr Tick kPatience = 60;  ///< a later reply is ignored, ticks
   static constexpr int kServed = 8;      ///< most replies to one peer in kPace ticks
+  /// A member that has not asked for this time hears the peer again, ticks: it asks the others in turn.
+  static constexpr Tick kAsksOn = 5 * kTicksPerSecond;
 
  private:
   struct Question {
@@ -39,11 +48,17 @@ class Relay {
     Tick since = -kPace;
     int times = 0;
   };
+  /// Requests of one member about one peer that it does not hear.
+  struct Unheard {
+    Tick since = 0;
+    Tick last = -kAsksOn;
+  };
   PeerId next_to_ask(PeerId about, const View& view);
 
   const SessionView& session_;
-  std::vector<Question> questions_;  ///< by the peer that they are about
-  std::vector<Service> services_;    ///< by asker
+  std::vector<Question> questions_;                       ///< by the peer that they are about
+  std::vector<Service> services_;                         ///< by asker
+  std::map<std::pair<PeerId, PeerId>, Unheard> unheard_;  ///< by asker and the peer that it is about
   int asked_last_ = 0;
 };
 

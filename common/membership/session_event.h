@@ -24,12 +24,13 @@ struct SessionEvent {
     kHeard,        ///< `peer` does not answer, but stays, as other members hear it
     kHeardAgain,   ///< as kHeard, of a peer that was suspected
     kDropped,      ///< `count` datagrams of `peer`; `text`: why
-    kMuted,        ///< `peer` is ignored for a while; `text`: why
-    kCutOff,       ///< `peer`, for good; `text`: why
-    kOutvoted,     ///< a part of the session with `count` members outranks ours, which has `own`: this peer joins it at
-                   ///< `at`
-    kReturning,    ///< this peer joins anew; `text`: why
-    kWrongKey,     ///< `count` datagrams were not made with this session's key, the last of them at `at`
+    kWithholds,  ///< `peer` does not answer polls about lost peers, or does not send the updates that it claims to have
+    kMuted,      ///< `peer` is ignored for `tick` ticks; `text`: why
+    kCutOff,     ///< `peer`, for good; `text`: why
+    kOutvoted,   ///< a part of the session with `count` members outranks ours, which has `own`: this peer joins it at
+                 ///< `at`
+    kReturning,  ///< this peer joins anew; `text`: why
+    kWrongKey,   ///< `count` datagrams were not made with this session's key, the last of them at `at`
     kLastKeyLogged,  ///< keys of `count` peers have been logged, and no more will be
     kReadable,       ///< the peer at `at` sends readable datagrams, though this one encrypts
     kDiffered,       ///< the state that this peer rejoins with differs from its own of that tick; `text`: where

@@ -32,6 +32,7 @@ struct SessionConfig {
   /// Founds a region of a crowd, alone and at once; the session time is this (us) now.
   std::optional<Micros> begins_at{};
   bool sealed = false;  ///< the session has a key
+  SessionId id{};       ///< of a session with a key; a joiner is told it
   /// Longest time from this peer's start to the begin of play, us; 0: no limit.
   Micros patience = 30 * kMicrosPerSecond;
 };
@@ -61,6 +62,7 @@ struct SessionView {
   PeerId self = kNoPeer;          ///< until it is welcomed
   std::uint32_t incarnation = 0;  ///< of this peer in its slot
   std::uint16_t number = 0;
+  SessionId id{};
   int slots = 0;
   int wanted = 0;
   int present = 0;  ///< members present, this one included

@@ -16,7 +16,15 @@ struct View {
 
   /// Ticks since the last one for which all updates of p are here, or since silence was last excused; 0 if none of p is
   /// awaited. Every confirmed world lies back as far.
-  Tick arrears(PeerId p) const { return std::max(0, roster.now - std::max(log.complete(p), roster.seats[p].excused)); }
+  Tick arrears(PeerId p) const {
+    const Seat& s = roster.seats[p];
+    return std::max(0, roster.now - std::max({log.complete(p), s.excused, s.forgiven}));
+  }
+  /// Whether p, though heard, has not told or not acknowledged updates for too long.
+  bool delays(PeerId p) const { return arrears(p) >= kArrears || roster.unacknowledged(p) >= kArrears; }
+  /// Time for which a member that is heard may withhold promised updates, which hold up every confirmed world, or
+  /// acknowledgements, without which updates must be kept.
+  static constexpr Tick kArrears = 8 * kTicksPerSecond;
 };
 
 }  // namespace padr::node

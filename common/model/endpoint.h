@@ -11,6 +11,9 @@ namespace padr {
 /// An Ed25519 public key; all zeros: none.
 using PublicKey = std::array<std::uint8_t, 32>;
 
+/// What the signatures of a session are bound to: drawn by its founder; all zeros in a session without a key.
+using SessionId = std::array<std::uint8_t, 16>;
+
 /// Where a peer's datagrams come from and go to, and, in a session with a key, who that peer is. Plain numbers:
 /// resolving names and sending are the shell's.
 struct Endpoint {

@@ -155,7 +155,7 @@ struct Status {
   std::uint64_t steps = 0;         ///< ticks played
   std::uint64_t late_ticks = 0;    ///< begun more than a tick after their time
   std::int64_t worst_late_us = 0;  ///< of any
-  std::int64_t clock_lead_us = 0;  ///< of this peer's session clock before the lowest other peer's
+  std::int64_t clock_lead_us = 0;  ///< of this peer's session clock before the most senior other peer's
   float own_error_m = 0;           ///< live against predicted, over what it owns
   std::uint32_t snaps = 0;         ///< jumps of shown positions, of this incarnation
   double snap_m = 0;               ///< their sum

@@ -9,6 +9,7 @@
 #include "common/membership/misbehaviour_policy.h"
 #include "common/model/rng.h"
 #include "common/model/user_error.h"
+#include "common/wire/signature.h"
 #include "common/world/world.h"
 
 namespace padr::node {
@@ -41,6 +42,10 @@ Participant::Participant(const Scene& scene, ParticipantConfig config, Micros lo
   if (!session.join) check_founder(session, scene_);
   session.sealed = channels_.has_value();
   session.scene_hash = scene_hash(scene_);
+  if (channels_ && !session.join)
+    session.id = wire::session_id(config_.channels->seed, channels_->key(), session.scene_hash);
+  // The channels have what they need.
+  if (channels_) config_.channels->session = config_.channels->seed = {};
   session.authority = config_.replica.technique.authority;
   if (session.fingerprint == 0) session.fingerprint = world::physics_fingerprint();
   next_.session = std::make_unique<Session>(config_.session, local);
@@ -178,11 +183,11 @@ void Participant::after_step(Micros local) {
   steer(local);
 }
 
-// The clock that counts is that of the lowest peer present.
+// The clock that counts is that of the most senior peer present.
 void Participant::steer(Micros local) {
-  bool lower = false;
-  for (PeerId p = 0; p < replica().self(); ++p) lower = lower || replica().seat(p).there();
-  current_.session->steer(local, lower ? replica().clock_lead() : 0);
+  const PeerId first = replica().most_senior_other();
+  const bool follows = first != kNoPeer && replica().roster().is_senior(first, replica().self());
+  current_.session->steer(local, follows ? replica().clock_lead() : 0);
 }
 
 void Participant::retune(const Technique& technique) {

@@ -65,7 +65,7 @@ class Participant {
   void retune(const Technique& technique);
   /// As in Replica: one tick in a region where this peer is a guest.
   void step_led(const BodyState& from, const BodyState& to, Vec2 target, Micros local);
-  /// Corrects the session's clock towards that of the lowest peer present, as far as is known; only when playing.
+  /// Corrects the session's clock towards that of the most senior peer present, as far as is known; only when playing.
   void steer(Micros local);
   // As in RecordedReplica, of the present incarnation; only when playing.
   void order(const sync::Bundle& order) { current_.replica->order(order); }
@@ -112,8 +112,9 @@ class Participant {
   struct Incarnation {
     std::unique_ptr<Session> session;
     std::unique_ptr<RecordedReplica> replica;
-    std::unique_ptr<Membership> membership;  ///< once the replica has caught up
-    std::vector<Endpoint> gone;              ///< of the transfer that it began with
+    std::unique_ptr<Membership> membership;     ///< once the replica has caught up
+    std::vector<sync::Transfer::Gone> gone;     ///< of the transfer that it began with
+    std::vector<sync::Transfer::Proof> proofs;  ///< of that, too
   };
   void bring_in_next(Micros local);
   void ask_again(Micros local);

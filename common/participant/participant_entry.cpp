@@ -28,10 +28,11 @@ ReplicaConfig Participant::replica_config(const Session& session) const {
   c.self = session.self();
   c.slots = session.slots();
   c.session = session.number();
+  c.session_id = session.id();
   c.incarnation = session.incarnation();
   c.wanted = session.wanted();
   if (channels_)
-    c.sign = [key = channels_->signing_key(), said = wire::Said{c.session, c.incarnation}](const sync::Bundle& b) {
+    c.sign = [key = channels_->signing_key(), said = wire::Said{c.session_id, c.incarnation}](const sync::Bundle& b) {
       return wire::sign_update(key, said, b);
     };
   return c;
@@ -60,6 +61,8 @@ void Participant::bring_in_next(Micros local) {
     found();
   } else if (!next_.replica && s.may_enter()) {
     if (const std::string why = no_room_for(s); !why.empty()) return s.state().fail(why);
+    if (current_.membership && current_.membership->bars(s.introducer().key))
+      return s.state().fail(to_string(s.introducer()) + " has lied");
     begin_with_transfer(local);
   } else if (next_.replica && next_.replica->replica().member()) {
     s.admitted();
@@ -104,7 +107,8 @@ void Participant::catch_up(Incarnation& incarnation, Micros local) {
   if (!incarnation.replica->catch_up(kAtOnce)) return;
   incarnation.membership = std::make_unique<Membership>(incarnation.session->state(), *incarnation.replica);
   // Membership forgets the members among them itself: an address in a slot proves nothing, its peer may have gone.
-  for (const Endpoint& at : std::exchange(incarnation.gone, {})) incarnation.membership->remember(at);
+  for (const sync::Transfer::Gone& g : std::exchange(incarnation.gone, {})) incarnation.membership->remember(g);
+  incarnation.membership->take(std::exchange(incarnation.proofs, {}));
   incarnation.session->hand_over_to(incarnation.membership.get());
   incarnation.session->enter(local);
 }
@@ -137,8 +141,9 @@ void Participant::begin_with_transfer(Micros local) {
                    ", but the session is at " + std::to_string(now));
     return;
   }
-  transfer->slots[s.introducer_number()].at = s.introducer();
-  if (channels_ && !said(*transfer, s.number())) {
+  transfer->by = s.introducer_number();
+  transfer->slots[transfer->by].at = s.introducer();
+  if (channels_ && !said(*transfer, s.id())) {
     s.state().fail("the transfer of " + to_string(s.introducer()) + " has updates without a valid signature");
     return;
   }
@@ -151,7 +156,9 @@ void Participant::begin_with_transfer(Micros local) {
   }
   next_.replica =
       std::make_unique<RecordedReplica>(scene_, replica_config(s), *transfer, std::max(now, then), recording(), sink());
-  for (const Endpoint& at : transfer->gone) next_.gone.push_back(as_seen_from(at, s.introducer()));
+  for (const sync::Transfer::Gone& g : transfer->gone)
+    next_.gone.push_back({as_seen_from(g.at, s.introducer()), g.since, g.removed});
+  next_.proofs = transfer->proofs;
   catch_up(next_, local);
 }
 
@@ -167,8 +174,7 @@ void Participant::take_over() {
   if (left_at_) plan_farewell();  // leave() was called before its admission
   if (!before.session) return;
   collect(before);
-  for (PeerId p = 0; p < before.session->slots(); ++p)
-    current_.membership->remember(before.replica->replica().seat(p).at);
+  current_.membership->inherit(*before.membership);
   before.replica->finish(true);
 }
 

@@ -13,6 +13,7 @@ Session::Session(const SessionConfig& config, Micros local) {
   session_.config = config;
   session_.born = local;
   session_.number = config.number;
+  session_.id = config.id;
   if (config.join) {
     joiner_ = std::make_unique<Joiner>(session_, local);
   } else {

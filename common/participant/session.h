@@ -65,6 +65,7 @@ class Session {
   PeerId self() const { return session_.self; }
   /// Drawn by the founder, never 0; 0 until known.
   std::uint16_t number() const { return session_.number; }
+  const SessionId& id() const { return session_.id; }
   int slots() const { return session_.slots; }
   int wanted() const { return session_.wanted; }
   /// Members present, this one included.

@@ -47,8 +47,10 @@ bool Joiner::is_target(const Endpoint& from) {
 void Joiner::on_welcome(const Endpoint& from, const wire::Header& header, const wire::Welcome& welcome) {
   if (session_.phase != SessionPhase::kJoining || !is_target(from) || welcome.nonce != nonce_ || header.session == 0)
     return;
+  if (session_.config.sealed != (welcome.session != SessionId{})) return;
   session_.self = welcome.peer;
   session_.number = header.session;
+  session_.id = welcome.session;
   session_.slots = welcome.slots;
   session_.wanted = welcome.wanted;
   session_.incarnation = welcome.incarnation;

@@ -18,12 +18,13 @@ struct LinkState {
   ReplayWindow window;
   LinkClock clock;
   Arrivals arrivals;
-  std::uint32_t answered_seq = 0;  ///< number of our newest datagram that it has acknowledged
-  std::uint32_t promised = 0;      ///< highest mark count heard
-  bool repeats = false;            ///< it repeated updates that are here: it lacks our acknowledgement
-  Tick checked = 0;                ///< when a hash for it was last due
-  Tick told_check = -1;            ///< tick of the last hash sent to it
-  std::vector<sync::Bundle> held;  ///< while frozen: its updates beyond the first missing one
+  std::uint32_t answered_seq = 0;    ///< number of our newest datagram that it has acknowledged
+  std::uint32_t promised = 0;        ///< highest mark count heard
+  bool repeats = false;              ///< it repeated updates that are here: it lacks our acknowledgement
+  Tick checked = 0;                  ///< when a hash for it was last due
+  Tick told_check = -1;              ///< tick of the last hash sent to it
+  std::vector<sync::Bundle> held;    ///< while frozen: its updates beyond the first missing one
+  std::vector<sync::Bundle> orders;  ///< its updates that change the membership, by number, if one before is missing
 
   std::array<std::uint64_t, sync::kDropReasons> dropped{};  ///< by reason, of all peers that had the slot
   std::uint32_t cut_offs = 0;                               ///< how often its present peer was cut off or muted

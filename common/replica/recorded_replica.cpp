@@ -33,6 +33,7 @@ trace::Header trace_header(const Scene& scene, const ReplicaConfig& config, cons
   h.slots = config.slots;
   h.incarnation = config.incarnation;
   h.session = config.session;
+  h.session_id = config.session_id;
   h.scene_hash = scene_hash(scene);
   h.fingerprint = world::physics_fingerprint();
   h.bodies = static_cast<int>(scene.bodies.size());
@@ -99,8 +100,8 @@ void RecordedReplica::give_up(PeerId p, bool for_good) {
   replica_.give_up(p, for_good);
 }
 
-sync::DropReason RecordedReplica::relay(const wire::Fetched& fetched) {
-  const sync::DropReason why = replica_.relay(fetched.slot, fetched.incarnation, fetched.updates);
+sync::DropReason RecordedReplica::relay(const wire::Fetched& fetched, PeerId by) {
+  const sync::DropReason why = replica_.relay(fetched.slot, fetched.incarnation, fetched.updates, by);
   if (writer_ && why == sync::DropReason::kNone) writer_->relayed({wire::encode_membership(fetched)});
   return why;
 }
@@ -120,10 +121,10 @@ void RecordedReplica::push(EntityId b, Vec2 velocity) {
   replica_.push(b, velocity);
 }
 
-void RecordedReplica::cut_off(PeerId p, bool for_good, const std::string& why) {
+void RecordedReplica::cut_off(PeerId p, const std::string& why) {
   remark({"cut_off", p, why});
   replica_.count_cut_off(p);
-  if (for_good) give_up(p);
+  give_up(p, false);
 }
 
 void RecordedReplica::remark(const trace::Remark& r) {

@@ -46,7 +46,7 @@ class RecordedReplica {
   void freeze(PeerId p, bool frozen);
   void excuse_silence();
   void give_up(PeerId p, bool for_good = true);
-  sync::DropReason relay(const wire::Fetched& fetched);
+  sync::DropReason relay(const wire::Fetched& fetched, PeerId by);
   /// Sets the address of p, in a session whose peers are all present from tick 0 on.
   void locate(PeerId p, const Endpoint& at) { replica_.locate(p, at); }
   void retune(const Technique& technique);
@@ -55,8 +55,8 @@ class RecordedReplica {
   void remark(const trace::Remark& r);
   void set_judge(Replica::Judge judge) { replica_.set_judge(std::move(judge)); }
   void count_drop(PeerId p, sync::DropReason why) { replica_.count_drop(p, why); }
-  /// Datagrams of p are ignored, for good or for a while: records that, and gives p up if it is for good.
-  void cut_off(PeerId p, bool for_good, const std::string& why);
+  /// Datagrams of p are ignored from now on: records that, and gives p up, unless others hear it.
+  void cut_off(PeerId p, const std::string& why);
   std::vector<MemberChange> take_changes() { return replica_.take_changes(); }
 
   const Replica& replica() const { return replica_; }

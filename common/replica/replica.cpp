@@ -30,7 +30,7 @@ void add(Hasher& h, Vec2 position, float angle, Vec2 velocity, float spin, bool 
 
 Roster roster_of(const ReplicaConfig& config) {
   Roster r;
-  r.session = config.session;
+  r.session = config.session_id;
   r.self = config.self;
   r.incarnation = config.incarnation;
   r.seats.resize(static_cast<std::size_t>(config.slots));

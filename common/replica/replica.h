@@ -35,6 +35,7 @@ struct ReplicaConfig {
   int slots = 1;                  ///< avatar slots, >= peers
   std::uint32_t incarnation = 0;  ///< of this peer in its slot; above 0 for a peer that joined later
   std::uint16_t session = 0;      ///< in every datagram's header
+  SessionId session_id{};         ///< in every signature
   Technique technique;
   sync::Fault fault;             ///< for tests only
   std::size_t kept_ticks = 512;  ///< see AgreedConfig
@@ -77,7 +78,8 @@ class Replica {
  public:
   using ConfirmedSink = sync::AgreedWorld::ConfirmedSink;
   /// Judges a packet with valid values, which may still be forged or be an order without right; kNone if it may pass.
-  using Judge = std::function<sync::DropReason(const sync::StatePacket& packet)>;
+  /// `relayed_by`: the member that relayed it; kNoPeer: it came from its peer.
+  using Judge = std::function<sync::DropReason(const sync::StatePacket& packet, PeerId relayed_by)>;
 
   /// For a peer that is present at tick 0.
   Replica(const Scene& scene, const ReplicaConfig& config, ConfirmedSink on_confirmed = {});
@@ -145,12 +147,12 @@ class Replica {
   void locate(PeerId p, const Endpoint& at) { roster_.seats[p].at = at; }
   /// Members that were admitted, left or were removed since the last call.
   std::vector<MemberChange> take_changes();
-  /// As in Roster.
-  void give_up(PeerId p, bool for_good) { roster_.give_up(p, for_good); }
+  /// As in Roster; what p has promised and not told no longer holds up the confirmed world.
+  void give_up(PeerId p, bool for_good);
   /// Takes updates of p from another member, which hears p while we do not. They are judged as if they came from p
   /// itself, and none is taken if one is rejected. An update also implies, like a mark, that those before it are all of
   /// earlier ticks.
-  sync::DropReason relay(PeerId p, std::uint32_t incarnation, const std::vector<sync::Bundle>& updates);
+  sync::DropReason relay(PeerId p, std::uint32_t incarnation, const std::vector<sync::Bundle>& updates, PeerId by);
   /// Changes the knobs from the next step on. Each peer may choose its own, except for `authority`, which must stay.
   void retune(const Technique& technique);
   /// Whether a push of this body would take effect now: no other peer holds it, and this peer plays.
@@ -186,7 +188,9 @@ class Replica {
   std::uint64_t lookahead_steps() const { return predictor_.steps(); }
   /// Longest interval between own updates while a member does not answer, ticks.
   static constexpr Tick kHeartbeat = kTicksPerSecond / 2;
-  /// By how much this peer's session clock leads that of the lowest other peer, in microseconds, as far as delays
+  /// The other peer present that was admitted first; kNoPeer if nobody else is.
+  PeerId most_senior_other() const;
+  /// By how much this peer's session clock leads that of the most senior other peer, in microseconds, as far as delays
   /// are alike both ways; 0 until measured.
   Micros clock_lead() const;
   /// Sum over own entities of the distance between the live and the predicted world (m): the error that the others are
@@ -210,6 +214,9 @@ class Replica {
   bool repeats(const sync::StatePacket& packet, PeerId from) const;
   sync::DropReason file_updates(const sync::StatePacket& packet, PeerId from);
   void file(const sync::Bundle& bundle);
+  void note_farewell(const sync::Bundle& b);
+  /// Whoever sat in the slot has published no more than `count` updates.
+  void close(PeerId p, std::uint32_t count);
   void note_changes(const sync::Bundle& bundle);
   void admit(const sync::Admission& a, const sync::Bundle& by);
   void keep_places(const sync::Transfer& start);

@@ -8,7 +8,7 @@ namespace padr::node {
 
 using sync::DropReason;
 
-DropReason Replica::relay(PeerId p, std::uint32_t incarnation, const std::vector<sync::Bundle>& updates) {
+DropReason Replica::relay(PeerId p, std::uint32_t incarnation, const std::vector<sync::Bundle>& updates, PeerId by) {
   Seat& of = roster_.seats[p];
   if (p == config_.self || !of.reachable() || of.frozen || incarnation != of.incarnation) return DropReason::kForeign;
   sync::StatePacket packet;  // as p would have sent it with these
@@ -20,13 +20,20 @@ DropReason Replica::relay(PeerId p, std::uint32_t incarnation, const std::vector
     if (b.index < of.first) return DropReason::kForeign;
   if (const DropReason why = check_claims(packet, p); why != DropReason::kNone) return why;
   if (judge_)
-    if (const DropReason objection = judge_(packet); objection != DropReason::kNone) return objection;
+    if (const DropReason objection = judge_(packet, by); objection != DropReason::kNone) return objection;
   const std::uint32_t had = agreed_.log().have(p);
   if (const DropReason why = file_updates(packet, p); why != DropReason::kNone) return why;
   if (agreed_.log().have(p) == had || !of.there()) return DropReason::kNone;
   of.relayed = std::max(of.relayed, packet.mark_tick);
   if (of.relayed > of.given_up && !of.given_up_for_good) of.given_up = -1;
   return DropReason::kNone;
+}
+
+void Replica::give_up(PeerId p, bool for_good) {
+  roster_.give_up(p, for_good);
+  if (agreed_.log().closed(p)) return;
+  agreed_.forget_promises(p);
+  links_[p].promised = agreed_.log().have(p);
 }
 
 // An empty update, for a member that does not hear us, but may hear members that do.
@@ -44,10 +51,16 @@ void Replica::publish_heartbeat() {
   publish(nothing);
 }
 
-Micros Replica::clock_lead() const {
+PeerId Replica::most_senior_other() const {
+  PeerId first = kNoPeer;
   for (PeerId p = 0; p < config_.slots; ++p)
-    if (p != config_.self && seat(p).there()) return links_[p].clock.lead();
-  return 0;
+    if (p != config_.self && seat(p).there() && (first == kNoPeer || roster_.is_senior(p, first))) first = p;
+  return first;
+}
+
+Micros Replica::clock_lead() const {
+  const PeerId first = most_senior_other();
+  return first == kNoPeer ? 0 : links_[first].clock.lead();
 }
 
 }  // namespace padr::node

@@ -11,21 +11,40 @@ namespace {
 // Four marks: time to hear that another peer leaves too, and to acknowledge everything, even if some marks get lost.
 constexpr Tick kLastAcks = 62;
 
+bool changes_membership(const sync::Bundle& b) {
+  return b.leave || b.admission || !b.removals.empty() || !b.passed_on.empty();
+}
+
+bool is_earlier(const sync::Bundle& a, const sync::Bundle& b) {
+  return a.index < b.index;
+}
+
 }  // namespace
 
 void Replica::file(const sync::Bundle& bundle) {
   if (!agreed_.insert(bundle)) return;
   news_ = now();
-  note_changes(bundle);
+  std::vector<sync::Bundle>& orders = links_[bundle.peer].orders;
+  if (changes_membership(bundle))
+    orders.insert(std::upper_bound(orders.begin(), orders.end(), bundle, is_earlier), bundle);
+  while (!orders.empty() && orders.front().index < agreed_.log().have(bundle.peer)) {
+    const sync::Bundle next = std::move(orders.front());
+    orders.erase(orders.begin());
+    note_changes(next);
+  }
 }
 
-// A change takes effect as soon as it is heard, not when it is confirmed: it decides whose updates a confirmed tick
-// needs. Incarnations put right what is heard out of order.
+// A change takes effect as soon as all updates of its peer before it are here, not when it is confirmed: it decides
+// whose updates a confirmed tick needs. If one before it is missing, it may never count: an order that nobody takes
+// ends its peer's log. Incarnations put right what is heard out of order.
 void Replica::note_changes(const sync::Bundle& b) {
   for (const sync::Bundle& lost : b.passed_on) file(lost);
   for (const sync::Removal& r : b.removals) remove(r, b);
   if (b.admission) admit(*b.admission, b);
-  if (!b.leave) return;
+  if (b.leave) note_farewell(b);
+}
+
+void Replica::note_farewell(const sync::Bundle& b) {
   Seat& n = roster_.seats[b.peer];
   const bool of_before = b.index < (b.peer == config_.self && member() ? own_first_ : n.first);
   if (of_before) return;  // a later peer has the slot already
@@ -34,7 +53,12 @@ void Replica::note_changes(const sync::Bundle& b) {
   n.presence = Presence::kLeft;
   n.frozen = false;
   links_[b.peer].held.clear();
-  changes_.push_back({MemberChange::Kind::kLeft, b.peer, n.incarnation, n.at, b.tick, b.peer});
+  changes_.push_back({MemberChange::Kind::kLeft, b.peer, n.incarnation, n.at, b.tick, b.peer, n.since});
+}
+
+void Replica::close(PeerId p, std::uint32_t count) {
+  agreed_.close(p, count);
+  std::erase_if(links_[p].orders, [count](const sync::Bundle& b) { return b.index >= count; });
 }
 
 void Replica::admit(const sync::Admission& a, const sync::Bundle& by) {
@@ -52,21 +76,22 @@ void Replica::admit(const sync::Admission& a, const sync::Bundle& by) {
     if (by.peer != config_.self) roster_.admitted_by = by.peer;
     for (LinkState& link : links_) link.out = sync::OutLink(a.first);
     for (Seat& s : roster_.seats) s.heard = s.answered = s.excused = now();
-    changes_.push_back({MemberChange::Kind::kAdmitted, a.slot, a.incarnation, a.at, by.tick, by.peer});
+    changes_.push_back({MemberChange::Kind::kAdmitted, a.slot, a.incarnation, a.at, by.tick, by.peer, by.tick});
     return;
   }
   if (a.incarnation <= n.incarnation) return;
   const Endpoint at = as_seen_from(a.at, roster_.place_of_sayer(by));
-  agreed_.close(a.slot, a.first);  // in case the removal of the former occupant comes later
+  close(a.slot, a.first);  // in case the removal of the former occupant comes later
   agreed_.open(a.slot, by.tick);
   repeats_of_gone_ += links_[a.slot].out.repeats();
   LinkState link;
   link.out = sync::OutLink(a.have[config_.self]);
   link.dropped = links_[a.slot].dropped;
+  link.orders = std::move(links_[a.slot].orders);
   links_[a.slot] = std::move(link);
   roster_.seat(a.slot, a.incarnation, a.first, at, by.tick);
   n.confirmed = agreed_.confirmed().tick;
-  changes_.push_back({MemberChange::Kind::kAdmitted, a.slot, a.incarnation, at, by.tick, by.peer});
+  changes_.push_back({MemberChange::Kind::kAdmitted, a.slot, a.incarnation, at, by.tick, by.peer, by.tick});
 }
 
 void Replica::remove(const sync::Removal& r, const sync::Bundle& by) {
@@ -78,23 +103,24 @@ void Replica::remove(const sync::Removal& r, const sync::Bundle& by) {
   Seat& n = roster_.seats[r.slot];
   if (r.incarnation != n.incarnation || !n.reachable()) return;
   if (agreed_.log().have(r.slot) > r.count) expelled_ = true;  // the others agreed without us
-  agreed_.close(r.slot, r.count);
+  close(r.slot, r.count);
   n.frozen = false;
   links_[r.slot].held.clear();
   if (!n.there()) return;  // it has left: the end of its log is its leave update, which counts
   n.presence = Presence::kAbsent;
-  changes_.push_back({MemberChange::Kind::kRemoved, r.slot, r.incarnation, n.at, by.tick, by.peer});
+  for (Seat& s : roster_.seats) s.forgiven = now();
+  changes_.push_back({MemberChange::Kind::kRemoved, r.slot, r.incarnation, n.at, by.tick, by.peer, n.since});
 }
 
 // The log of a frozen peer must not grow any more: not by its datagrams, and not by passed-on updates that fill a gap
 // before updates already here.
 void Replica::freeze(PeerId p, bool frozen) {
-  bool& is_frozen = roster_.seats[p].frozen;
-  if (is_frozen == frozen) return;
-  is_frozen = frozen;
+  if (roster_.seats[p].frozen == frozen) return;
+  roster_.freeze(p, frozen);
   std::vector<sync::Bundle>& held = links_[p].held;
   if (frozen) {
     held = agreed_.hold(p);
+    links_[p].orders.clear();
   } else {
     for (const sync::Bundle& b : std::exchange(held, {})) file(b);
   }
@@ -127,7 +153,7 @@ sync::Transfer Replica::transfer() const {
   t.slots.resize(roster_.slots());
   t.have.resize(roster_.slots());
   for (PeerId p = 0; p < roster_.slots(); ++p) {
-    t.slots[p] = {agreed_.log().have(p), seat(p).at};
+    t.slots[p] = {agreed_.log().have(p), seat(p).at, seat(p).since};
     t.have[p] = agreed_.log().have(p);
   }
   for (const sync::Bundle& b : t.tail) t.slots[b.peer].first = std::min(t.slots[b.peer].first, b.index);
@@ -154,9 +180,11 @@ Replica::Replica(const Scene& scene, const ReplicaConfig& config, const sync::Tr
     // A peer that is present in the state may have left or been removed since: then the tail says so.
     n.incarnation = member.incarnation;
     n.at = s.at;
+    n.since = s.since;
     n.confirmed = n.heard = n.answered = start.state.tick;
     if (member.present) n.presence = Presence::kThere;
   }
+  roster_.admitted_by = start.by;
   for (const sync::Bundle& b : start.tail) file(b);
   keep_places(start);
   comes_at_ = now;

@@ -47,15 +47,19 @@ DropReason Replica::take(const wire::Opened& opened, Micros now) {
   LinkState& link = links_[h.sender];
   const sync::StatePacket* packet = decoder_.decode(opened.payload, h.sender);
   if (packet == nullptr) return DropReason::kMalformed;
-  if (!from.reachable() || from.frozen || packet->incarnation != from.incarnation ||
-      packet->to_incarnation != config_.incarnation)
+  if (!from.reachable() || packet->incarnation != from.incarnation || packet->to_incarnation != config_.incarnation)
     return DropReason::kForeign;
+  if (from.frozen) {
+    if (packet->seen_seq > link.answered_seq) roster_.note_answer_of_frozen(h.sender);
+    link.answered_seq = std::max(link.answered_seq, packet->seen_seq);
+    return DropReason::kForeign;
+  }
   const DropReason why = sync::admit(*packet, scene_, config_.slots, this->now());
   if (why != DropReason::kNone) return why;
   if (const DropReason wrong = check_claims(*packet, h.sender); wrong != DropReason::kNone) return wrong;
   if (!link.window.would_pass(packet->seq)) return DropReason::kDuplicate;
   if (judge_)
-    if (const DropReason objection = judge_(*packet); objection != DropReason::kNone) return objection;
+    if (const DropReason objection = judge_(*packet, kNoPeer); objection != DropReason::kNone) return objection;
   link.window.pass(packet->seq);
   link.repeats |= repeats(*packet, h.sender);
   const DropReason filed = file_updates(*packet, h.sender);
@@ -126,11 +130,18 @@ void Replica::compare(Tick t, std::uint32_t theirs, PeerId from) {
   const HashChecks::Own* mine = checks_.own(t);
   if (mine == nullptr) return;
   ++stats_.hash_checks;
-  if (mine->hash == theirs) return;
+  Seat& other = roster_.seats[from];
+  if (mine->hash == theirs) {
+    if (!other.differs) other.same = std::max(other.same, t);
+    return;
+  }
   ++stats_.hash_mismatches;
   if (stats_.first_mismatch < 0) stats_.first_mismatch = t;
   differs_from_ = std::min(differs_from_, from);
-  roster_.seats[from].differs = true;
+  if (other.differs) return;
+  other.differs = true;
+  other.differs_at = t;
+  other.disputed = now();
 }
 
 }  // namespace padr::node

@@ -38,6 +38,23 @@ void Roster::note_answer(PeerId p, Tick mark) {
   s.given_up_for_good = false;
 }
 
+void Roster::freeze(PeerId p, bool frozen) {
+  Seat& s = seats[p];
+  s.frozen = frozen;
+  if (frozen) {
+    s.answered_frozen = s.answers_since = -1;
+  } else if (s.answered_frozen > s.answer_mark) {
+    note_answer(p, s.answered_frozen);
+    s.forgiven = now;  // it repeats what was not taken
+  }
+}
+
+void Roster::note_answer_of_frozen(PeerId p) {
+  Seat& s = seats[p];
+  if (s.answers_since < 0 || now - s.answered_frozen > kTicksPerSecond) s.answers_since = now;
+  s.answered_frozen = now;
+}
+
 void Roster::give_up(PeerId p, bool for_good) {
   seats[p].given_up = now;
   seats[p].given_up_for_good |= for_good;

@@ -41,6 +41,7 @@ class AgreedWorld {
   const UpdateLog& log() const { return log_; }
   /// As in UpdateLog.
   void mark(PeerId peer, Tick tick, std::uint32_t count) { log_.mark(peer, tick, count); }
+  void forget_promises(PeerId peer) { log_.forget_promises(peer); }
   void close(PeerId peer, std::uint32_t count);
   std::vector<Bundle> hold(PeerId peer);
   void open(PeerId peer, Tick since) { log_.open(peer, since); }

@@ -13,7 +13,18 @@ std::uint64_t lot(PeerId peer, EntityId body, std::uint32_t epoch) {
   return h.value();
 }
 
+/// The limit on a rise is generous to honest peers; with it a liar reaches the last epoch after more than a day.
+constexpr std::uint32_t kMostRise = 128;
+/// A claim that did not fit its tick's update is told in one of the next.
+constexpr Tick kToldLater = 2 * kTicksPerSecond;
+
 }  // namespace
+
+bool may_rest_on(const Authority& claim, const Authority& present, Tick told) {
+  if (claim.epoch > present.epoch && claim.epoch - present.epoch > kMostRise) return false;
+  const bool on_record = present.owner == claim.owner && present.epoch == claim.epoch;
+  return on_record || claim.claimed >= told - kToldLater;
+}
 
 bool wins(const Authority& claim, const Authority& present, EntityId body) {
   if (claim.epoch != present.epoch) return claim.epoch > present.epoch;

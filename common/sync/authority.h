@@ -24,4 +24,9 @@ struct Authority {
 /// A total order, so all peers agree whatever order claims arrive in.
 bool wins(const Authority& claim, const Authority& present, EntityId body);
 
+/// Whether a claim that was told at tick `told` may rest on what is on record. A claim adds one to an epoch, once a
+/// tick; claims that were declared void, or told a little later as an update was full, leave gaps. A claim that could
+/// not have come about like that counts for nobody, so no lie about epochs or ticks takes a body for long.
+bool may_rest_on(const Authority& claim, const Authority& present, Tick told);
+
 }  // namespace padr::sync

@@ -14,6 +14,8 @@ constexpr Tick kCalmMarkInterval = 45;  // 750 ms
 // Where more gets lost, but nothing has happened lately.
 constexpr Tick kQuietMarkInterval = 36;  // 600 ms
 constexpr std::uint32_t kUnquiet = 5;    // per cent lost
+// So many updates from the first missing one on the other end can acknowledge one by one: that one and 32 bits.
+constexpr std::uint32_t kAcknowledged = 33;
 // A promised update that has not come is asked for after this long: jitter reorders, and asking costs a datagram.
 constexpr Tick kGapPatience = 3;
 // An update goes along with the next datagram if it is unacknowledged after this long, once.
@@ -110,6 +112,14 @@ bool OutLink::mark_is_due(const Context& c) const {
   return since >= interval_ || (marked_ && since > 0 && (c.now + c.phase) % interval_ == 0);
 }
 
+// Newest first: it matters most to what is seen. But where the other end cannot acknowledge all that it has one by one,
+// that would be repeated for ever, and what it waits for would never get its turn.
+void OutLink::line_up(std::uint32_t oldest, std::uint32_t end) {
+  lined_up_.clear();
+  for (std::uint32_t i = end; i-- > oldest;) lined_up_.push_back(i);
+  if (lined_up_.size() > kAcknowledged) std::reverse(lined_up_.begin() + 1, lined_up_.end());
+}
+
 StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::uint32_t first,
                               const std::function<std::size_t(const Bundle&)>& size_of, std::size_t room) {
   const auto end = first + static_cast<std::uint32_t>(own.size());
@@ -127,7 +137,8 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
     used += n;
     return true;
   };
-  for (std::uint32_t i = end; i-- > std::max(acked_, first);) {  // newest first: it matters most to what is seen
+  line_up(std::max(acked_, first), end);
+  for (const std::uint32_t i : lined_up_) {
     if (arrived(i)) continue;
     const Flight& f = flight(i);
     if (silent && f.times > 0) continue;

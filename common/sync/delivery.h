@@ -65,6 +65,8 @@ class OutLink {
   bool arrived(std::uint32_t index) const;
   bool lost(const Flight& f, Tick now) const;
   bool echoes(const Flight& f, Tick now) const;
+  /// Updates in the order in which they are considered for a packet.
+  void line_up(std::uint32_t oldest, std::uint32_t end);
   void begin_marks(Tick now);
   bool mark_is_due(const Context& c) const;
   Tick interval(const Context& c, std::uint32_t end) const;
@@ -77,6 +79,7 @@ class OutLink {
   StatePacket packet_;
   BundlePool pool_;                      ///< for packet_
   std::vector<std::uint32_t> repeated_;  ///< scratch
+  std::vector<std::uint32_t> lined_up_;  ///< scratch
   std::vector<std::uint32_t> chosen_;    ///< scratch
   Ring<Tick> sent_at_{kRemembered + 1};  ///< tick of datagram seq_ - size + 1 + i
   std::uint32_t acked_ = 0;

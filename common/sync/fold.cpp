@@ -32,7 +32,7 @@ void Fold::apply(const Bundle& bundle) {
   if (bundle.going && world_.scene().region) members_[bundle.peer].going = *bundle.going;
   for (const Passage& p : bundle.passages) pass(bundle.peer, p, bundle.tick);
   if (bundle.avatar) apply_avatar(bundle.peer, *bundle.avatar, bundle.tick);
-  for (const BodyUpdate& u : bundle.bodies) apply_body(bundle.peer, u);
+  for (const BodyUpdate& u : bundle.bodies) apply_body(bundle.peer, u, bundle.tick);
 }
 
 void Fold::apply_avatar(PeerId p, const AvatarUpdate& u, Tick tick) {
@@ -43,7 +43,7 @@ void Fold::apply_avatar(PeerId p, const AvatarUpdate& u, Tick tick) {
   world_.set_state(world_.avatar(p), {u.position, 0, u.velocity, 0, u.awake});
 }
 
-void Fold::apply_body(PeerId p, const BodyUpdate& u) {
+void Fold::apply_body(PeerId p, const BodyUpdate& u, Tick told) {
   if (!with_authority_) return;
   set_hold(p, u.body, u.held);
   if (!u.has_state) {
@@ -51,7 +51,8 @@ void Fold::apply_body(PeerId p, const BodyUpdate& u) {
     return;
   }
   Authority claim{p, u.release, u.epoch, u.claimed};
-  if (!wins(claim, authority_[u.body], u.body)) return;
+  const Authority& present = authority_[u.body];
+  if (!may_rest_on(claim, present, told) || !wins(claim, present, u.body)) return;
   authority_[u.body] = claim;
   if (plays(u.body)) world_.set_state(u.body, u.state);
 }

@@ -92,7 +92,7 @@ class Fold {
 
  private:
   void apply_avatar(PeerId p, const AvatarUpdate& u, Tick tick);
-  void apply_body(PeerId p, const BodyUpdate& u);
+  void apply_body(PeerId p, const BodyUpdate& u, Tick told);
   void admit(const Admission& a, Tick tick);
   void remove(PeerId p);
   void pass(PeerId p, const Passage& passage, Tick tick);

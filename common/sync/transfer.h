@@ -17,12 +17,31 @@ struct Transfer {
   struct Slot {
     std::uint32_t first = 0;  ///< number of the slot's first update that is not in `state`
     Endpoint at;              ///< of who sits there; not set for the sender
+    Tick since = 0;           ///< tick at which that peer was first admitted to the session
   };
+  /// A peer that was evicted.
+  struct Gone {
+    Endpoint at;
+    Tick since = 0;    ///< tick at which it was first admitted, at most `removed`
+    Tick removed = 0;  ///< tick of its removal
+    friend bool operator==(const Gone&, const Gone&) = default;
+  };
+  /// Two signed updates of one peer that no honest peer can both have published: see wire::contradict.
+  struct Proof {
+    PublicKey key{};
+    std::uint32_t incarnation = 0;
+    Bundle one;
+    Bundle other;
+    friend bool operator==(const Proof&, const Proof&) = default;
+  };
+  static constexpr std::size_t kMostProofs = 8;
+  PeerId by = kNoPeer;  ///< the slot of its sender; the receiver knows it
   FoldState state;
   std::vector<Slot> slots;
   std::vector<Bundle> tail;         ///< by tick and peer
   std::vector<std::uint32_t> have;  ///< by slot: with `tail`, all its updates below this are known
-  std::vector<Endpoint> gone;       ///< where those were who were declared gone; at most kMostGone
+  std::vector<Gone> gone;           ///< those who were evicted; at most kMostGone
+  std::vector<Proof> proofs;        ///< that members have published two different updates; at most kMostProofs
 };
 
 /// Where a region of a crowd begins at tick `now`: as its scene says, with nobody there but whoever founds it, who sits

@@ -63,8 +63,13 @@ std::vector<Bundle>& UpdateLog::list_of(Tick tick) {
 bool UpdateLog::insert(const Bundle& bundle) {
   Peer& p = peers_[bundle.peer];
   if (bundle.index < p.have || bundle.index >= p.end || p.is_beyond(bundle.index) ||
-      bundle.index - p.have > kMostBeyond || bundle.tick < final_)
+      bundle.index - p.have > kMostBeyond)
     return false;
+  if (bundle.tick < final_) {  // its peer had promised that there was none: too late to count, but nothing waits for it
+    p.arrives(bundle.index);
+    settle(p);
+    return false;
+  }
   std::vector<Bundle>& same_tick = list_of(bundle.tick);
   for (const Bundle& b : same_tick)
     if (b.peer == bundle.peer) return false;  // one a tick: two would be folded in order of arrival
@@ -141,6 +146,19 @@ const std::vector<Bundle>& UpdateLog::at(Tick tick) const {
   return found == by_tick_.end() ? kNone : found->second;
 }
 
+const Bundle* UpdateLog::find_at(PeerId peer, Tick tick) const {
+  const std::vector<Bundle>& all = at(tick);
+  const auto found = std::find_if(all.begin(), all.end(), [peer](const Bundle& b) { return b.peer == peer; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+const Bundle* UpdateLog::find(PeerId peer, std::uint32_t index) const {
+  for (const auto& [tick, bundles] : by_tick_)
+    for (const Bundle& b : bundles)
+      if (b.peer == peer && b.index == index) return &b;
+  return nullptr;
+}
+
 Tick UpdateLog::complete(PeerId peer) const {
   return peers_[peer].complete;
 }
@@ -158,7 +176,7 @@ std::vector<Bundle> UpdateLog::of(PeerId peer, std::uint32_t from) const {
   for (const auto& [tick, bundles] : by_tick_)
     for (const Bundle& b : bundles)
       if (b.peer == peer && b.index >= from) found.push_back(b);
-  return found;  // a peer's numbers rise with its ticks
+  return found;
 }
 
 std::vector<Bundle> UpdateLog::since(Tick tick) const {

@@ -28,6 +28,8 @@ class UpdateLog {
   bool contradicts(PeerId peer, Tick tick, std::uint32_t count) const;
   /// The peer says: all my bundles up to and including `tick` are numbered below `count`.
   void mark(PeerId peer, Tick tick, std::uint32_t count);
+  /// Forgets what the peer has promised and not told: others may know better.
+  void forget_promises(PeerId peer) { peers_[peer].waiting.clear(); }
   /// Who sat in the slot says no more, ever: it is complete for all time once its bundles below `count` are here.
   /// Forgets what is known beyond; the earliest tick of that, or the largest Tick.
   Tick close(PeerId peer, std::uint32_t count);
@@ -39,6 +41,9 @@ class UpdateLog {
   bool waits(PeerId peer) const { return !peers_[peer].waiting.empty(); }
   bool closed(PeerId peer) const { return peers_[peer].end != kOpen; }
 
+  /// The peer's bundle of that number, or of that tick; null if it is not kept.
+  const Bundle* find(PeerId peer, std::uint32_t index) const;
+  const Bundle* find_at(PeerId peer, Tick tick) const;
   /// Known bundles of a tick, by ascending peer; empty if none.
   const std::vector<Bundle>& at(Tick tick) const;
   /// The last tick for which all of the peer's bundles are here; -1 if none; the largest Tick when closed.
@@ -51,7 +56,7 @@ class UpdateLog {
   std::uint32_t have(PeerId peer) const { return peers_[peer].have; }
   /// Bit i: bundle have+1+i is here too (have itself is not).
   std::uint32_t have_beyond(PeerId peer) const;
-  /// The known bundles of a slot numbered `from` and up, by number.
+  /// The known bundles of a slot numbered `from` and up, by tick. An honest peer's numbers rise with its ticks.
   std::vector<Bundle> of(PeerId peer, std::uint32_t from) const;
   /// All known bundles of ticks from `tick` on, by tick and peer.
   std::vector<Bundle> since(Tick tick) const;

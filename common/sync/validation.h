@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string_view>
 
 #include "common/model/scene.h"
@@ -29,6 +30,9 @@ inline constexpr std::array<std::string_view, kDropReasons> kDropNames{"none",  
                                                                        "duplicate", "tick",      "order",   "entity",
                                                                        "value",     "signature", "right",   "cut_off"};
 
+/// Incarnations and numbers of updates are below this: counted one by one, they take years to get there.
+inline constexpr std::uint32_t kEndOfNumbers = 1U << 30U;
+
 /// Limits of what is believed: Box2D asserts, and so aborts, on what is not finite, and loses precision far out.
 struct AdmitLimits {
   float margin = 20;           ///< m beyond the scene's corners; in a region of a crowd two of its sides more
@@ -44,8 +48,8 @@ DropReason admit(const StatePacket& packet, const Scene& scene, int slots, Tick 
 
 /// The same of a single update, whose number and tick are another's to judge.
 DropReason admit(const Bundle& bundle, const Scene& scene, int slots, const AdmitLimits& limits = {});
-/// Whether its claims may rest on what is agreed so far. From there on a claim's epoch is one above another's, and
-/// nobody makes two in a tick; and a claim that was made long before is on record, or has lost.
+/// Whether nobody can have led its peer to its claims: their epochs are not far above what is agreed. No false claim
+/// takes a record further than may_rest_on allows, however many an honest peer hears before they are found void.
 DropReason admit_claims(const Bundle& bundle, const FoldState& confirmed);
 /// Whether physics can take it.
 bool believable(const BodyState& state, const Scene& scene, const AdmitLimits& limits = {});

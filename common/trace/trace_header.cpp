@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "common/trace/trace_format.h"
@@ -95,6 +96,7 @@ void put_header(const Header& h, file::Header& out) {
   out.set_incarnation(h.incarnation);
   out.set_is_signed(h.is_signed);
   out.set_wanted(static_cast<std::uint32_t>(h.wanted));
+  if (h.session_id != SessionId{}) out.set_session_id(h.session_id.data(), h.session_id.size());
 }
 
 std::string take_header(const file::Header& in, Header& h) {
@@ -105,6 +107,8 @@ std::string take_header(const file::Header& in, Header& h) {
     return "peer " + std::to_string(in.peer()) + ", allowed: below the number of peers";
   if (in.wanted() > in.slots()) return "wanted " + std::to_string(in.wanted()) + ", allowed: 0 to slots";
   if (in.peer() >= in.slots()) return "peer " + std::to_string(in.peer()) + ", allowed: below the number of slots";
+  if (!in.session_id().empty() && in.session_id().size() != h.session_id.size())
+    return "session_id of " + std::to_string(in.session_id().size()) + " bytes, allowed: 0 or 16";
   if (in.session() > 0xFFFF) return "session " + std::to_string(in.session()) + ", allowed: 0 to 65535";
   if (in.bodies() >= kNoEntity || in.bodies() + in.slots() >= kNoEntity)
     return "bodies " + std::to_string(in.bodies()) + ", too many";
@@ -129,6 +133,7 @@ std::string take_header(const file::Header& in, Header& h) {
   h.incarnation = in.incarnation();
   h.is_signed = in.is_signed();
   h.wanted = static_cast<int>(in.wanted());
+  std::copy(in.session_id().begin(), in.session_id().end(), h.session_id.begin());
   return {};
 }
 

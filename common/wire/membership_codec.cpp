@@ -22,6 +22,10 @@ void put_seats(const std::vector<Seat>& seats, RepeatedPtrField<Membership::Seat
   }
 }
 
+bool ascends(const sync::Bundle& before, const sync::Bundle& b) {
+  return b.index > before.index && b.tick > before.tick;
+}
+
 struct Encoder {
   Membership& out;
 
@@ -64,7 +68,7 @@ struct Encoder {
     std::size_t n = 0;
     for (; n < m.updates.size(); ++n) {
       used += encoded_size(m.updates[n]);
-      if (n > 0 && used > kMaxPayload) break;
+      if (n > 0 && (used > kMaxPayload || !ascends(m.updates[n - 1], m.updates[n]))) break;
     }
     const Tick mark_tick = m.updates[n - 1].tick;
     const std::uint32_t mark_count = m.updates[n - 1].index + 1;
@@ -143,7 +147,7 @@ Taken take(const Membership::Fetched& in) {
     if (!take_update(u, static_cast<Tick>(in.updates().mark_tick()), in.updates().mark_count(), b)) return std::nullopt;
     if (f.updates.size() == 1) continue;
     const sync::Bundle& before = f.updates[f.updates.size() - 2];
-    if (b.index <= before.index || b.tick <= before.tick) return std::nullopt;
+    if (!ascends(before, b)) return std::nullopt;
   }
   return f;
 }

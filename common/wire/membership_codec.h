@@ -93,7 +93,8 @@ using MembershipMessage = std::variant<Pull, Piece, Enter, Poll, Answer, Fetch, 
 inline constexpr std::uint32_t kMaxPieces = 2048;
 inline constexpr std::size_t kPieceBytes = kMaxPayload - 40;
 
-/// Payload bytes. A Fetched takes as many of its updates, from the first on, as fit a datagram.
+/// Payload bytes. A Fetched takes as many of its updates, from the first on, as fit a datagram and ascend by
+/// number and tick: a peer may have told updates beyond a missing one whose numbers contradict their ticks.
 Bytes encode_membership(const MembershipMessage& message);
 /// The message, if the bytes are well formed and every value is in the range that its struct states.
 std::optional<MembershipMessage> decode_membership(std::span<const std::byte> payload);

@@ -13,7 +13,7 @@ namespace padr::wire {
 
 using Bytes = std::vector<std::byte>;
 
-inline constexpr std::uint8_t kProtocolVersion = 8;
+inline constexpr std::uint8_t kProtocolVersion = 9;
 inline constexpr std::array<std::byte, 2> kDatagramMagic{std::byte{'P'}, std::byte{'d'}};
 /// UDP payload at most: fits every path that IPv6 allows (1,280 bytes) with room for tunnels.
 inline constexpr std::size_t kMaxDatagram = 1200;

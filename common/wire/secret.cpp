@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
-#include <utility>
+#include <initializer_list>
 
 namespace padr::wire {
 namespace {
@@ -12,10 +12,10 @@ namespace {
 static_assert(crypto_scalarmult_BYTES == sizeof(Key) && crypto_scalarmult_SCALARBYTES == sizeof(Key));
 static_assert(crypto_sign_SEEDBYTES == sizeof(Key) && crypto_sign_PUBLICKEYBYTES == sizeof(PublicKey));
 static_assert(crypto_sign_SECRETKEYBYTES == sizeof(SigningKey) && crypto_sign_BYTES == sizeof(sync::Signature));
-static_assert(crypto_aead_xchacha20poly1305_ietf_KEYBYTES == sizeof(Key));
-static_assert(crypto_aead_xchacha20poly1305_ietf_ABYTES == sizeof(Tag));
+static_assert(crypto_stream_xchacha20_KEYBYTES == sizeof(Key));
 
-constexpr std::size_t kNonceBytes = crypto_aead_xchacha20poly1305_ietf_NPUBBYTES;
+constexpr std::size_t kNumberBytes = 8;
+static_assert(crypto_stream_xchacha20_NONCEBYTES == sizeof(Tag) + kNumberBytes);
 
 const unsigned char* raw(std::span<const std::byte> bytes) {
   return reinterpret_cast<const unsigned char*>(bytes.data());
@@ -25,10 +25,46 @@ unsigned char* into(std::span<std::byte> bytes) {
   return reinterpret_cast<unsigned char*>(bytes.data());
 }
 
-std::array<unsigned char, kNonceBytes> nonce_of(std::uint64_t number) {
-  std::array<unsigned char, kNonceBytes> nonce{};
-  for (unsigned i = 0; i < 8; ++i) nonce[i] = static_cast<unsigned char>(number >> (8 * i));
-  return nonce;
+std::array<std::byte, kNumberBytes> little_endian(std::uint64_t number) {
+  std::array<std::byte, kNumberBytes> bytes{};
+  for (unsigned i = 0; i < kNumberBytes; ++i) bytes[i] = static_cast<std::byte>(number >> (8 * i));
+  return bytes;
+}
+
+/// BLAKE2b-256, keyed with `key`, of `name`, a secret that two share, and the public keys of sender and receiver.
+Key one_way(const Key& key, std::string_view name, const Key& shared, const PublicKey& from, const PublicKey& to) {
+  crypto_generichash_state state;
+  Key out{};
+  crypto_generichash_init(&state, key.data(), key.size(), out.size());
+  crypto_generichash_update(&state, reinterpret_cast<const unsigned char*>(name.data()), name.size());
+  for (const PublicKey* part : std::initializer_list<const PublicKey*>{&shared, &from, &to})
+    crypto_generichash_update(&state, part->data(), part->size());
+  crypto_generichash_final(&state, out.data(), out.size());
+  sodium_memzero(&state, sizeof state);
+  return out;
+}
+
+/// What a datagram with this number has its tag over.
+Tag tag_of(const Key& key, std::uint64_t number, std::span<const std::byte> open, std::span<const std::byte> text) {
+  crypto_generichash_state state;
+  Tag tag{};
+  crypto_generichash_init(&state, key.data(), key.size(), tag.size());
+  const auto digits = little_endian(number);
+  for (const std::span<const std::byte> part : {open, text, std::span<const std::byte>(digits)})
+    if (!part.empty()) crypto_generichash_update(&state, raw(part), part.size());
+  crypto_generichash_final(&state, into(tag), tag.size());
+  sodium_memzero(&state, sizeof state);
+  return tag;
+}
+
+/// Hides `text`, or shows it again, in place.
+void mix(const Key& key, const Tag& tag, std::uint64_t number, std::span<std::byte> text) {
+  if (text.empty()) return;
+  const Key cipher = derive_key(key, "padr cipher");
+  std::array<std::byte, sizeof(Tag) + kNumberBytes> nonce{};
+  const auto digits = little_endian(number);
+  std::copy(digits.begin(), digits.end(), std::copy(tag.begin(), tag.end(), nonce.begin()));
+  crypto_stream_xchacha20_xor(into(text), into(text), text.size(), into(nonce), cipher.data());
 }
 
 }  // namespace
@@ -37,6 +73,10 @@ void choose_fast_code() {
   const int result = sodium_init();
   assert(result >= 0);
   static_cast<void>(result);
+}
+
+void wipe(std::span<std::byte> bytes) {
+  sodium_memzero(bytes.data(), bytes.size());
 }
 
 Key derive_key(const Key& secret, std::string_view name) {
@@ -65,9 +105,8 @@ SigningKey signing_key(const Key& secret) {
 
 PublicKey public_key(const Key& secret) {
   PublicKey out{};
-  std::array<unsigned char, crypto_sign_SECRETKEYBYTES> both{};
-  crypto_sign_seed_keypair(out.data(), both.data(), secret.data());
-  sodium_memzero(both.data(), both.size());
+  SigningKey both;
+  crypto_sign_seed_keypair(out.data(), both.bytes.data(), secret.data());
   return out;
 }
 
@@ -86,45 +125,39 @@ std::optional<PairKeys> pair_keys(const Key& session, const Key& secret, const P
   Key shared{};
   Key scalar{};
   PublicKey point{};
-  SigningKey both = signing_key(secret);
+  const SigningKey both = signing_key(secret);
   crypto_sign_ed25519_sk_to_curve25519(scalar.data(), both.bytes.data());
-  const bool usable = crypto_sign_ed25519_pk_to_curve25519(point.data(), theirs.data()) == 0 &&
-                      crypto_scalarmult(shared.data(), scalar.data(), point.data()) == 0;
-  sodium_memzero(both.bytes.data(), both.bytes.size());
-  sodium_memzero(scalar.data(), scalar.size());
-  if (!usable) return std::nullopt;
-  const auto one_way = [&](const PublicKey& from, const PublicKey& to) {
-    constexpr std::string_view kName = "padr pair";
-    std::array<unsigned char, kName.size() + 3 * sizeof(Key)> text{};
-    auto* at = std::copy(kName.begin(), kName.end(), text.begin());
-    for (const Key* part : {&std::as_const(shared), &from, &to}) at = std::copy(part->begin(), part->end(), at);
-    Key out{};
-    crypto_generichash(out.data(), out.size(), text.data(), text.size(), session.data(), session.size());
-    sodium_memzero(text.data(), text.size());
-    return out;
-  };
-  const PairKeys keys{one_way(ours, theirs), one_way(theirs, ours)};
-  sodium_memzero(shared.data(), shared.size());
-  return keys;
+  if (crypto_sign_ed25519_pk_to_curve25519(point.data(), theirs.data()) != 0 ||
+      crypto_scalarmult(shared.data(), scalar.data(), point.data()) != 0)
+    return std::nullopt;
+  constexpr std::string_view kName = "padr pair";
+  return PairKeys{one_way(session, kName, shared, ours, theirs), one_way(session, kName, shared, theirs, ours)};
+}
+
+PublicKey exchange_key(const Key& secret) {
+  PublicKey out{};
+  crypto_scalarmult_base(out.data(), secret.data());
+  return out;
+}
+
+std::optional<PairKeys> next_keys(const PairKeys& former, const Key& secret, const PublicKey& ours,
+                                  const PublicKey& theirs) {
+  Key shared{};
+  if (crypto_scalarmult(shared.data(), secret.data(), theirs.data()) != 0) return std::nullopt;
+  constexpr std::string_view kName = "padr rekey";
+  return PairKeys{one_way(former.out, kName, shared, ours, theirs), one_way(former.in, kName, shared, theirs, ours)};
 }
 
 Tag encrypt(const Key& key, std::uint64_t number, std::span<const std::byte> open, std::span<std::byte> text) {
-  Tag tag{};
-  std::array<std::byte, 1> nothing{};
-  if (text.empty()) text = std::span(nothing).first(0);  // the library takes no null, not even for nothing
-  const auto nonce = nonce_of(number);
-  crypto_aead_xchacha20poly1305_ietf_encrypt_detached(into(text), into(tag), nullptr, raw(text), text.size(), raw(open),
-                                                      open.size(), nullptr, nonce.data(), key.data());
+  const Tag tag = tag_of(key, number, open, text);
+  mix(key, tag, number, text);
   return tag;
 }
 
 bool decrypt(const Key& key, std::uint64_t number, std::span<const std::byte> open, std::span<std::byte> text,
              const Tag& tag) {
-  std::array<std::byte, 1> nothing{};
-  if (text.empty()) text = std::span(nothing).first(0);
-  const auto nonce = nonce_of(number);
-  return crypto_aead_xchacha20poly1305_ietf_decrypt_detached(into(text), nullptr, raw(text), text.size(), raw(tag),
-                                                             raw(open), open.size(), nonce.data(), key.data()) == 0;
+  mix(key, tag, number, text);
+  return same(tag_of(key, number, open, text), tag);
 }
 
 }  // namespace padr::wire

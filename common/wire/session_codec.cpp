@@ -63,6 +63,7 @@ struct Encoder {
     w.set_wanted(static_cast<std::uint32_t>(m.wanted));
     w.set_incarnation(m.incarnation);
     w.set_cookie(m.cookie);
+    if (m.session != SessionId{}) w.set_session(std::string(m.session.begin(), m.session.end()));
   }
   void operator()(const Redirect& m) const {
     auto& r = *out.mutable_redirect();
@@ -118,12 +119,19 @@ std::optional<SessionMessage> take(const Session::Welcome& in) {
   constexpr std::uint32_t most = kMaxPeers;
   if (in.slots() > most || in.wanted() == 0 || in.wanted() > in.slots() || in.peer() >= in.slots()) return std::nullopt;
   if (in.incarnation() == 0 || in.cookie() == 0) return std::nullopt;
+  SessionId session{};
+  if (!in.session().empty()) {
+    if (in.session().size() != session.size()) return std::nullopt;
+    std::copy(in.session().begin(), in.session().end(), session.begin());
+    if (session == SessionId{}) return std::nullopt;
+  }
   return Welcome{in.nonce(),
                  static_cast<PeerId>(in.peer()),
                  static_cast<int>(in.slots()),
                  static_cast<int>(in.wanted()),
                  in.incarnation(),
-                 in.cookie()};
+                 in.cookie(),
+                 session};
 }
 
 std::optional<SessionMessage> take(const Session::Redirect& in) {

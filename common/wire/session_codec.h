@@ -31,6 +31,7 @@ struct Welcome {
   int wanted = 0;                 ///< members that play waits, or waited, for: 1 .. slots
   std::uint32_t incarnation = 0;  ///< of the newcomer in its slot, not 0
   std::uint64_t cookie = 0;       ///< to be said with every Pull, not 0
+  SessionId session{};            ///< all zeros in a session without a key
   friend bool operator==(const Welcome&, const Welcome&) = default;
 };
 

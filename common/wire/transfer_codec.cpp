@@ -73,6 +73,19 @@ void put_authority(const FoldState& s, Message& out) {
   for (const PeerSet h : s.holds) out.add_holds(h);
 }
 
+void put_passed_on(const sync::Bundle& b, PassedOn& to) {
+  to.set_slot(b.peer);
+  to.set_index(b.index);
+  to.set_tick(static_cast<std::uint32_t>(b.tick));
+  put_update(b, b.tick, b.index + 1, *to.mutable_update());
+}
+
+std::string passed_on_bytes(const sync::Bundle& b) {
+  PassedOn to;
+  put_passed_on(b, to);
+  return to.SerializeAsString();
+}
+
 constexpr auto kMaxTick = static_cast<std::uint32_t>(std::numeric_limits<Tick>::max());
 // Numbers that grow by one at a time, as in sync::admit.
 constexpr std::uint32_t kMost = 1U << 30U;
@@ -107,7 +120,7 @@ class Reader {
     return read_start(out.state) && read_entities(out.state.world) && read_contacts(out.state.world) &&
            read_avatars(out.state) && waits(out.state) && read_authority(out.state) &&
            take_residents(in_, scene_.region ? scene_.bodies.size() : 0, out.state.residents) && read_slots(out) &&
-           read_tail(out) && read_gone(out);
+           read_tail(out) && read_gone(out) && read_proofs(out);
   }
 
  private:
@@ -215,23 +228,48 @@ class Reader {
       if (s.have() < s.first() || s.have() >= kMost) return false;
       out.have.push_back(s.have());
       if (s.address().empty() ? s.port() != 0 : !take_endpoint(s, to.at)) return false;
+      if (s.since() >= kMaxTick) return false;
+      to.since = static_cast<Tick>(s.since());
     }
     return true;
   }
 
   bool read_gone(sync::Transfer& out) const {
     if (static_cast<std::size_t>(in_.gone_size()) > sync::Transfer::kMostGone) return false;
-    for (const Message::Place& g : in_.gone())
-      if (!take_endpoint(g, out.gone.emplace_back())) return false;
+    for (const Message::Place& g : in_.gone()) {
+      sync::Transfer::Gone& to = out.gone.emplace_back();
+      if (!take_endpoint(g, to.at) || g.since() > g.removed() || g.removed() >= kMaxTick) return false;
+      to.since = static_cast<Tick>(g.since());
+      to.removed = static_cast<Tick>(g.removed());
+    }
+    return true;
+  }
+
+  bool read_passed_on(const PassedOn& p, sync::Bundle& b) const {
+    if (p.slot() >= static_cast<std::uint32_t>(slots_) || p.tick() >= kMaxTick || p.index() >= kMost) return false;
+    b.peer = static_cast<PeerId>(p.slot());
+    return take_update(p.update(), static_cast<Tick>(p.tick()), p.index() + 1, b);
+  }
+
+  bool read_proofs(sync::Transfer& out) const {
+    if (static_cast<std::size_t>(in_.proofs_size()) > sync::Transfer::kMostProofs) return false;
+    for (const Message::Proof& p : in_.proofs()) {
+      sync::Transfer::Proof& to = out.proofs.emplace_back();
+      if (p.key().size() != to.key.size() || p.incarnation() >= kMost) return false;
+      std::copy(p.key().begin(), p.key().end(), to.key.begin());
+      to.incarnation = p.incarnation();
+      PassedOn one;
+      PassedOn other;
+      if (!one.ParseFromString(p.one()) || !other.ParseFromString(p.other())) return false;
+      if (!read_passed_on(one, to.one) || !read_passed_on(other, to.other)) return false;
+    }
     return true;
   }
 
   bool read_tail(sync::Transfer& out) const {
     for (const PassedOn& p : in_.tail()) {
-      if (p.slot() >= static_cast<std::uint32_t>(slots_) || p.tick() >= kMaxTick || p.index() >= kMost) return false;
       sync::Bundle b;
-      b.peer = static_cast<PeerId>(p.slot());
-      if (!take_update(p.update(), static_cast<Tick>(p.tick()), p.index() + 1, b)) return false;
+      if (!read_passed_on(p, b)) return false;
       if (b.tick < out.state.tick || sync::admit(b, scene_, slots_) != sync::DropReason::kNone) return false;
       if (!out.tail.empty() && std::tie(out.tail.back().tick, out.tail.back().peer) >= std::tie(b.tick, b.peer))
         return false;
@@ -262,15 +300,22 @@ Bytes encode_transfer(const sync::Transfer& t) {
     to.set_first(t.slots[p].first);
     to.set_have(t.have[p]);
     if (t.slots[p].at.is_set()) put_endpoint(t.slots[p].at, to);
+    to.set_since(static_cast<std::uint32_t>(t.slots[p].since));
   }
-  for (const sync::Bundle& b : t.tail) {
-    PassedOn& to = *out.add_tail();
-    to.set_slot(b.peer);
-    to.set_index(b.index);
-    to.set_tick(static_cast<std::uint32_t>(b.tick));
-    put_update(b, b.tick, b.index + 1, *to.mutable_update());
+  for (const sync::Bundle& b : t.tail) put_passed_on(b, *out.add_tail());
+  for (const sync::Transfer::Gone& g : t.gone) {
+    Message::Place& to = *out.add_gone();
+    put_endpoint(g.at, to);
+    to.set_since(static_cast<std::uint32_t>(g.since));
+    to.set_removed(static_cast<std::uint32_t>(g.removed));
   }
-  for (const Endpoint& at : t.gone) put_endpoint(at, *out.add_gone());
+  for (const sync::Transfer::Proof& p : t.proofs) {
+    Message::Proof& to = *out.add_proofs();
+    to.set_key(std::string(p.key.begin(), p.key.end()));
+    to.set_incarnation(p.incarnation);
+    to.set_one(passed_on_bytes(p.one));
+    to.set_other(passed_on_bytes(p.other));
+  }
   Bytes bytes(out.ByteSizeLong());
   out.SerializeToArray(bytes.data(), static_cast<int>(bytes.size()));
   return bytes;

@@ -35,6 +35,9 @@ class Pair {
       if (seal != wire::SealMode::kNone) {
         c.channels.emplace();
         c.channels->seed[0] = static_cast<std::uint8_t>(n);
+        c.channels->random = [own = Rng(n)](std::span<std::byte> out) mutable {
+          for (std::byte& b : out) b = static_cast<std::byte>(own.below(256));
+        };
         c.channels->mode = seal;
       }
       peers_[n] = std::make_unique<node::Participant>(scene_, std::move(c), now_);

@@ -4,7 +4,7 @@
   architecture.py includes ROOT             who includes whom, and what the pure core may not include or call
   architecture.py symbols --nm NM LIB...    what the pure core's archives would take from outside
   architecture.py paths ROOT                absolute paths of somebody's machine in the repository's files
-  architecture.py cases ROOT                tests that docs/cases.md names and nobody has written
+  architecture.py cases ROOT                tests that docs/cases.md and docs/trust.md name and nobody has written
   architecture.py house ROOT                the picture in CONTRIBUTING.md against CORE_ORDER
 """
 
@@ -219,14 +219,18 @@ TEST_DEFINITION = re.compile(r"^TEST(?:_F|_P)?\((\w+), *(\w+)\)", re.MULTILINE)
 
 
 def cases(root):
-    page = "docs/cases.md"
     written = set()
     for path in sources(root, "tests"):
         with open(os.path.join(root, path), encoding="utf-8") as file:
             written.update(".".join(m) for m in TEST_DEFINITION.findall(file.read()))
+    return cases_of(root, "docs/cases.md", "case", written) + cases_of(root, "docs/trust.md", "claim", written)
+
+
+def cases_of(root, page, head, written):
+    """Each row of a page's table names at least one test, and only tests that are written."""
     found = []
     with open(os.path.join(root, page), encoding="utf-8") as file:
-        rows = [(n, line) for n, line in enumerate(file, 1) if line.startswith("| ") and not line.startswith("| case ")]
+        rows = [(n, line) for n, line in enumerate(file, 1) if line.startswith("| ") and not line.startswith(f"| {head} ")]
     if not rows:
         return [f"{page}: no cases"]
     for number, line in rows:

@@ -145,13 +145,16 @@ class Cases(unittest.TestCase):
             ("nothing", "no cases"),
         ]
         for row, complaint in rows:
-            files = {"docs/cases.md": row + "\n", "tests/a/a_test.cpp": "TEST(Suite, Written) {}\n"}
-            with self.subTest(row=row), Tree(files) as root:
-                found = architecture.cases(root)
-                if complaint is None:
-                    self.assertEqual(found, [])
-                else:
-                    self.assertIn(complaint, "\n".join(found))
+            good = "| a row | an answer | `Suite.Written` |\n"
+            for page, other in [("docs/cases.md", "docs/trust.md"), ("docs/trust.md", "docs/cases.md")]:
+                files = {page: row + "\n", other: good, "tests/a/a_test.cpp": "TEST(Suite, Written) {}\n"}
+                with self.subTest(row=row, page=page), Tree(files) as root:
+                    found = architecture.cases(root)
+                    if complaint is None:
+                        self.assertEqual(found, [])
+                    else:
+                        self.assertIn(complaint, "\n".join(found))
+                        self.assertIn(page, found[0])
 
 
 class House(unittest.TestCase):

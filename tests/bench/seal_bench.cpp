@@ -8,7 +8,9 @@
 #include <chrono>
 #include <string>
 
+#include "common/channel/channel_keys.h"
 #include "common/model/ids.h"
+#include "common/model/rng.h"
 #include "common/wire/codec.h"
 #include "common/wire/sealed.h"
 #include "common/wire/signature.h"
@@ -79,7 +81,7 @@ void signing(benchmark::State& state) {
     u.claimed = 9'990;
   }
   const auto bare = static_cast<double>(wire::encoded_size(b));
-  const wire::Said said{4660, 0};
+  const wire::Said said{{0x12, 0x34}, 0};
   double sign = 0;
   double check = 0;
   for (auto unused : state) {
@@ -94,6 +96,33 @@ void signing(benchmark::State& state) {
   state.counters["more_bytes"] = static_cast<double>(wire::encoded_size(b)) - bare;
 }
 
+/// New keys for two peers, from the first message to the last. `peer_us` is what that takes of each of the two, and
+/// `share_22` how much of a peer's time among 22 that is, in per cent, with new keys every two minutes.
+void rekeying(benchmark::State& state) {
+  wire::choose_fast_code();
+  const wire::Key secret = wire::derive_key({}, "bench");
+  const PublicKey own = wire::public_key(secret);
+  const auto first = *wire::pair_keys(secret, secret, own, wire::public_key(wire::derive_key({}, "other")));
+  const node::RandomBytes random = [rng = Rng(1)](std::span<std::byte> out) mutable {
+    for (std::byte& b : out) b = static_cast<std::byte>(rng.below(256));
+  };
+  double took = 0;
+  for (auto unused : state) {
+    (void)unused;
+    took += seconds_of([&] {
+      node::ChannelKeys a(first, true, 0);
+      node::ChannelKeys b({first.in, first.out}, false, 0);
+      const auto answer = b.take(*a.due(0, random), 0, random);
+      a.take(*answer.rekey, 0, random);
+      if (!b.open([&](const wire::Key& key) { return key == a.out(); }, 0)) state.SkipWithError("not the same keys");
+    });
+  }
+  const double each = took / 2 / static_cast<double>(state.iterations() * kBatch);
+  state.counters["peer_us"] = each * 1e6;
+  state.counters["share_22"] = 100 * 21 * each * 1e6 / static_cast<double>(node::ChannelKeys::kEvery);
+}
+
+BENCHMARK(rekeying);
 BENCHMARK(signing)->Arg(0)->Arg(1)->Arg(20);
 BENCHMARK_CAPTURE(sealing, auth, wire::SealMode::kAuth)->Arg(100)->Arg(1190);
 BENCHMARK_CAPTURE(sealing, encrypt, wire::SealMode::kEncrypt)->Arg(100)->Arg(1190);

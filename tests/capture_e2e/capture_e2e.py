@@ -65,7 +65,7 @@ def is_somebodys(datagram):
 
 def is_sealed(datagram):
     """By what it says itself: damage can make one seem so, or another's."""
-    return is_somebodys(datagram) and 30 <= len(datagram) <= 1220 and datagram[2] in (0x84, 0x85, 0x86, 0x88, 0x89, 0x8A)
+    return is_somebodys(datagram) and 30 <= len(datagram) <= 1220 and datagram[2] in (0x94, 0x95, 0x96, 0x98, 0x99, 0x9A)
 
 
 def is_claimed(datagram):
@@ -73,7 +73,7 @@ def is_claimed(datagram):
     if datagram[:2] != b"Pd" or len(datagram) < 6:
         return False
     good = len(datagram) >= 10 and zlib.crc32(datagram[:-4]) == int.from_bytes(datagram[-4:], "little")
-    return good or is_sealed(datagram) or datagram[2] in (0x80, 0x81, 0x82) and is_somebodys(datagram)
+    return good or is_sealed(datagram) or datagram[2] in (0x90, 0x91, 0x92) and is_somebodys(datagram)
 
 
 def is_read(datagram):

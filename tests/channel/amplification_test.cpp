@@ -27,6 +27,21 @@ TEST(Amplification, NothingUnprovenGetsBackMoreThanItSent) {
       {"Cookie", wire::encode_handshake(wire::Cookie{key_of(5), 1, {}}, h)},
       {"Introduction", wire::encode_handshake(wire::Introduction{key_of(5), 1, {}}, h)},
       {"Acceptance", wire::encode_handshake(wire::Acceptance{g.a.key(), 1}, h)},
+      {"Rekey", wire::encode_handshake(wire::Rekey{key_of(5), 1'000, wire::short_id(g.a.key()), 2, 0}, h)},
+      {"Rekey, replayed",
+       [&] {
+         Endpoint to_b = place(2);
+         to_b.key = g.b.key();
+         g.now += 131 * kMicrosPerSecond;
+         g.a.send(to_b, kNoPeer, words("x"), g.now);
+         wire::Bytes found;
+         for (const auto& p : taken(g.a))
+           if (wire::is_handshake(p.bytes) && p.bytes[3] == std::byte{5}) found = p.bytes;
+         EXPECT_FALSE(found.empty());
+         g.b.receive(place(1), found, g.now);
+         EXPECT_EQ(taken(g.b).size(), 1U) << "its own";
+         return found;
+       }()},
       {"Hello, wrong tag", wire::encode_handshake(wire::Hello{key_of(5), 1}, key_of(9))},
       {"sealed, wrong tag", wire::seal_with(key_of(9), wire::SealMode::kAuth, wire::short_id(g.a.key()), 99, join)},
       {"sealed, unknown", wire::seal_with(key_of(9), wire::SealMode::kAuth, 1, 99, join)},
@@ -38,6 +53,7 @@ TEST(Amplification, NothingUnprovenGetsBackMoreThanItSent) {
        }()},
       {"unsealed Join", join},
       {"garbage", wire::Bytes(1200)}};
+  taken(g.b);  // what it has said to its peer
   std::printf("  %-20s %6s %6s %6s\n", "from anywhere", "in", "out", "factor");
   for (const auto& [name, d] : all) {
     const double in = static_cast<double>(d.size()) + kHeaders;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -23,11 +24,19 @@ inline wire::Key key_of(std::uint64_t seed) {
   return k;
 }
 
+/// What the system gives a program, from a seed. Copies go on with one generator, as processes of one system do.
+inline node::RandomBytes random_bytes(std::uint64_t seed) {
+  return [rng = std::make_shared<Rng>(seed)](std::span<std::byte> out) {
+    for (std::byte& b : out) b = static_cast<std::byte>(rng->below(256));
+  };
+}
+
 inline node::ChannelConfig channel_config(std::uint64_t seed, wire::SealMode mode = wire::SealMode::kAuth,
                                           std::uint64_t session = 1) {
   node::ChannelConfig c;
   c.session = key_of(session);
   c.seed = key_of(1000 + seed);
+  c.random = random_bytes(2000 + seed);
   c.mode = mode;
   return c;
 }

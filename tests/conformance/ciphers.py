@@ -1,9 +1,8 @@
-"""X25519 (RFC 7748), Ed25519 (RFC 8032), ChaCha20 and Poly1305 (RFC 8439) and XChaCha20-Poly1305 (draft-irtf-cfrg-xchacha-03), slow and plain."""
+"""X25519 (RFC 7748), Ed25519 (RFC 8032), ChaCha20 (RFC 8439) and XChaCha20 (draft-irtf-cfrg-xchacha-03), slow and plain."""
 import struct
 from hashlib import sha512
 
 P25519 = (1 << 255) - 19
-P1305 = (1 << 130) - 5
 WORD = 0xFFFFFFFF
 
 
@@ -150,37 +149,10 @@ def hchacha20(key, nonce):
     return struct.pack("<8I", *s[:4], *s[12:])
 
 
-def poly1305(key, text):
-    r = int.from_bytes(key[:16], "little") & 0x0FFFFFFC0FFFFFFC0FFFFFFC0FFFFFFF
-    sum = 0
-    for at in range(0, len(text), 16):
-        sum = (sum + int.from_bytes(text[at:at + 16] + b"\1", "little")) * r % P1305
-    return (sum + int.from_bytes(key[16:], "little") & (1 << 128) - 1).to_bytes(16, "little")
-
-
 def xor(a, b):
     return bytes(x ^ y for x, y in zip(a, b))
 
 
-def padded(text):
-    return text + bytes(-len(text) % 16)
-
-
-def seal(key, nonce, open, text):
-    """(ciphertext, tag) by XChaCha20-Poly1305; the nonce has 24 bytes."""
-    inner, short = hchacha20(key, nonce[:16]), bytes(4) + nonce[16:]
-    cipher = xor(text, chacha20(inner, 1, short, len(text)))
-    return cipher, tag_of(inner, short, open, cipher)
-
-
-def tag_of(inner, short, open, cipher):
-    lengths = struct.pack("<QQ", len(open), len(cipher))
-    return poly1305(chacha20(inner, 0, short, 32), padded(open) + padded(cipher) + lengths)
-
-
-def unseal(key, nonce, open, cipher, tag):
-    """The text, or None if the tag is another."""
-    inner, short = hchacha20(key, nonce[:16]), bytes(4) + nonce[16:]
-    if tag_of(inner, short, open, cipher) != tag:
-        return None
-    return xor(cipher, chacha20(inner, 1, short, len(cipher)))
+def xchacha20(key, nonce, text):
+    """The text hidden, or shown again; the nonce has 24 bytes."""
+    return xor(text, chacha20(hchacha20(key, nonce[:16]), 0, bytes(4) + nonce[16:], len(text)))

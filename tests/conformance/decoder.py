@@ -13,7 +13,7 @@ from session_messages import decode_session
 from updates import UPDATE_FIELDS, check_values, decode_update
 
 HEADER, TAG, LARGEST = 6, 4, 1200
-VERSION = 8
+VERSION = 9
 STATE, SESSION, MEMBERSHIP = 0, 1, 2
 
 STATE_FIELDS = {

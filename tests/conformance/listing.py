@@ -74,7 +74,7 @@ def message_lines(name, content):
             lines.append(f"{name}.{field} ={regions(value)}")
         elif field == "update":
             lines += [line for n, update in enumerate(value) for line in update_lines(f"{name}.update[{n}]", update)]
-        elif field != "padding":
+        elif field != "padding" and value != b"":
             lines.append(f"{name}.{field} = {shown(value)}")
     return lines
 

@@ -7,7 +7,7 @@ SESSION_MESSAGES = {
     1: ("join", {1: ("nonce", "fixed64"), 2: ("scene_hash", "fixed64"), 3: ("fingerprint", "fixed64"),
                  4: ("authority", "bool"), 5: ("scenario", "text"), 6: ("padding", "bytes")}),
     2: ("welcome", {1: ("nonce", "fixed64"), 2: ("peer", "uint32"), 3: ("slots", "uint32"), 4: ("wanted", "uint32"),
-                    6: ("incarnation", "uint32"), 7: ("cookie", "fixed64")}),
+                    6: ("incarnation", "uint32"), 7: ("cookie", "fixed64"), 8: ("session", "bytes")}),
     3: ("redirect", {1: ("nonce", "fixed64"), 2: ("address", "bytes"), 3: ("port", "uint32")}),
     4: ("refuse", {1: ("nonce", "fixed64"), 2: ("reason", "text")}),
     5: ("ping", {1: ("sent_us", "sfixed64"), 2: ("padding", "bytes")}),
@@ -68,6 +68,7 @@ def check_session(name, content):
         require(content["wanted"] <= content["slots"], "waits for more than may come")
         require(content["peer"] < content["slots"], "a number that is none")
         require(content["incarnation"] > 0 and content["cookie"] > 0, "no incarnation, or no cookie")
+        require(not content["session"] or (len(content["session"]) == 16 and any(content["session"])), "no session's id")
     elif name in ("ask", "tell"):
         check_finding(name, content)
     elif name == "ping":

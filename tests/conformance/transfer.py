@@ -8,7 +8,7 @@ from rules import ascends, check_floats, check_length, require, require_place, r
 from updates import (MODELS, MOST_ANGLE, MOST_CONTROL, MOST_EPOCH, MOST_NUMBER, MOST_SPEED, MOST_SPIN, MOST_TICK,
                      PASSED_ON_FIELDS, UPDATE_FIELDS, check_values, decode_update)  # fmt: skip
 
-MOST_GONE, MOST_NORMAL, MOST_LOCAL, MOST_IMPULSE, MARGIN = 64, 1.01, 1e4, 1e9, 20
+MOST_GONE, MOST_PROOFS, MOST_NORMAL, MOST_LOCAL, MOST_IMPULSE, MARGIN = 64, 8, 1.01, 1e4, 1e9, 20
 START_LEAD = 60
 
 CONTACT_FIELDS = {
@@ -20,18 +20,20 @@ AVATAR_FIELDS = {
     5: ("numbers", "float column"), 6: ("since", "uint32"), 7: ("at_rest", "bool"), 8: ("going", "bool"),
 }
 AUTHORITY_FIELDS = {1: ("owner", "uint32"), 2: ("released", "bool"), 3: ("epoch", "uint32"), 4: ("claimed", "uint32")}
-SLOT_FIELDS = {1: ("first", "uint32"), 2: ("have", "uint32"), 3: ("address", "bytes"), 4: ("port", "uint32")}
+SLOT_FIELDS = {1: ("first", "uint32"), 2: ("have", "uint32"), 3: ("address", "bytes"), 4: ("port", "uint32"),
+               5: ("since", "uint32")}
 RESIDENT_FIELDS = {
     1: ("region", "uint32"), 2: ("number", "uint32"), 3: ("crossings", "uint32"), 4: ("present", "bool"),
     5: ("at", "uint32"), 6: ("bound", "uint32"),
 }
-PLACE_FIELDS = {1: ("address", "bytes"), 2: ("port", "uint32")}
+PLACE_FIELDS = {1: ("address", "bytes"), 2: ("port", "uint32"), 3: ("since", "uint32"), 4: ("removed", "uint32")}
+PROOF_FIELDS = {1: ("key", "bytes"), 2: ("incarnation", "uint32"), 3: ("one", "bytes"), 4: ("other", "bytes")}
 TRANSFER_FIELDS = {
     1: ("tick", "uint32"), 2: ("entities", "float column"), 3: ("awake", "bytes"), 4: ("contacts", CONTACT_FIELDS),
     5: ("avatars", AVATAR_FIELDS), 6: ("authority", AUTHORITY_FIELDS), 7: ("holds", "fixed64 column"),
     8: ("slots", SLOT_FIELDS), 9: ("tail", PASSED_ON_FIELDS), 10: ("gone", PLACE_FIELDS),
     11: ("residents", RESIDENT_FIELDS), 12: ("went", RESIDENT_FIELDS),
-    13: ("wanted", "uint32"), 14: ("begin", "uint32"),
+    13: ("wanted", "uint32"), 14: ("begin", "uint32"), 15: ("proofs", PROOF_FIELDS),
 }
 
 # What a transfer is held against: numbers of bodies, slots and fixed things, and the scenario's corners.
@@ -52,9 +54,22 @@ def decode_transfer(data, scenario):
     out["tail"] = decode_tail(out, scenario)
     require(len(out["gone"]) <= MOST_GONE, "too many that are gone")
     require(not out["residents"] and not out["went"], "bodies that come and go, in a session that is no region")
-    for place in out["gone"]:
-        require_place(place)
+    for gone in out["gone"]:
+        require_place(gone)
+        require(gone["since"] <= gone["removed"] <= MOST_TICK, "declared gone before it came, or at no tick")
+    check_proofs(out, scenario)
     return out
+
+
+def check_proofs(out, scenario):
+    require(len(out["proofs"]) <= MOST_PROOFS, "too many proofs")
+    for proof in out["proofs"]:
+        require(len(proof["key"]) == 32 and proof["incarnation"] <= MOST_NUMBER, "a proof against nobody")
+        for part in ("one", "other"):
+            raw = message(proof[part], PASSED_ON_FIELDS)
+            require(raw["slot"] < scenario.slots and raw["index"] <= MOST_NUMBER and raw["tick"] <= MOST_TICK, "of nobody")
+            update = decode_update(raw["update"] or message(b"", UPDATE_FIELDS), raw["tick"], raw["index"] + 1)
+            proof[part] = {"slot": raw["slot"], **update}
 
 
 def check_place(position, scenario):
@@ -126,6 +141,7 @@ def check_slots(out, scenario):
             require_place(slot)
         else:
             require(slot["port"] == 0, "a port of no address")
+        require(slot["since"] <= MOST_TICK, "let in at no tick")
 
 
 def decode_tail(out, scenario):
@@ -175,9 +191,16 @@ def transfer_lines(out):
                   avatar["at_rest"])  # fmt: skip
         lines.append(f"transfer.avatar[{n}] = {shown(values)}")
         where = f" {place(slot)}" if slot["address"] else ""
-        lines.append(f"transfer.slot[{n}] = {slot['first']} {slot['have']}{where}")
+        lines.append(f"transfer.slot[{n}] = {slot['first']} {slot['have']}{where} {slot['since']}")
     for n, (body, holds) in enumerate(zip(out["authority"], out["holds"])):
         lines.append(f"transfer.body[{n}] = {shown((*body.values(), holds))}")
     for n, update in enumerate(out["tail"]):
         lines += [f"transfer.tail[{n}].slot = {update['slot']}"] + update_lines(f"transfer.tail[{n}]", update)
-    return lines + [f"transfer.gone[{n}] = {place(at)}" for n, at in enumerate(out["gone"])]
+    lines += [
+        f"transfer.gone[{n}] = {place(gone)} {gone['since']} {gone['removed']}" for n, gone in enumerate(out["gone"])]
+    for n, proof in enumerate(out["proofs"]):
+        lines.append(f"transfer.proof[{n}] = {proof['key'].hex()} {proof['incarnation']}")
+        for part in ("one", "other"):
+            name = f"transfer.proof[{n}].{part}"
+            lines += [f"{name}.slot = {proof[part]['slot']}"] + update_lines(name, proof[part])
+    return lines

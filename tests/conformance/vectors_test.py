@@ -5,7 +5,7 @@ import sys
 import zlib
 from collections import Counter
 
-from decoder import decode
+from decoder import VERSION, decode
 from listing import listing
 from rules import Drop
 
@@ -66,9 +66,9 @@ def check_order_of_reasons(datagram):
 
     assert reason(b"") == "short"
     assert reason(b"Pd" + bytes(1199)) == "long"
-    assert reason(rebuilt(b"Px", 0x8F)) == "magic"
-    assert reason(rebuilt(b"Pd", 0x9F)) == "version"
-    assert reason(rebuilt(b"Pd", 0x8F)) == "kind"
+    assert reason(rebuilt(b"Px", VERSION << 4 | 15)) == "magic"
+    assert reason(rebuilt(b"Pd", (VERSION + 1) << 4 | 15)) == "version"
+    assert reason(rebuilt(b"Pd", VERSION << 4 | 15)) == "kind"
 
 
 def check_shortened(datagram):

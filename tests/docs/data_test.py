@@ -58,7 +58,8 @@ def lab(p):
     p.run("padr-lab", "figures", "--seeds", "1", "--seconds", "3", "--out", "figures")
     p.run("padr-lab", "examples", "--takes", "1", "--stories", "dominoes", "--out", "examples", "--json", "examples.json")
     p.run("padr-lab", "convergence", "--seconds", "2", "--out", "convergence")
-    p.run("padr-lab", "chaos", "--minutes", "0.2", "--json", "chaos.json")
+    p.run("padr-lab", "chaos", "--minutes", "0.2", "--liar", "none", "--json", "chaos.json")
+    p.run("padr-lab", "audit", *sorted(glob.glob(os.path.join(p.out, "traces", "*"))), "--json", "audit.json")
     p.run("padr-lab", "crowd", "--peers", "3", "--seconds", "2", "--warm-up", "2", "--json", "crowd.json")
     p.run("padr-lab", "path", "--input", "wander", "--seconds", "2", "--out", "path.csv")
     p.run("padr-report", *glob.glob(os.path.join(p.out, "traces", "*")), "--json", "report.json", "--csv", "report")
@@ -139,6 +140,7 @@ FILES = {
     "padr-lab examples: summary.json": "examples.json",
     "padr-lab convergence: convergence.csv": "convergence/convergence.csv",
     "padr-lab chaos --json": "chaos.json",
+    "padr-lab audit --json": "audit.json",
     "padr-lab crowd --json": "crowd.json",
     "Paths: path-STORY.csv, padr-lab path --out": "path.csv",
     "Pictures of curves: figure7-CASE.csv to figure9-CASE.csv, drift.csv, dominoes.csv": "figures/drift.csv",

@@ -170,7 +170,7 @@ class Hostility(Case):
                 size = rng.choice([0, 1, 9, 10, 11, 60, 300, 1200, 1201, 5000])
                 data = rng.randbytes(size)
                 if rng.random() < 0.5:
-                    data = b"Pd" + bytes([rng.choice([0x80, 0x81, 0x82, 0x70, 0xF1])]) + data[3:]
+                    data = b"Pd" + bytes([rng.choice([0x90, 0x91, 0x92, 0x70, 0xF1])]) + data[3:]
                 s.sendto(data, ("127.0.0.1", rng.choice(ports)))
                 thrown += 1
                 if thrown % 50 == 0:

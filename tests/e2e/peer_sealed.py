@@ -59,6 +59,47 @@ class Keys(Case):
         self.assertEqual(peer.end(), 0, peer.text())
 
 
+class Memory(Case):
+    """A process with a key leaves no core dump, and no other process of its user looks into its memory."""
+
+    def owners(self, *arguments, env=None):
+        """Who owns the file that is the memory of a peer, its limit for core dumps and what its environment shows."""
+        # Root owns it if it is protected. A group of its own tells that apart where root runs the test, too.
+        group = (lambda: os.setgid(65534)) if os.geteuid() == 0 else None
+        peer = self.peer("--wait-peers", 2, *arguments, env=env, preexec_fn=group)
+        peer.port()
+        process = f"/proc/{peer.process.pid}"
+        owner = os.stat(f"{process}/mem")
+        with open(f"{process}/limits", encoding="ascii") as file:
+            (core,) = [line for line in file if line.startswith("Max core file size")]
+        environment = b""
+        if os.geteuid() == 0:
+            with open(f"{process}/environ", "rb") as file:
+                environment = file.read()
+        return (owner.st_uid, owner.st_gid), core.split()[4:6], environment
+
+    def test_it_is_protected_with_a_key(self):
+        path = self.file("key", KEY + "\n")
+        for arguments, env in ((["--key-file", path], None), ([], with_key(KEY))):
+            owner, core, environment = self.owners(*arguments, env=env)
+            self.assertEqual(owner, (0, 0))
+            self.assertEqual(core, ["0", "0"])
+            self.assertNotIn(KEY.encode(), environment)
+
+    def test_without_a_key_it_is_as_usual(self):
+        owner, _, _ = self.owners()
+        self.assertEqual(owner, (os.geteuid(), 65534 if os.geteuid() == 0 else os.getegid()))
+
+    def test_what_else_a_peer_does_works_all_the_same(self):
+        """A capture, a trace, a summary and the log of keys, of a process that may not read its own /proc."""
+        path, capture, trace, keys = self.file("key", KEY), *(os.path.join(self.folder.name, n) for n in ("pcap", "trace", "keys"))
+        peer = self.peer("--wait-peers", 1, "--duration", 1, "--key-file", path, "--pcap", capture, "--trace", trace, "--keylog", keys)
+        self.assertEqual(peer.end(), 0, peer.text())
+        self.assertGreater(os.path.getsize(capture), 20)
+        self.assertGreater(os.path.getsize(trace), 100)
+        self.assertEqual(peer.summary()["seal"]["mode"], "auth")
+
+
 class Sessions(Case):
     def test_peers_of_both_modes_play(self):
         path = self.file("key", KEY + "\n")
@@ -98,7 +139,9 @@ class Sessions(Case):
         with open(log) as lines:
             words = [line.split() for line in lines]
         ours, theirs = (p.summary()["seal"]["public_key"] for p in (founder, joiner))
-        self.assertEqual([w[:3] for w in words], [["padr-key", ours, theirs], ["padr-key", theirs, ours]])
+        self.assertEqual([w[:3] for w in words], 2 * [["padr-key", ours, theirs], ["padr-key", theirs, ours]])
+        self.assertEqual(len({w[3] for w in words}), 4)  # the first keys and the next ones
+        self.assertEqual([p.summary()["seal"]["rekeys"] for p in (founder, joiner)], [1, 1])
         self.assertEqual(stat.S_IMODE(os.stat(log).st_mode), 0o600)
 
 

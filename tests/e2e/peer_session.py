@@ -96,7 +96,7 @@ class Refusal(Case):
         """A newcomer from the future, as far as the rules that all versions keep go: see proto/WIRE.md."""
 
         def future(body):
-            data = b"Pd" + bytes([0x91, 0xFF, 0, 0]) + body
+            data = b"Pd" + bytes([0xA1, 0xFF, 0, 0]) + body
             return data + struct.pack("<I", zlib.crc32(data))
 
         founder = self.peer("--wait-peers", 2, "--join-timeout", 20)
@@ -107,15 +107,15 @@ class Refusal(Case):
             s.sendto(future(bytes(1190)), ("127.0.0.1", port))
             answer, _ = s.recvfrom(65536)
             self.assertEqual(answer[:2], b"Pd")
-            self.assertEqual(answer[2], 0x81, "an answer of its own version, for the newcomer to see")
+            self.assertEqual(answer[2], 0x91, "an answer of its own version, for the newcomer to see")
             self.assertLess(len(answer), 1200)
-            founder.wait_for("protocol version differs: 8 in the session, 9 in the newcomer")
+            founder.wait_for("protocol version differs: 9 in the session, 10 in the newcomer")
             # The other way round: a joiner is told by a member of the future.
             joiner = self.peer("--join", f"127.0.0.1:{s.getsockname()[1]}")
             _, sender = s.recvfrom(65536)
             s.sendto(future(b"anything"), sender)
             self.assertEqual(joiner.end(), 1)
-            self.assertIn("protocol version differs: 9 at 127.0.0.1", joiner.text())
+            self.assertIn("protocol version differs: 10 at 127.0.0.1", joiner.text())
 
 
 PR_CAPBSET_DROP, PR_SET_NO_NEW_PRIVS = 24, 38

@@ -21,35 +21,49 @@ wire::Key drawn(std::uint64_t seed) {
   return key;
 }
 
+const Scene& small_scene() {
+  static const Scene kScene = scenarios::load_embedded("proxy", 1);
+  return kScene;
+}
+
 }  // namespace
 
 Endpoint SmallNet::place(int n) {
   return ipv4({10, 0, 0, static_cast<std::uint8_t>(n + 1)}, 7000);
 }
 
-SmallNet::SmallNet(int peers, std::uint64_t session, wire::SealMode mode) : key_(drawn(session)) {
-  static const Scene kScene = scenarios::load_embedded("proxy", 1);
+SmallNet::SmallNet(int peers, std::uint64_t session, wire::SealMode mode)
+    : SmallNet(peers, session, mode, small_scene(), peers) {}
+
+SmallNet::SmallNet(int peers, std::uint64_t session, wire::SealMode mode, const Scene& scene, int slots)
+    : key_(drawn(session)) {
   people_.resize(static_cast<std::size_t>(peers));
   for (int p = 0; p < peers; ++p) {
     Person& who = people_[static_cast<std::size_t>(p)];
     node::ParticipantConfig config;
     if (p > 0) config.session.join = place(0);
     config.session.wanted = peers;
-    config.session.slots = peers;
+    config.session.slots = slots;
     config.session.seed = derive_seed(session, 1, static_cast<std::uint64_t>(p));
     config.session.sealed = true;
     config.channels.emplace();
     config.channels->session = key_;
-    config.channels->seed = drawn(derive_seed(session, 2, static_cast<std::uint64_t>(p)));
+    config.channels->seed = who.seed = drawn(derive_seed(session, 2, static_cast<std::uint64_t>(p)));
+    config.channels->random = [own = Rng(derive_seed(session, 3, static_cast<std::uint64_t>(p)))](auto out) mutable {
+      for (std::byte& b : out) b = static_cast<std::byte>(own.below(256));
+    };
+    config.tamper = [this, p](node::Parcel parcel) {
+      return tamper ? tamper(p, std::move(parcel)) : std::vector{std::move(parcel)};
+    };
     config.channels->mode = mode;
     // Each key is told for both directions, ours first.
     config.channels->on_key = [&who](const PublicKey&, const PublicKey& to, const wire::Key& key) {
-      who.keys.try_emplace(to, key);
+      who.keys.insert_or_assign(to, key);
     };
     config.on_confirmed = [this, p](int, const sync::FoldState& s, std::uint64_t hash) {
       if (on_confirmed) on_confirmed(p, s.tick, hash);
     };
-    who.peer = std::make_unique<node::Participant>(kScene, std::move(config), now_);
+    who.peer = std::make_unique<node::Participant>(scene, std::move(config), now_);
   }
 }
 
@@ -70,9 +84,10 @@ void SmallNet::turn() {
   for (int p = 0; p < peers(); ++p) {
     node::Participant& peer = *people_[static_cast<std::size_t>(p)].peer;
     if (now_ >= peer.next_due()) peer.advance(now_);
-    while (peer.step_due(now_)) peer.step({5.0F + static_cast<float>(p), 5}, now_);
+    while (peer.step_due(now_)) peer.step(target ? target(p) : Vec2{5.0F + static_cast<float>(p), 5}, now_);
     for (const node::Parcel& parcel : peer.take_outgoing()) post(p, parcel);
-    peer.take_events();
+    for (const node::SessionEvent& e : peer.take_events())
+      if (on_event) on_event(p, e);
     peer.take_changes();
   }
 }

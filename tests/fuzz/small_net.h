@@ -25,6 +25,7 @@ struct Passing {
 class SmallNet {
  public:
   SmallNet(int peers, std::uint64_t session, wire::SealMode mode);
+  SmallNet(int peers, std::uint64_t session, wire::SealMode mode, const Scene& scene, int slots);
   SmallNet(const SmallNet&) = delete;
   SmallNet& operator=(const SmallNet&) = delete;
 
@@ -41,6 +42,8 @@ class SmallNet {
   /// Whether exactly this was sent to that peer by another and has not arrived yet.
   bool awaited(int to, std::span<const std::byte> bytes) const { return person(to).awaited.count(text_of(bytes)) > 0; }
   const wire::Key& session_key() const { return key_; }
+  /// The key that a peer signs with.
+  wire::SigningKey signing_key(int p) const { return wire::signing_key(wire::derive_key(person(p).seed, "secret")); }
   /// Somebody sends this to a peer; it arrives at once.
   void inject(const Endpoint& from, int to, std::span<const std::byte> bytes);
   /// So many of the next datagrams are lost.
@@ -48,12 +51,19 @@ class SmallNet {
 
   /// What a sender makes of an unsealed datagram of its own before it is sealed.
   std::function<wire::Bytes(int from, int to, const wire::Bytes& unsealed)> lie;
+  /// What becomes of a sender's datagram before it is sealed: as ParticipantConfig::tamper.
+  std::function<std::vector<node::Parcel>(int from, node::Parcel)> tamper;
+  /// The point that a peer's avatar is drawn to, m; empty: always the same for each.
+  std::function<Vec2(int peer)> target;
+  /// Something has happened in the session, as a peer sees it.
+  std::function<void(int peer, const node::SessionEvent&)> on_event;
   /// A peer has confirmed a tick: peer, tick, hash.
   std::function<void(int, Tick, std::uint64_t)> on_confirmed;
 
  private:
   struct Person {
     std::unique_ptr<node::Participant> peer;
+    wire::Key seed{};
     std::map<PublicKey, wire::Key> keys;  ///< what it sends to whom is sealed with
     std::set<std::string> awaited;        ///< sent to it, and not arrived yet
     std::vector<Passing> coming;

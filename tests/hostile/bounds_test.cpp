@@ -52,10 +52,10 @@ TEST(Bounds, NewcomersAreAsManyAsThereAreSlotsAndAreForgotten) {
 TEST(Bounds, OfThoseWhoAreGoneTheLatestAreRememberedForAWhile) {
   SessionState state = state_of_a_member();
   PartitionMerge sides(state);
-  for (std::uint16_t n = 0; n < 1000; ++n) sides.remember(place(n), 1);
+  for (std::uint16_t n = 0; n < 1000; ++n) sides.remember({place(n), 1, 1}, 1);
   ASSERT_EQ(sides.gone().size(), PartitionMerge::kMost);
-  EXPECT_EQ(sides.gone().back(), place(999));
-  EXPECT_EQ(sides.gone().front(), place(1000 - PartitionMerge::kMost));
+  EXPECT_EQ(sides.gone().back().at, place(999));
+  EXPECT_EQ(sides.gone().front().at, place(1000 - PartitionMerge::kMost));
   RecordedReplica replica(scenarios::load_embedded("ball", 1), alone());
   AppliedCommands out(state, replica);
   while (replica.replica().now() <= PartitionMerge::kRemember) replica.step({});

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,67 +14,11 @@
 #include "common/wire/membership_codec.h"
 #include "common/wire/signature.h"
 #include "tests/membership/party.h"
+#include "tools/lab/testbed/liar.h"
 
 namespace padr::test {
 
-/// A member whose program is an honest peer's but for what leaves it: from some moment on, state datagrams are changed
-/// on their way out, sealed and signed with the member's own keys.
-class Liar {
- public:
-  /// May change a packet before it goes to `to`; nothing is signed yet.
-  using Lie = std::function<void(sync::StatePacket& packet, PeerId to)>;
-
-  /// Changes what the liar says with every datagram from now on.
-  void begin(Lie lie) { lie_ = std::move(lie); }
-  /// What it sends besides, each time it sends a state datagram; unsealed.
-  void send_too(std::function<std::vector<wire::Bytes>(const wire::Header&)> extra) { extra_ = std::move(extra); }
-  /// May change what it says about who is there.
-  void speak_of_others(std::function<void(wire::MembershipMessage&)> lie) { gossip_ = std::move(lie); }
-  void stop() { lie_ = {}, extra_ = {}, gossip_ = {}; }
-  /// Whether lies are signed as what they are: the liar's.
-  bool signs = true;
-  std::uint64_t told = 0;  ///< datagrams changed
-
-  void learn_key(const node::ChannelConfig& channels) {
-    key_ = wire::signing_key(wire::derive_key(channels.seed, "secret"));
-    sealed_ = true;
-  }
-  const wire::SigningKey& key() const { return key_; }
-
-  std::vector<node::Parcel> tamper(node::Parcel parcel) {
-    wire::SealError error{};
-    const auto opened = wire::open(parcel.bytes, error);
-    std::vector<node::Parcel> out;
-    if (opened && opened->header.kind == wire::Kind::kState) {
-      const wire::Header header = opened->header;
-      if (extra_)
-        for (wire::Bytes& bytes : extra_(header)) out.push_back({parcel.to, parcel.state_to, std::move(bytes)});
-      auto packet = lie_ ? wire::decode_state(opened->payload, header.sender) : std::nullopt;
-      if (packet) {
-        lie_(*packet, parcel.state_to);
-        for (sync::Bundle& b : packet->updates)
-          if (sealed_ && signs) b.signature = wire::sign_update(key_, {header.session, packet->incarnation}, b);
-        parcel.bytes = wire::seal(header, wire::encode(*packet));
-        ++told;
-      }
-    }
-    if (opened && opened->header.kind == wire::Kind::kMembership && gossip_)
-      if (auto message = wire::decode_membership(opened->payload)) {
-        gossip_(*message);
-        parcel.bytes = wire::seal(opened->header, wire::encode_membership(*message));
-        ++told;
-      }
-    out.push_back(std::move(parcel));
-    return out;
-  }
-
- private:
-  Lie lie_;
-  std::function<std::vector<wire::Bytes>(const wire::Header&)> extra_;
-  std::function<void(wire::MembershipMessage&)> gossip_;
-  wire::SigningKey key_;
-  bool sealed_ = false;
-};
+using lab::Liar;
 
 /// What a peer would say of its avatar there.
 inline sync::AvatarUpdate avatar_at(Vec2 position, Vec2 velocity = {}) {
@@ -93,14 +38,35 @@ inline sync::Bundle avatar_update(PeerId whose, std::uint32_t index, Tick tick) 
   return b;
 }
 
+/// A lie: the liar's next update from tick `since` on is an order, as often as it is said.
+inline Liar::Lie in_place_of_the_next(std::function<void(sync::Bundle&)> order, Tick since = 0) {
+  return
+      [order = std::move(order), since, index = std::optional<std::uint32_t>{}](sync::StatePacket& p, PeerId) mutable {
+        if (p.mark_tick < since) return;
+        if (!index) index = p.mark_count;
+        for (sync::Bundle& b : p.updates) {
+          if (b.index != *index) continue;
+          sync::Bundle lie;
+          lie.peer = b.peer;
+          lie.index = b.index;
+          lie.tick = b.tick;
+          order(lie);
+          b = lie;
+        }
+      };
+}
+
 /// Peers of whom one lies, on virtual time. All are named by their slots.
 class Trial {
  public:
-  Trial(int founders, PeerId liar, wire::SealMode seal, std::uint64_t seed)
+  /// `adapt` may change what the network is built from.
+  Trial(int founders, PeerId liar, wire::SealMode seal, std::uint64_t seed,
+        const std::function<void(lab::VirtualNetworkConfig&)>& adapt = {})
       : liar_slot_(liar),
         liars_(static_cast<std::size_t>(founders)),
-        party_(config(founders, seal, seed), [this](lab::VirtualNetwork& g) {
+        party_(config(founders, seal, seed, adapt), [this](lab::VirtualNetwork& g) {
           g.on_start = [this](int person, node::ParticipantConfig& c) {
+            if (liars_.size() <= static_cast<std::size_t>(person)) liars_.resize(static_cast<std::size_t>(person) + 1);
             if (c.channels) of_person(person).learn_key(*c.channels);
             c.tamper = [this, person](node::Parcel p) { return of_person(person).tamper(std::move(p)); };
           };
@@ -109,6 +75,7 @@ class Trial {
     party_.run(4);
     persons_.resize(liars_.size());
     for (int p = 0; p < founders; ++p) persons_[party_.replica(p).self()] = p;
+    of_person(person(liar)).learn_session(session());
     party_.judge_too().expect_lies_of(person(liar));
   }
 
@@ -116,6 +83,7 @@ class Trial {
   Party& party() { return party_; }
   int person(PeerId slot) const { return persons_[slot]; }
   const node::Replica& replica(PeerId slot) const { return party_.replica(person(slot)); }
+  const SessionId& session() const { return replica(honest()[0]).config().session_id; }
   Tick lag(PeerId slot) const { return party_.lag(person(slot)); }
   /// Of who sits there now, as the wire has it.
   std::uint32_t incarnation(PeerId slot) const { return replica(slot).config().incarnation; }
@@ -157,9 +125,11 @@ class Trial {
 
  private:
   Liar& of_person(int person) { return liars_[static_cast<std::size_t>(person)]; }
-  static lab::VirtualNetworkConfig config(int founders, wire::SealMode seal, std::uint64_t seed) {
+  static lab::VirtualNetworkConfig config(int founders, wire::SealMode seal, std::uint64_t seed,
+                                          const std::function<void(lab::VirtualNetworkConfig&)>& adapt) {
     lab::VirtualNetworkConfig c = party_config(founders, "delay 30ms 5ms loss 1%", seed);
     c.seal = seal;
+    if (adapt) adapt(c);
     return c;
   }
 

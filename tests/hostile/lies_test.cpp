@@ -101,7 +101,7 @@ TEST(Lying, WhatIsNotSignedByItsSayerIsDropped) {
 TEST(Lying, NobodySpeaksInAnothersName) {
   for (const auto mode : {wire::SealMode::kNone, wire::SealMode::kAuth}) {
     Trial t(4, 2, mode, 121);
-    t.liar().send_too([](const wire::Header& h) {
+    t.liar().send_too([](const wire::Header& h, PeerId) {
       wire::Header other = h;
       other.sender = 1;
       sync::StatePacket p;
@@ -142,6 +142,36 @@ TEST(Lying, AHashThatIsNoneMakesNobodyBeginAnew) {
   t.party().run(10);
   for (const PeerId p : t.honest()) EXPECT_GT(t.replica(p).stats().hash_mismatches, 0U) << p;
   t.expect_no_harm();
+}
+
+// Once, the others dropped what it rested on such claims as nonsense, and barred it for good.
+TEST(Lying, WhoIsLedToBelieveInHighEpochsIsNotCutOff) {
+  Trial t(4, 2, wire::SealMode::kAuth, 125);
+  t.party().net().attract(Vec2{10, 7});
+  t.liar().begin([&t](sync::StatePacket& p, PeerId to) {
+    if (to != 1) return;
+    for (sync::Bundle& b : p.updates) {
+      b.bodies.clear();
+      for (EntityId body = 0; body < 12; ++body) {
+        sync::BodyUpdate u;
+        u.body = body;
+        u.has_state = true;
+        u.epoch = t.replica(1).agreed().confirmed().authority[body].epoch + 100;
+        u.claimed = b.tick;
+        u.state.position = {9.0F + 0.1F * static_cast<float>(body), 7};
+        u.state.awake = true;
+        b.bodies.push_back(u);
+      }
+    }
+  });
+  t.party().run(8);
+  EXPECT_GT(t.liar().told, 0U);
+  t.liar().stop();
+  t.party().run(20);
+  for (const PeerId p : t.honest())
+    EXPECT_FALSE(t.party().noted(t.person(p), "peer 1 keeps sending invalid datagrams")) << t.party().story();
+  EXPECT_TRUE(t.party().net().peer(t.person(1)).playing()) << t.party().story();
+  EXPECT_EQ(t.replica(0).link(1).cut_offs, 0U) << t.party().story();
 }
 
 // Nothing prevents it, as each signs what it says; but it shows, and only whoever has been told otherwise than the

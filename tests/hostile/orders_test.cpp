@@ -8,19 +8,7 @@ using sync::DropReason;
 
 /// From now on the liar's next update is this, as often as it is said.
 void give(Trial& t, std::function<void(sync::Bundle&)> order) {
-  t.liar().begin(
-      [order = std::move(order), index = std::optional<std::uint32_t>{}](sync::StatePacket& p, PeerId) mutable {
-        if (!index) index = p.mark_count;
-        for (sync::Bundle& b : p.updates) {
-          if (b.index != *index) continue;
-          sync::Bundle lie;
-          lie.peer = b.peer;
-          lie.index = b.index;
-          lie.tick = b.tick;
-          order(lie);
-          b = lie;
-        }
-      });
+  t.liar().begin(in_place_of_the_next(std::move(order)));
   t.party().net().attract(Vec2{10, 7});  // so that there is something to say
 }
 
@@ -105,7 +93,7 @@ TEST(Orders, TheCoordinatorInventsWhatALostPeerSaid) {
       lie.index = b.index;
       lie.tick = b.tick;
       lie.passed_on = {avatar_update(b.removals[0].slot, b.removals[0].count, b.tick - 1)};
-      lie.passed_on[0].signature = wire::sign_update(t.liar().key(), {1, 0}, lie.passed_on[0]);
+      lie.passed_on[0].signature = wire::sign_update(t.liar().key(), {t.session(), 0}, lie.passed_on[0]);
       b = lie;
       ++forged;
     }
@@ -113,8 +101,42 @@ TEST(Orders, TheCoordinatorInventsWhatALostPeerSaid) {
   t.party().net().kill(t.person(3));
   t.party().run(20);
   EXPECT_GT(forged, 0U);
-  EXPECT_GT(t.dropped(1, DropReason::kSignature) + t.dropped(2, DropReason::kSignature), 0U) << t.party().story();
+  EXPECT_GT(t.dropped(1, DropReason::kRight) + t.dropped(2, DropReason::kRight), 0U) << t.party().story();
   t.expect_confirmed({1, 2});
+}
+
+/// The liar coordinates, and gives this order once.
+void expect_refused(const sync::Admission& lie, std::uint64_t seed) {
+  Trial t(4, 0, wire::SealMode::kAuth, seed);
+  give(t, [&](sync::Bundle& b) {
+    b.admission = lie;
+    b.admission->have.assign(static_cast<std::size_t>(t.replica(1).config().slots), 0);
+  });
+  t.party().run(25);
+  for (const PeerId p : t.honest()) {
+    EXPECT_EQ(t.replica(p).seat(1).incarnation, p == 1 ? t.replica(p).seat(1).incarnation : t.incarnation(1));
+    EXPECT_GT(t.dropped(p, DropReason::kRight), 0U) << t.party().story();
+  }
+  t.expect_no_harm();
+  EXPECT_TRUE(t.liar_is_out()) << t.party().story();
+  const int late = t.party().net().start(t.person(1));
+  t.party().run(6);
+  EXPECT_TRUE(t.party().net().peer(late).playing()) << t.party().story();
+}
+
+Endpoint nowhere() {
+  Endpoint at = ipv4({192, 0, 2, 1}, 9);
+  at.key.fill(7);
+  return at;
+}
+
+// One admission with the highest incarnation, and no coordinator could count on.
+TEST(Orders, AdmissionThatUsesUpTheNumbers) {
+  expect_refused({9, (1U << 30U) - 1, 0, nowhere(), {}}, 211);
+}
+
+TEST(Orders, AdmissionToATakenSlot) {
+  expect_refused({1, 5000, 0, nowhere(), {}}, 212);
 }
 
 // What passes for one's own word is known to have been said, or not.

@@ -10,7 +10,7 @@ namespace {
 using node::Evictions;
 using node::SessionEvent;
 
-TEST(EvictionRules, TheCoordinatorIsTheLowestThatLives) {
+TEST(EvictionRules, TheCoordinatorIsTheMostSeniorThatLives) {
   struct Row {
     std::string name;
     PeerId self;
@@ -19,18 +19,19 @@ TEST(EvictionRules, TheCoordinatorIsTheLowestThatLives) {
   };
   const std::vector<Row> rows{
       {"all live", 2, [](Situation&) {}, 0},
-      {"the lowest has gone", 2, [](Situation& s) { s.empty(0); }, 1},
-      {"the lowest has left", 2, [](Situation& s) { s.roster.seats[0].presence = node::Presence::kLeft; }, 1},
-      {"the lowest is silent", 2, [](Situation& s) { s.silence(0, kLongAgo); }, 1},
+      {"a newcomer has the lowest slot", 2, [](Situation& s) { s.roster.seats[0].incarnation = 9; }, 1},
+      {"the most senior has gone", 2, [](Situation& s) { s.empty(0); }, 1},
+      {"the most senior has left", 2, [](Situation& s) { s.roster.seats[0].presence = node::Presence::kLeft; }, 1},
+      {"the most senior is silent", 2, [](Situation& s) { s.silence(0, kLongAgo); }, 1},
       {"a tick short of silence", 2, [](Situation& s) { s.silence(0, kLongAgo + 1); }, 0},
-      {"the lowest is relayed", 2,
+      {"the most senior is relayed", 2,
        [](Situation& s) {
          s.silence(0, kLongAgo);
          s.roster.seats[0].relayed = kNow;
        },
        0},
-      {"the lowest is given up", 2, [](Situation& s) { s.roster.give_up(0, false); }, 1},
-      {"this peer is the lowest", 0, [](Situation&) {}, 0},
+      {"the most senior is given up", 2, [](Situation& s) { s.roster.give_up(0, false); }, 1},
+      {"this peer is the most senior", 0, [](Situation&) {}, 0},
       {"it is, but leaves", 0, [](Situation& s) { s.roster.leaving = true; }, 1},
       {"it is, but is no member yet", 0, [](Situation& s) { s.roster.member = false; }, 1},
       {"nobody else lives", 1,
@@ -96,7 +97,7 @@ TEST(EvictionRules, WhoFollowsAPollFreezesWhomItIsAbout) {
     if (r.asker == 1) poll.lost.push_back(s.named(0));
     poll.lost.push_back(s.named(2));
     ListedCommands out;
-    rules.on_poll(r.asker, poll, s.view(), kNow + r.behind, out);
+    rules.on_poll(r.asker, poll, s.view(), kNow + r.behind, false, out);
     EXPECT_EQ(std::count(out.freezes.begin(), out.freezes.end(), std::pair(PeerId{2}, true)), r.follows ? 1 : 0)
         << r.name;
     const auto answers = out.all<wire::Answer>();
@@ -112,7 +113,7 @@ TEST(EvictionRules, AHigherNumberTakesBackAndALowerOneIsOld) {
   Evictions rules(s.session);
   const auto poll = [&](bool freeze, std::uint32_t number) {
     ListedCommands out;
-    rules.on_poll(0, {{s.named(2)}, freeze, number}, s.view(), kNow, out);
+    rules.on_poll(0, {{s.named(2)}, freeze, number}, s.view(), kNow, false, out);
     s.follow(out);
     return out.all<wire::Answer>().size();
   };
@@ -133,7 +134,7 @@ TEST(EvictionRules, AQuestionAboutAnotherIncarnationFreezesNobody) {
   wire::Seat former = s.named(2);
   former.incarnation -= 1;
   ListedCommands out;
-  rules.on_poll(0, {{former}, true, 0}, s.view(), kNow, out);
+  rules.on_poll(0, {{former}, true, 0}, s.view(), kNow, false, out);
   EXPECT_TRUE(out.freezes.empty());
   EXPECT_TRUE(rules.answered(0, 2, former.incarnation));
   EXPECT_FALSE(rules.answered(0, 2, former.incarnation + 1));
@@ -215,7 +216,8 @@ TEST_F(Eviction, OrdersWhatNobodyMayLackAndThenTheRemoval) {
   last.peer = 3;
   last.index = 1;
   last.tick = kNow - 200;
-  rules_.on_fetched({3, 4, {last}}, s_.view(), node::MisbehaviourPolicy(s_.session));
+  ListedCommands out;
+  rules_.on_fetched(1, {3, 4, {last}}, s_.view(), node::MisbehaviourPolicy(s_.session), out);
   pass(1);
   ASSERT_EQ(orders_.size(), 2U);
   ASSERT_EQ(orders_[0].passed_on.size(), 1U);
@@ -237,15 +239,96 @@ TEST_F(Eviction, IsTakenBackIfAMemberHearsItAgain) {
   EXPECT_FALSE(s_.roster.seats[3].frozen);
 }
 
-TEST_F(Eviction, NamesWhoWithholdsItsReply) {
+// Nobody else can tell whether it does, so it is not evicted.
+TEST_F(Eviction, GoesOnWithoutAMemberThatWithholdsItsReply) {
+  begin();
+  reply(1, true, 0, -1);
+  pass(Evictions::kWithheld - 1);
+  s_.roster.seats[2].excused = s_.roster.now;
+  pass(Evictions::kWithheld - 1);
+  EXPECT_TRUE(orders_.empty()) << "who was held up could not hear the replies";
+  pass(2);
+  ASSERT_FALSE(orders_.empty());
+  EXPECT_EQ(orders_.back().removals, (std::vector<sync::Removal>{{3, 4, 1}}));
+  EXPECT_FALSE(s_.roster.seats[2].frozen);
+}
+
+// It claims to lack what is no longer here, as all have confirmed it. Once, those were left out who could not show it.
+TEST_F(Eviction, GoesOnWithoutAMemberThatSaysItLacksWhatAllHaveConfirmed) {
+  s_.log.prune(kNow - 100, kNow - 100);
   begin();
   reply(1, true, 1, -1);
+  reply(2, true, 0, -1);
   pass(Evictions::kWithheld - 1);
-  EXPECT_TRUE(rules_.withholding(s_.view()).empty());
+  EXPECT_TRUE(orders_.empty());
   pass(2);
-  EXPECT_EQ(rules_.withholding(s_.view()), std::vector<PeerId>{2});
-  s_.roster.seats[2].excused = s_.roster.now;
-  EXPECT_TRUE(rules_.withholding(s_.view()).empty()) << "who was held up could not hear the replies";
+  ASSERT_FALSE(orders_.empty());
+  EXPECT_EQ(orders_.back().removals, (std::vector<sync::Removal>{{3, 4, 1}}));
+}
+
+// A lie froze a peer for good once: its updates were dropped for ever, until it cut this peer off in turn.
+TEST(EvictionRules, AFrozenPeerThatIsHeardAgainIsTakenBackFromAnAskerThatLies) {
+  struct Row {
+    std::string name;
+    bool sealed;
+    bool polls_on;
+    bool tells_on;  ///< the asker's marks go on coming
+    bool thaws;
+  };
+  const std::vector<Row> rows{
+      {"it polls on", true, true, true, true},
+      {"it neither polls on nor gives its order", true, false, true, true},
+      {"it has fallen silent, and may have given its order", true, false, false, false},
+      {"without a key nobody lies, but it may be slow", false, true, true, false},
+  };
+  for (const Row& r : rows) {
+    Situation s(4, 3);
+    s.session.config.sealed = r.sealed;
+    Evictions rules(s.session);
+    s.silence(2, kLongAgo);
+    bool contested = false;
+    bool thawed = false;
+    const auto pass = [&](Tick ticks) {
+      for (Tick t = 0; t < ticks; ++t) {
+        s.roster.seats[0].heard = s.roster.seats[0].answered = s.roster.seats[0].answer_mark = s.roster.now;
+        if (s.roster.seats[2].frozen) s.roster.note_answer_of_frozen(2);
+        if (r.tells_on) s.log.mark(0, s.roster.now, 0);
+        ListedCommands out;
+        if (r.polls_on || s.roster.now == kNow)
+          rules.on_poll(0, {{s.named(2)}, true, 0}, s.view(), s.roster.now, false, out);
+        for (const auto& answer : out.all<wire::Answer>())
+          contested |= !answer.message.frozen && answer.message.lost[0].heard > 0;
+        rules.advance(s.view(), out);
+        s.follow(out);
+        thawed |= !rules.answered(0, 2);
+      }
+    };
+    pass(Evictions::kHeardAgain);
+    EXPECT_TRUE(s.roster.seats[2].frozen) << r.name;
+    EXPECT_FALSE(contested) << r.name;
+    pass(Evictions::kLease + 3);
+    EXPECT_EQ(contested, r.polls_on) << r.name;
+    EXPECT_EQ(thawed, r.thaws) << r.name;
+  }
+}
+
+TEST_F(Eviction, IsTakenBackIfTheLostPeerHasPublishedSomethingNew) {
+  begin();
+  sync::Bundle news;
+  news.peer = 3;
+  news.index = 1;
+  const auto is_shown = [&](Tick tick) {
+    news.tick = tick;
+    ListedCommands out;
+    rules_.on_fetched(1, {3, 4, {news}}, s_.view(), node::MisbehaviourPolicy(s_.session), out);
+    s_.follow(out);
+    return out.relayed.size();
+  };
+  EXPECT_EQ(is_shown(s_.roster.now - node::kSilence), 0U) << "before it fell silent";
+  EXPECT_TRUE(rules_.busy());
+  EXPECT_EQ(is_shown(s_.roster.now), 1U);
+  EXPECT_FALSE(rules_.busy());
+  EXPECT_FALSE(s_.roster.seats[3].frozen);
 }
 
 }  // namespace

@@ -103,20 +103,22 @@ TEST(Joining, ACrowdTakesTurns) {
   EXPECT_EQ(party.judge().violation(), "");
 }
 
-// The lowest slot is free, so the first who is let in is the coordinator from then on, and whoever was letting in the
-// others may not any more: it tells them whom to ask.
-TEST(Joining, SeveralAtOnceAllComeInThoughTheFirstOfThemBecomesTheCoordinator) {
+// The first of them gets the founder's slot, and is no more senior for that.
+TEST(Joining, SeveralAtOnceAllComeInWhereTheFoundersSlotIsFree) {
   for (std::uint64_t seed = 60; seed < 70; ++seed) {
     Party party(3, "delay 40ms 10ms loss 5%", seed);
     party.run(5);
     party.net().leave(0);
     party.run(5);
+    const PeerId coordinator = party.net().peer(1).coordinator();
     for (int i = 0; i < 4; ++i) {
       party.net().start(1 + i % 2);
       party.run(0.1);
     }
     const auto took = party.run_until(3.5, [&] { return party.united(); });
     ASSERT_TRUE(took.has_value()) << "seed " << seed << "\n" << party.story();
+    for (int p = 1; p < 7; ++p) EXPECT_EQ(party.net().peer(p).coordinator(), coordinator) << p;
+    EXPECT_TRUE(party.replica(1).seat(0).there());
     party.run(2);
     EXPECT_EQ(party.judge().violation(), "");
   }

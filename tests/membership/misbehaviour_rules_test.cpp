@@ -1,6 +1,7 @@
 // Who may give which order, and who is cut off, as tables.
 #include "common/membership/evictions.h"
 #include "common/membership/misbehaviour_policy.h"
+#include "common/wire/signature.h"
 #include "tests/membership/rules.h"
 
 namespace padr::test {
@@ -17,11 +18,12 @@ sync::Bundle by(PeerId p) {
   return b;
 }
 
-sync::Bundle admits(PeerId p) {
+/// Slot 4 is free.
+sync::Bundle admits(PeerId p, PeerId slot = 4, std::uint32_t incarnation = 50) {
   sync::Bundle b = by(p);
   b.admission.emplace();
-  b.admission->slot = 3;
-  b.admission->incarnation = 50;
+  b.admission->slot = slot;
+  b.admission->incarnation = incarnation;
   return b;
 }
 
@@ -48,17 +50,28 @@ TEST(MisbehaviourRules, WhoMayGiveWhichOrder) {
   const auto lost_coordinator = [](Situation& s, Evictions&) { s.silence(0, kLongAgo); };
   const auto replied_about_3 = [](Situation& s, Evictions& e) {
     ListedCommands out;
-    e.on_poll(0, {{s.named(3)}, true, 0}, s.view(), kNow, out);
+    e.on_poll(0, {{s.named(3)}, true, 0}, s.view(), kNow, false, out);
   };
+  const auto replied_about_3_and_froze = [](Situation& s, Evictions&) { s.roster.seats[3].frozen = true; };
   // Peer 2 judges.
   const std::vector<Row> rows{
       {"no order", by(1), nothing, true},
       {"the coordinator admits", admits(0), nothing, true},
+      {"it admits to the slot of somebody who is here", admits(0, 3), nothing, false},
+      {"it admits to this peer's slot", admits(0, 2), nothing, false},
+      {"it admits to the slot of somebody whose eviction is under way", admits(0, 3), replied_about_3_and_froze, true},
+      {"it admits with the highest number that is let pass", admits(0, 4, 4 + node::kMostIncarnationStep), nothing,
+       true},
+      {"it admits with a higher one", admits(0, 4, 5 + node::kMostIncarnationStep), nothing, false},
       {"somebody else admits", admits(1), nothing, false},
-      {"the next admits, as the lowest is silent", admits(1), lost_coordinator, true},
-      {"the next admits, as the lowest is new", admits(1),
-       [](Situation& s, Evictions&) { s.roster.seats[0].since = kNow - 20; }, true},
-      {"one above this peer admits", admits(3), lost_coordinator, false},
+      {"the next admits, as the most senior is silent", admits(1), lost_coordinator, true},
+      {"the most senior admits, with a newcomer in a lower slot", admits(1),
+       [](Situation& s, Evictions&) { s.roster.seats[0].incarnation = 9; }, true},
+      {"that newcomer admits", admits(0), [](Situation& s, Evictions&) { s.roster.seats[0].incarnation = 9; }, false},
+      {"the coordinator makes its peer senior to others", admits(0, 4, 4), nothing, false},
+      {"which have come just now, by the order of another coordinator", admits(0, 4, 4),
+       [](Situation& s, Evictions&) { s.roster.seats[3].since = kNow - 20; }, true},
+      {"one more junior than this peer admits", admits(3), lost_coordinator, false},
       {"the coordinator removes whom this peer was asked about", removes(0, 3), replied_about_3, true},
       {"it removes somebody else", removes(0, 1), replied_about_3, false},
       {"it removes without asking", removes(0, 3), nothing, false},
@@ -72,14 +85,90 @@ TEST(MisbehaviourRules, WhoMayGiveWhichOrder) {
       {"this peer only watches", admits(1), [](Situation& s, Evictions&) { s.roster.member = false; }, true},
   };
   for (const Row& r : rows) {
-    Situation s(4, 2);
+    Situation s(5, 2);
+    s.empty(4);
+    s.roster.seats[4].incarnation = 0;
     Evictions evictions(s.session);
     r.change(s, evictions);
     sync::StatePacket packet;
     packet.updates.push_back(r.order);
-    const DropReason why = MisbehaviourPolicy(s.session).judge(packet, s.view(), evictions);
+    const DropReason why = MisbehaviourPolicy(s.session).judge(packet, kNoPeer, s.view(), evictions);
     EXPECT_EQ(why, r.lawful ? DropReason::kNone : DropReason::kRight) << r.name;
   }
+}
+
+// What a rule allows depends on who has heard what. If members that judge differently did not take each other's word, a
+// lying coordinator could leave them with rosters that differ, and the orders of the next one would be refused.
+TEST(MisbehaviourRules, AnOrderThatAnotherMemberHasTakenIsTaken) {
+  struct Row {
+    std::string name;
+    bool sealed;
+    PeerId relayed_by;
+    Tick relayer_since;
+    bool is_signed;
+    DropReason why;
+    Tick in_since = 0;
+    PeerId admitted_by = kNoPeer;
+  };
+  const std::vector<Row> rows{
+      {"its own peer sends it", true, kNoPeer, 0, true, DropReason::kRight},
+      {"another member relays it", true, 3, 0, true, DropReason::kNone},
+      {"which was not in yet when it was given", true, 3, kNow, true, DropReason::kRight},
+      {"its own peer relays it", true, 0, 0, true, DropReason::kRight},
+      {"another member relays what was never signed", true, 3, 0, false, DropReason::kSignature},
+      {"of before this peer joined", true, kNoPeer, 0, true, DropReason::kRight, kNow},
+      {"of before this peer joined, by the peer that let it in", true, kNoPeer, 0, true, DropReason::kNone, kNow, 0},
+      {"of before this peer joined, relayed by a member of that time", true, 3, 0, true, DropReason::kNone, kNow},
+      {"anybody may have said so without a key", false, 3, 0, true, DropReason::kRight},
+  };
+  for (const Row& r : rows) {
+    Situation s(5, 2);
+    s.session.config.sealed = r.sealed;
+    wire::Key secret{};
+    secret.fill(5);
+    s.roster.seats[0].at.key = wire::public_key(secret);
+    s.roster.seats[3].since = r.relayer_since;
+    s.roster.in_since = r.in_since;
+    s.roster.admitted_by = r.admitted_by;
+    sync::StatePacket packet;
+    packet.updates.push_back(removes(0, 1));
+    if (r.is_signed)
+      packet.updates[0].signature = wire::sign_update(
+          wire::signing_key(secret), {s.roster.session, s.roster.seats[0].incarnation}, packet.updates[0]);
+    const DropReason why = MisbehaviourPolicy(s.session).judge(packet, r.relayed_by, s.view(), Evictions(s.session));
+    EXPECT_EQ(why, r.why) << r.name;
+  }
+}
+
+// Each has a valid signature, so that it has to be checked; none can be filed.
+TEST(MisbehaviourRules, SignaturesAreCheckedInMeasure) {
+  Situation s(4, 2);
+  s.session.config.sealed = true;
+  wire::Key secret{};
+  secret.fill(5);
+  s.roster.seats[1].at.key = wire::public_key(secret);
+  const auto says = [&](std::uint32_t index) {
+    sync::Bundle b = by(1);
+    b.index = index;
+    b.signature = wire::sign_update(wire::signing_key(secret), {s.roster.session, s.roster.seats[1].incarnation}, b);
+    sync::StatePacket packet;
+    packet.updates.push_back(b);
+    return packet;
+  };
+  const Evictions evictions(s.session);
+  MisbehaviourPolicy rules(s.session);
+  const auto judge = [&](std::uint32_t index) { return rules.judge(says(index), kNoPeer, s.view(), evictions); };
+  EXPECT_EQ(judge(sync::UpdateLog::kMostBeyond), DropReason::kNone);
+  EXPECT_EQ(judge(sync::UpdateLog::kMostBeyond + 1), DropReason::kOrder) << "no log would take it";
+  int checked = 1;
+  while (judge(1) == DropReason::kNone && checked < 10'000) ++checked;
+  EXPECT_EQ(checked, static_cast<int>(MisbehaviourPolicy::kMostChecks));
+  EXPECT_EQ(judge(1), DropReason::kCutOff);
+  EXPECT_TRUE(rules.hears(1, s.view())) << "it is not held against anybody";
+  s.roster.now += 10;
+  checked = 0;
+  while (judge(1) == DropReason::kNone && checked < 10'000) ++checked;
+  EXPECT_EQ(checked, static_cast<int>(10 * MisbehaviourPolicy::kChecksPerTick));
 }
 
 TEST(MisbehaviourRules, OnlyWithAKeyIsNonsensePunished) {
@@ -87,10 +176,9 @@ TEST(MisbehaviourRules, OnlyWithAKeyIsNonsensePunished) {
     Situation s(4, 0);
     s.session.config.sealed = sealed;
     s.roster.seats[2].at.key.fill(9);
-    const Evictions evictions(s.session);
     MisbehaviourPolicy rules(s.session);
     ListedCommands out;
-    const auto drop = [&](DropReason why) { rules.on_drop(2, why, s.view(), evictions, 0, out); };
+    const auto drop = [&](DropReason why) { rules.on_drop(2, why, s.view(), 0, out); };
     for (int i = 0; i < 1000; ++i) {
       drop(DropReason::kDuplicate);
       drop(DropReason::kForeign);
@@ -110,14 +198,31 @@ TEST(MisbehaviourRules, WhoHoldsUpEverybodyIsCutOff) {
     std::string name;
     PeerId self;
     void (*change)(Situation&);
-    std::vector<std::pair<PeerId, bool>> cut_offs;
+    std::vector<PeerId> cut_offs;
   };
-  constexpr Tick kOwed = kNow - MisbehaviourPolicy::kArrears;
+  constexpr Tick kOwed = kNow - node::View::kArrears;
   const std::vector<Row> rows{
       {"all tell and acknowledge", 0, [](Situation&) {}, {}},
-      {"one does not tell", 0, [](Situation& s) { s.log.begin(2, 0, kOwed); }, {{2, true}}},
+      {"one does not tell", 0, [](Situation& s) { s.log.begin(2, 0, kOwed); }, {2}},
       {"a tick short", 0, [](Situation& s) { s.log.begin(2, 0, kOwed + 1); }, {}},
-      {"one does not acknowledge", 0, [](Situation& s) { s.roster.seats[2].unacknowledged = kOwed; }, {{2, true}}},
+      {"one does not acknowledge", 0, [](Situation& s) { s.roster.seats[2].unacknowledged = kOwed; }, {2}},
+      {"most do not acknowledge: they may have declared this peer gone",
+       0,
+       [](Situation& s) { s.roster.seats[2].unacknowledged = s.roster.seats[1].unacknowledged = kOwed; },
+       {}},
+      {"most do not acknowledge, for twice as long",
+       0,
+       [](Situation& s) {
+         s.roster.seats[2].unacknowledged = s.roster.seats[1].unacknowledged = kOwed - node::View::kArrears;
+       },
+       {1, 2}},
+      {"most do not acknowledge, but one does not tell either",
+       0,
+       [](Situation& s) {
+         s.roster.seats[2].unacknowledged = s.roster.seats[1].unacknowledged = kOwed;
+         s.log.begin(2, 0, kOwed);
+       },
+       {2}},
       {"it is excused",
        0,
        [](Situation& s) {
@@ -132,8 +237,8 @@ TEST(MisbehaviourRules, WhoHoldsUpEverybodyIsCutOff) {
          s.silence(2, kNow - kTicksPerSecond - 1);
        },
        {}},
-      {"another peer coordinates", 1, [](Situation& s) { s.log.begin(2, 0, kOwed); }, {}},
-      {"the coordinator does not tell", 1, [](Situation& s) { s.log.begin(0, 0, kOwed); }, {{0, true}}},
+      {"another peer coordinates", 1, [](Situation& s) { s.log.begin(2, 0, kOwed); }, {2}},
+      {"the coordinator does not tell", 1, [](Situation& s) { s.log.begin(0, 0, kOwed); }, {0}},
       {"this peer leaves",
        0,
        [](Situation& s) {
@@ -146,8 +251,49 @@ TEST(MisbehaviourRules, WhoHoldsUpEverybodyIsCutOff) {
     Situation s(4, r.self);
     r.change(s);
     ListedCommands out;
-    MisbehaviourPolicy(s.session).advance(s.view(), Evictions(s.session), out);
+    MisbehaviourPolicy(s.session).advance(s.view(), out);
     EXPECT_EQ(out.cut_offs, r.cut_offs) << r.name;
+  }
+}
+
+TEST(MisbehaviourRules, WhoIsConvictedIsGivenUpByWhoeverHadBarredItBefore) {
+  Situation s(4, 0);
+  s.session.config.sealed = true;
+  s.roster.seats[2].at.key.fill(9);
+  MisbehaviourPolicy before(s.session);
+  ListedCommands out;
+  before.convict(2, s.view(), out);
+  EXPECT_EQ(out.cut_offs, std::vector<PeerId>{2});
+  EXPECT_EQ(out.given_up, std::vector<PeerId>{2});
+  MisbehaviourPolicy rules(s.session);
+  rules.inherit(before);
+  rules.convict(2, s.view(), out);
+  EXPECT_EQ(out.cut_offs.size(), 1U) << "it is not told twice";
+  EXPECT_EQ(out.given_up.size(), 2U);
+  s.roster.give_up(2, true);
+  rules.convict(2, s.view(), out);
+  EXPECT_EQ(out.given_up.size(), 2U);
+}
+
+// It may have been its network.
+TEST(MisbehaviourRules, WhoHeldUpEverybodyIsHeardAgainAfterAMinuteAndThenTwo) {
+  Situation s(4, 0);
+  s.session.config.sealed = true;
+  s.roster.seats[2].at.key.fill(9);
+  MisbehaviourPolicy rules(s.session);
+  for (const Tick barred : {MisbehaviourPolicy::kBarred, 2 * MisbehaviourPolicy::kBarred}) {
+    s.roster.seats[2].heard = s.roster.now;
+    s.roster.seats[2].unacknowledged = s.roster.now - node::View::kArrears;
+    ListedCommands out;
+    rules.advance(s.view(), out);
+    EXPECT_EQ(out.cut_offs, std::vector<PeerId>{2});
+    s.roster.seats[2].unacknowledged = -1;
+    s.roster.now += barred - 1;
+    EXPECT_TRUE(rules.bars(s.roster.seats[2].at.key, s.view())) << barred;
+    EXPECT_FALSE(rules.hears(2, s.view())) << barred;
+    ++s.roster.now;
+    EXPECT_FALSE(rules.bars(s.roster.seats[2].at.key, s.view())) << barred;
+    EXPECT_TRUE(rules.hears(2, s.view())) << barred;
   }
 }
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "tests/membership/rules.h"
 
 namespace padr::node {
@@ -89,6 +91,131 @@ TEST(PartitionMerge, WhatAProbeMeans) {
     EXPECT_EQ(rules.winner(s.view()) == from, r.joins_anew) << r.name;
     EXPECT_EQ(out.all<wire::Probe>().size(), r.replies) << r.name;
   }
+}
+
+Endpoint keyed(int person) {
+  Endpoint at = test::Situation::at(person);
+  at.key[0] = static_cast<std::uint8_t>(1 + person);
+  return at;
+}
+
+/// With a key, as peer 2 sees it: persons 0 to 2 are its part, 5 to 7 were evicted at tick 900, and person 8 never was
+/// a member. All Probes list twelve peers.
+TEST(PartitionMerge, WithAKeyOnlyWhoWasAMemberAndSpeaksForItselfCounts) {
+  using test::kNow;
+  constexpr Tick kRemoved = 900;
+  struct Row {
+    const char* name;
+    std::vector<int> heard;    ///< persons whose Probes have come, the last one just now
+    Tick theirs;               ///< first admission of those that were evicted
+    std::array<Tick, 3> ours;  ///< first admissions in our part
+    bool joins_anew;
+  };
+  const Row rows[] = {
+      {"one who lists twelve", {5}, 10, {0, 20, 30}, false},
+      {"a stranger that lists twelve", {8}, 10, {0, 20, 30}, false},
+      {"the same that says it often", {5, 5, 5, 5}, 10, {0, 20, 30}, false},
+      {"two of three and a stranger", {5, 8, 6}, 10, {0, 20, 30}, false},
+      {"three of three, but we have the most senior", {5, 6, 7}, 10, {0, 20, 30}, false},
+      {"three of three, the more senior", {5, 6, 7}, 10, {15, 20, 30}, true},
+      {"the last one to speak is a stranger", {5, 6, 7, 8}, 10, {15, 20, 30}, true},
+      {"two, and one of us has come since", {5, 6}, 10, {15, 20, 950}, true},
+      {"two, and one of us had hardly come", {5, 6}, 10, {15, 20, kRemoved - PartitionMerge::kMayBeUnknown + 1}, true},
+      {"two, and one of us had been here long enough",
+       {5, 6},
+       10,
+       {15, 20, kRemoved - PartitionMerge::kMayBeUnknown},
+       false},
+      {"one, and all of us have come since", {5}, 10, {910, 920, 930}, true},
+      {"nobody had been here for long: the most senior decides", {5}, 700, {690, 910, 920}, false},
+      {"the same, the other way round", {5}, 700, {710, 910, 920}, true},
+      {"nobody had been here for long: more decide", {5, 6}, 700, {690, 910, 920}, true},
+  };
+  for (const Row& r : rows) {
+    test::Situation s(9, 2);
+    s.session.config.sealed = true;
+    for (PeerId p = 0; p < 9; ++p) s.roster.seats[p].at = keyed(p);
+    for (PeerId p = 3; p < 9; ++p) s.empty(p);
+    s.roster.seats[0].since = r.ours[0];
+    s.roster.seats[1].since = r.ours[1];
+    s.roster.in_since = std::min(r.ours[2], kNow - PartitionMerge::kGrace);
+    PartitionMerge rules(s.session);
+    for (int person = 5; person < 8; ++person) rules.remember({keyed(person), r.theirs, kRemoved}, kRemoved);
+    wire::Probe probe;
+    for (PeerId p = 3; p < 12; ++p) probe.members.push_back({p, 1U + p, 0});
+    test::ListedCommands out;
+    for (const int person : r.heard) {
+      probe.incarnation = 1U + static_cast<std::uint32_t>(person);
+      rules.on_probe(keyed(person), static_cast<PeerId>(person), probe, wire::kMaxDatagram, s.view(), 0, out);
+    }
+    EXPECT_EQ(rules.winner(s.view()).has_value(), r.joins_anew) << r.name;
+  }
+}
+
+// Once, two parts whose peers had all joined anew stayed apart for ever.
+TEST(PartitionMerge, StrangersAreBelievedAfterAWhileIfTheyAreMore) {
+  using test::kNow;
+  for (const Tick met : {kNow - PartitionMerge::kStrangers, kNow - PartitionMerge::kStrangers + 1}) {
+    for (const int heard : {1, 4}) {
+      test::Situation s(9, 2);
+      s.session.config.sealed = true;
+      for (PeerId p = 0; p < 9; ++p) s.roster.seats[p].at = keyed(p);
+      for (PeerId p = 3; p < 9; ++p) s.empty(p);
+      PartitionMerge rules(s.session);
+      for (int person = 5; person < 9; ++person) rules.remember({keyed(person), met, met}, met);
+      wire::Probe probe;
+      for (PeerId p = 3; p < 12; ++p) probe.members.push_back({p, 1U + p, 0});
+      test::ListedCommands out;
+      for (int person = 5; person < 5 + heard; ++person) {
+        probe.incarnation = 1U + static_cast<std::uint32_t>(person);
+        rules.on_probe(keyed(person), static_cast<PeerId>(person), probe, wire::kMaxDatagram, s.view(), 0, out);
+      }
+      const bool long_ago = met == kNow - PartitionMerge::kStrangers;
+      EXPECT_EQ(rules.winner(s.view()).has_value(), long_ago && heard == 4) << kNow - met << " " << heard;
+    }
+  }
+}
+
+// A liar can be counted by one part and not by the other. Once, all of both waited for each other then.
+TEST(PartitionMerge, WhoWaitsInVainForTheOtherPartStaysAtTimes) {
+  test::Situation s(3, 2);
+  test::ListedCommands out;
+  PartitionMerge rules(s.session);
+  MemberChange own{MemberChange::Kind::kAdmitted, 2, 3, keyed(2), 1, 0, 1};
+  own.at.key.fill(0xAA);
+  own.at.key[1] = 0xAB;  // in the second round
+  rules.on_change(own, s.view());
+  wire::Probe probe;
+  for (PeerId p = 3; p < 12; ++p) probe.members.push_back({p, 1U + p, 0});
+  std::vector<bool> yields;
+  for (Tick t = 0; t < 3 * PartitionMerge::kPatience; ++t, ++s.roster.now) {
+    rules.on_probe(keyed(5), 0, probe, wire::kMaxDatagram, s.view(), 0, out);
+    if (t % PartitionMerge::kPatience == PartitionMerge::kPatience / 2)
+      yields.push_back(rules.winner(s.view()).has_value());
+  }
+  EXPECT_EQ(yields, (std::vector<bool>{true, false, true}));
+}
+
+// A part's new coordinator tells its joiners who was first admitted when, even of a peer that has come back since.
+TEST(PartitionMerge, WhoComesBackIsAsSeniorAsBefore) {
+  test::Situation s(9, 2);
+  s.session.config.sealed = true;
+  for (PeerId p = 0; p < 9; ++p) s.roster.seats[p].at = keyed(p);
+  PartitionMerge rules(s.session);
+  using Kind = MemberChange::Kind;
+  rules.on_change({Kind::kRemoved, 4, 5, keyed(4), 500, 0, 100}, s.view());
+  ASSERT_EQ(rules.gone().size(), 1U);
+  EXPECT_EQ(rules.gone()[0].since, 100);
+  EXPECT_EQ(rules.gone()[0].removed, 500);
+  s.roster.seats[4].at = Endpoint{};
+  s.roster.seats[6].at = keyed(4);
+  s.roster.seats[6].since = 700;
+  rules.on_change({Kind::kAdmitted, 6, 40, keyed(4), 700, 0, 700}, s.view());
+  EXPECT_TRUE(rules.gone().empty());
+  EXPECT_EQ(rules.since(6, s.view()), 100);
+  rules.on_change({Kind::kRemoved, 6, 40, keyed(4), 900, 0, 700}, s.view());
+  ASSERT_EQ(rules.gone().size(), 1U);
+  EXPECT_EQ(rules.gone()[0].since, 100);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ TEST(Repair, ADifferenceIsToldByTickEntityAndFieldAndMended) {
     EXPECT_EQ(node::first_difference(party.replica(0).agreed().confirmed(), party.replica(0).agreed().confirmed()), "");
 }
 
-TEST(Repair, ThePeerWithTheLowestNumberIsRight) {
+TEST(Repair, TheMostSeniorPeerIsRight) {
   Party party(with_fault(0, 42));
   ASSERT_TRUE(
       party

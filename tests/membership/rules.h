@@ -42,8 +42,8 @@ class ListedCommands final : public node::Commands {
   void publish(const sync::Bundle& order) override { orders.push_back(order); }
   void freeze(PeerId p, bool frozen) override { freezes.emplace_back(p, frozen); }
   void give_up(PeerId p, bool /*for_good*/) override { given_up.push_back(p); }
-  void cut_off(PeerId p, bool for_good, const std::string& /*why*/) override { cut_offs.emplace_back(p, for_good); }
-  void relay(const wire::Fetched& updates) override { relayed.push_back(updates); }
+  void cut_off(PeerId p, const std::string& /*why*/) override { cut_offs.push_back(p); }
+  void relay(const wire::Fetched& updates, PeerId) override { relayed.push_back(updates); }
   void count_present(int /*members*/) override {}
   void tell(node::SessionEvent event) override { events.push_back(std::move(event)); }
 
@@ -70,7 +70,7 @@ class ListedCommands final : public node::Commands {
   bool answers = true;
   std::vector<sync::Bundle> orders;
   std::vector<std::pair<PeerId, bool>> freezes;
-  std::vector<std::pair<PeerId, bool>> cut_offs;
+  std::vector<PeerId> cut_offs;
   std::vector<PeerId> given_up;
   std::vector<wire::Fetched> relayed;
   std::vector<node::SessionEvent> events;
@@ -86,7 +86,7 @@ struct Situation {
   explicit Situation(int slots, PeerId self) : log(slots) {
     session.self = self;
     session.slots = slots;
-    session.number = roster.session = 7;
+    session.number = 7;
     roster.self = self;
     roster.member = true;
     roster.now = kNow;

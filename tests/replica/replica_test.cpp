@@ -125,6 +125,49 @@ TEST(Replica, SurvivesGarbageAndItsOwnAndForeignDatagrams) {
   EXPECT_EQ(stats.hash_mismatches, 0U);
 }
 
+// An order that nobody takes ends its peer's log, and then those that came after it were none. Once, whoever was
+// admitted by one of them sat in its slot all the same.
+TEST(Replica, AnOrderCountsOnceAllUpdatesBeforeItAreHere) {
+  ReplicaConfig c;
+  c.self = 1;
+  c.peers = 2;
+  c.slots = 3;
+  const auto told = [](std::uint32_t index) {
+    sync::Bundle b;
+    b.peer = 0;
+    b.index = index;
+    b.tick = static_cast<Tick>(10 + index);
+    return b;
+  };
+  sync::Bundle admission = told(1);
+  admission.admission.emplace();
+  admission.admission->slot = 2;
+  admission.admission->incarnation = 5;
+  admission.admission->at = ipv4({10, 0, 0, 3}, 7000);
+  admission.admission->have = {1, 0, 0};
+  sync::Bundle removal = told(2);
+  removal.removals.push_back({2, 5, 0});
+  for (const bool void_at_last : {false, true}) {
+    Replica replica(scenarios::load_embedded("arena", 1), c);
+    for (int i = 0; i < 60; ++i) replica.step({});
+    EXPECT_EQ(replica.relay(0, 0, {admission}, kNoPeer), sync::DropReason::kNone);
+    EXPECT_FALSE(replica.seat(2).there()) << "update 0 is missing";
+    if (void_at_last) {
+      sync::Bundle order;
+      order.removals.push_back({0, 0, 0});
+      replica.order(order);
+      replica.step({});
+      EXPECT_FALSE(replica.seat(0).there());
+      EXPECT_FALSE(replica.seat(2).there());
+      continue;
+    }
+    EXPECT_EQ(replica.relay(0, 0, {told(0)}, kNoPeer), sync::DropReason::kNone);
+    EXPECT_TRUE(replica.seat(2).there());
+    EXPECT_EQ(replica.relay(0, 0, {removal}, kNoPeer), sync::DropReason::kNone);
+    EXPECT_FALSE(replica.seat(2).there());
+  }
+}
+
 // A newcomer to a session whose confirmed world lags far behind has many ticks to step up to.
 TEST(Replica, ANewcomerCatchesUpInPartsToTheSameBits) {
   const Scene scene = scenarios::load_embedded("arena", 1);

@@ -164,7 +164,7 @@ TEST(Report, WhatIsDroppedOfWhomAndWhoIsCutOffIsToldAndIsNoInterference) {
   c.before_step = [](Tick t, const auto& nodes) {
     if (t >= 20 && t < 25) nodes[1]->count_drop(0, sync::DropReason::kValue);
     if (t == 25) nodes[1]->count_drop(0, sync::DropReason::kDuplicate);
-    if (t == 26) nodes[1]->cut_off(0, false, "keeps sending what makes no sense");
+    if (t == 26) nodes[1]->cut_off(0, "keeps sending what makes no sense");
   };
   const test::RecordedRun run(c);
   const report::Report r = report::analyse(labelled(run.traces));

@@ -18,6 +18,7 @@ TEST(SessionCodec, EveryMessageComesBackAsItWas) {
       wire::Join{~0ULL, ~0ULL, ~0ULL, true, std::string(wire::kMaxLabel, 'x')},
       wire::Welcome{7, 0, 1, 1, 1, 1},
       wire::Welcome{7, 63, 64, 1, ~0U, ~0ULL},
+      wire::Welcome{7, 63, 64, 1, ~0U, ~0ULL, {0, 0, 3}},
       wire::Redirect{9, place(4)},
       wire::Refuse{0, ""},
       wire::Refuse{9, std::string(wire::kMaxReason, 'y')},

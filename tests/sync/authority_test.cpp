@@ -40,6 +40,27 @@ TEST(Authority, Table) {
   for (const Row& r : rows) EXPECT_EQ(wins(r.challenger, r.present, 7), r.wins) << r.what;
 }
 
+// Against a record of peer 1, epoch 5, claimed at tick 900; told at tick 1,000 unless a row says otherwise.
+TEST(Authority, WhatAClaimMayRestOn) {
+  const Authority record{1, false, 5, 900};
+  struct Rest {
+    const char* name;
+    Authority claim;
+    Tick told;
+    bool may;
+  };
+  const Rest rows[] = {
+      {"the next epoch", {2, false, 6, 1000}, 1000, true},
+      {"claims between were declared void", {2, false, 5 + 128, 1000}, 1000, true},
+      {"more than can have been", {2, false, 5 + 129, 1000}, 1000, false},
+      {"it waited for room in an update", {2, false, 6, 880}, 1000, true},
+      {"it cannot have waited that long", {2, false, 6, 879}, 1000, false},
+      {"the owner's own, made long ago", {1, false, 5, 900}, 5000, true},
+      {"another's of that epoch, said to be older", {2, false, 5, 100}, 1000, false},
+  };
+  for (const Rest& r : rows) EXPECT_EQ(may_rest_on(r.claim, record, r.told), r.may) << r.name;
+}
+
 TEST(Authority, TieOfTickIsDecidedTheSameWayFromBothSidesAndFavoursNobody) {
   int first = 0;
   for (EntityId body = 0; body < 1000; ++body) {

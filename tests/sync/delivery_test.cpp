@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <deque>
+#include <set>
 #include <utility>
 
 #include "common/model/rng.h"
@@ -339,6 +340,29 @@ TEST(Delivery, WhatDoesNotFitGoesNextNewestFirst) {
   const auto second = s.at(6, false, 100);
   ASSERT_EQ(second->updates.size(), 2U);
   EXPECT_EQ(second->updates[0].index, 1U);
+}
+
+// Far beyond the first missing update the other end cannot acknowledge one by one. Once, what it had already was
+// repeated for ever, newest first, and the first missing one never got its turn.
+TEST(Delivery, ManyAtOnceOnANarrowLinkAllArrive) {
+  constexpr std::size_t kRoom = 6 * 40;
+  constexpr std::uint32_t kUpdates = 200;
+  Script s;
+  for (std::uint32_t i = 0; i < kUpdates; ++i) s.update(0);
+  std::set<std::uint32_t> missing;
+  for (std::uint32_t i = 0; i < kUpdates; ++i) missing.insert(i);
+  Tick t = 0;
+  for (; !missing.empty() && t < 200; ++t) {
+    if (const auto p = s.at(t, false, kRoom))
+      for (const Bundle& b : p->updates) missing.erase(b.index);
+    const std::uint32_t have = missing.empty() ? kUpdates : *missing.begin();
+    std::uint32_t beyond = 0;
+    for (std::uint32_t i = 0; i < 32; ++i)
+      if (have + 1 + i < kUpdates && !missing.contains(have + 1 + i)) beyond |= 1U << i;
+    s.hear(t, static_cast<std::uint32_t>(t), have, s.link.sent(), 0, beyond);
+  }
+  EXPECT_TRUE(missing.empty()) << missing.size() << " are missing, the first is " << *missing.begin();
+  EXPECT_LT(t, 100);
 }
 
 TEST(Delivery, RoundTripLeavesTheOtherSidesWaitOut) {

@@ -31,6 +31,7 @@ trace::Header small_header() {
   h.peers = 2;
   h.slots = 3;
   h.session = 0xBEEF;
+  h.session_id = {1, 2, 3, 0, 0xFF};
   h.scene_hash = 11;
   h.fingerprint = 12;
   h.bodies = 2;
@@ -136,6 +137,7 @@ TEST(TraceFormat, HeaderComesBackWhole) {
   EXPECT_EQ(got.peers, h.peers);
   EXPECT_EQ(got.slots, h.slots);
   EXPECT_EQ(got.session, h.session);
+  EXPECT_EQ(got.session_id, h.session_id);
   EXPECT_EQ(got.scene_hash, h.scene_hash);
   EXPECT_EQ(got.fingerprint, h.fingerprint);
   EXPECT_EQ(got.bodies, h.bodies);

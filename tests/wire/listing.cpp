@@ -150,7 +150,13 @@ struct SessionLister {
   std::string operator()(const wire::Welcome& m) const {
     return line("welcome.nonce = %llu\nwelcome.peer = %d\n", ull(m.nonce), int{m.peer}) +
            line("welcome.slots = %d\nwelcome.wanted = %d\n", m.slots, m.wanted) +
-           line("welcome.incarnation = %u\nwelcome.cookie = %llu\n", m.incarnation, ull(m.cookie));
+           line("welcome.incarnation = %u\nwelcome.cookie = %llu\n", m.incarnation, ull(m.cookie)) + session_of(m);
+  }
+  static std::string session_of(const wire::Welcome& m) {
+    std::string s;
+    if (m.session == SessionId{}) return s;
+    for (const std::uint8_t b : m.session) s += line("%02x", b);
+    return "welcome.session = " + s + "\n";
   }
   std::string operator()(const wire::Redirect& m) const {
     return line("redirect.nonce = %llu\n", ull(m.nonce)) + "redirect.address = " + address_of(m.to) +
@@ -215,6 +221,7 @@ std::string place_lines(const sync::Transfer& t, std::size_t p) {
                   line(" %d %d\n", a.since, flag(a.at_rest));
   s += line("transfer.slot[%zu] = %u %u", p, t.slots[p].first, t.have[p]);
   if (t.slots[p].at.is_set()) s += " " + address_of(t.slots[p].at) + line(" %d", int{t.slots[p].at.port});
+  s += line(" %d", t.slots[p].since);
   return s + "\n";
 }
 
@@ -259,7 +266,16 @@ std::string list(const sync::Transfer& t) {
     s += at + line(".slot = %d\n", int{t.tail[i].peer}) + list(at, t.tail[i]);
   }
   for (std::size_t i = 0; i < t.gone.size(); ++i)
-    s += line("transfer.gone[%zu] = ", i) + address_of(t.gone[i]) + line(" %d\n", int{t.gone[i].port});
+    s += line("transfer.gone[%zu] = ", i) + address_of(t.gone[i].at) +
+         line(" %d %d %d\n", int{t.gone[i].at.port}, t.gone[i].since, t.gone[i].removed);
+  for (std::size_t i = 0; i < t.proofs.size(); ++i) {
+    const std::string at = line("transfer.proof[%zu]", i);
+    s += at + " = ";
+    for (const std::uint8_t b : t.proofs[i].key) s += line("%02x", unsigned{b});
+    s += line(" %u\n", t.proofs[i].incarnation);
+    for (const auto& [name, b] : {std::pair(".one", &t.proofs[i].one), std::pair(".other", &t.proofs[i].other)})
+      s += at + name + line(".slot = %d\n", int{b->peer}) + list(at + name, *b);
+  }
   return s;
 }
 

@@ -130,6 +130,14 @@ TEST(MembershipCodec, FetchedUpdatesAscendByNumberAndTick) {
   EXPECT_FALSE(fetched(3, 10, 2, 2)) << "a tick before the start";
 }
 
+// Once, the peer that was asked for them aborted.
+TEST(MembershipCodec, FetchedEndsBeforeAnUpdateThatIsOutOfOrder) {
+  for (const sync::Bundle& wrong : {bye(8, 9), bye(9, 2), bye(6, 10), bye(2, 10)}) {
+    const Bytes bytes = encode_membership(Fetched{3, 0, {bye(5, 7), bye(6, 9), wrong, bye(10, 11)}});
+    EXPECT_EQ(decode_membership(bytes), (MembershipMessage{Fetched{3, 0, {bye(5, 7), bye(6, 9)}}}));
+  }
+}
+
 TEST(MembershipCodec, FetchedTakesAsManyUpdatesAsFit) {
   Fetched f{63, 0, {}};
   sync::Bundle b = test::largest_bundle(sync::kMaxPassing);

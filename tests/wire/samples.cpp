@@ -339,11 +339,12 @@ sync::Transfer Played::transfer() const {
   for (PeerId p = 0; p < kSlots; ++p) {
     Rng rng(p + 1U);
     const bool told = p != 0 && t.state.members[p].present;
-    t.slots.push_back({world_.log().have(p), told ? any_endpoint(rng) : Endpoint{}});
+    t.slots.push_back({world_.log().have(p), told ? any_endpoint(rng) : Endpoint{}, told ? 10 * p : 0});
     t.have.push_back(world_.log().have(p));
   }
   Rng rng(0);
-  t.gone = {any_endpoint(rng), any_endpoint(rng)};
+  t.gone = {{any_endpoint(rng), 3, 200}, {any_endpoint(rng), 200, 200}};
+  if (t.tail.size() > 1) t.proofs.push_back({any_endpoint(rng).key, 7, t.tail[0], t.tail[1]});
   for (const Bundle& b : t.tail) t.slots[b.peer].first = std::min(t.slots[b.peer].first, b.index);
   return t;
 }

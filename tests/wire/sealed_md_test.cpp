@@ -45,7 +45,7 @@ Tag cookie_of(const Bytes& bytes) {
 
 TEST(SealedMd, EveryVectorIsWhatTheCodeMakes) {
   auto v = vectors();
-  ASSERT_EQ(v.size(), 16U);
+  ASSERT_EQ(v.size(), 24U);
   const Key session = key_of(v["session_key"]);
   const Key a = key_of(v["secret_a"]);
   const Key b = key_of(v["secret_b"]);
@@ -71,6 +71,30 @@ TEST(SealedMd, EveryVectorIsWhatTheCodeMakes) {
   EXPECT_EQ(encode_handshake(Acceptance{public_b, 1}, keys->in), v["acceptance"]);
 }
 
+TEST(SealedMd, NewKeysAreWhatTheCodeMakes) {
+  auto v = vectors();
+  const PairKeys former{key_of(v["key_a_to_b"]), key_of(v["key_b_to_a"])};
+  const PublicKey a = exchange_key(key_of(v["exchange_secret_a"]));
+  const PublicKey b = exchange_key(key_of(v["exchange_secret_b"]));
+  EXPECT_EQ(a, key_of(v["exchange_a"]));
+  EXPECT_EQ(b, key_of(v["exchange_b"]));
+  const Rekey of_a{a, 2, short_id(key_of(v["public_a"])), 1, 0};
+  const Rekey of_b{b, 2, short_id(key_of(v["public_b"])), 1, beginning_of(a)};
+  EXPECT_EQ(encode_handshake(of_a, former.out), v["rekey_a"]);
+  EXPECT_EQ(encode_handshake(of_b, former.in), v["rekey_b"]);
+  const auto back = decode_handshake(v["rekey_b"], Key{});
+  ASSERT_TRUE(back);
+  EXPECT_EQ(std::get<Rekey>(*back), of_b);
+  EXPECT_TRUE(proves(v["rekey_b"], former.in, 2));
+  EXPECT_FALSE(proves(v["rekey_b"], former.in, 3));
+  const auto keys = next_keys(former, key_of(v["exchange_secret_a"]), a, b);
+  ASSERT_TRUE(keys);
+  EXPECT_EQ(keys->out, key_of(v["next_a_to_b"]));
+  EXPECT_EQ(keys->in, key_of(v["next_b_to_a"]));
+  EXPECT_EQ(next_keys({former.in, former.out}, key_of(v["exchange_secret_b"]), b, a)->in, keys->out);
+  EXPECT_FALSE(next_keys(former, key_of(v["exchange_secret_a"]), a, PublicKey{})) << "zeros are nobody's";
+}
+
 TEST(SealedMd, TheSignatureIsWhatTheCodeMakes) {
   auto v = vectors();
   sync::Bundle b;
@@ -78,15 +102,18 @@ TEST(SealedMd, TheSignatureIsWhatTheCodeMakes) {
   b.index = 9;
   b.tick = 90;
   b.leave = true;
-  const Said said{0x1234, 130};
+  Said said{{}, 130};
+  for (std::size_t i = 0; i < said.session.size(); ++i) said.session[i] = static_cast<std::uint8_t>(0xB0 + i);
+  Said elsewhere = said;
+  elsewhere.session[15] ^= 1;
   EXPECT_EQ(signed_text(said, b), v["signed_text"]);
   const sync::Signature s = sign_update(signing_key(key_of(v["secret_a"])), said, b);
   EXPECT_EQ(Bytes(s.begin(), s.end()), v["signature"]);
   b.signature = s;
   EXPECT_TRUE(is_signed(key_of(v["public_a"]), said, b));
   EXPECT_FALSE(is_signed(key_of(v["public_b"]), said, b));
-  EXPECT_FALSE(is_signed(key_of(v["public_a"]), {0x1235, 130}, b)) << "another session";
-  EXPECT_FALSE(is_signed(key_of(v["public_a"]), {0x1234, 131}, b)) << "another life";
+  EXPECT_FALSE(is_signed(key_of(v["public_a"]), elsewhere, b)) << "another session";
+  EXPECT_FALSE(is_signed(key_of(v["public_a"]), {said.session, 131}, b)) << "another life";
   for (const auto& change :
        {+[](sync::Bundle& c) { ++c.peer; }, +[](sync::Bundle& c) { ++c.index; }, +[](sync::Bundle& c) { ++c.tick; },
         +[](sync::Bundle& c) { c.leave = false; }, +[](sync::Bundle& c) { c.signature.reset(); }}) {

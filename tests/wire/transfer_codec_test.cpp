@@ -327,7 +327,12 @@ TEST(TransferCodec, TicksSlotsAndTailsThatContradictThemselvesAreRefused) {
       {"numbered too high", false, [](Transfer& t) { t.tail.back().index = 1U << 30U; }},
       {"64 that are gone", true, [](Transfer& t) { t.gone.resize(64, t.gone[0]); }},
       {"65 that are gone", false, [](Transfer& t) { t.gone.resize(65, t.gone[0]); }},
-      {"gone from nowhere", false, [](Transfer& t) { t.gone[1] = {}; }},
+      {"gone from nowhere", false, [](Transfer& t) { t.gone[1].at = {}; }},
+      {"gone before it came", false, [](Transfer& t) { t.gone[0].since = t.gone[0].removed + 1; }},
+      {"8 proofs", true, [](Transfer& t) { t.proofs.resize(8, t.proofs[0]); }},
+      {"9 proofs", false, [](Transfer& t) { t.proofs.resize(9, t.proofs[0]); }},
+      {"a proof against no slot", false, [](Transfer& t) { t.proofs[0].one.peer = 4; }},
+      {"a proof by an incarnation too high", false, [](Transfer& t) { t.proofs[0].incarnation = 1U << 30U; }},
       {"not a number", false,
        [](Transfer& t) {
          sync::Bundle& b = t.tail.back();

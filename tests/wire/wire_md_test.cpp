@@ -10,10 +10,13 @@
 #include <string>
 #include <vector>
 
+#include "common/channel/channel_keys.h"
 #include "common/membership/admissions.h"
 #include "common/membership/partition_merge.h"
 #include "common/membership/relay.h"
 #include "common/membership/session_state.h"
+#include "common/membership/testimony.h"
+#include "common/membership/vouching.h"
 #include "common/model/hash.h"
 #include "common/participant/transfer_pull.h"
 #include "common/replica/replica.h"
@@ -308,6 +311,11 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("sealed_tag", kSealedTagBytes);
   add("max_sealed", kMaxSealed);
   add("handshake", kHandshakeBytes);
+  add("rekey_us", node::ChannelKeys::kEvery);
+  add("rekey_patience_us", node::ChannelKeys::kPatience);
+  add("rekey_overlap_us", node::ChannelKeys::kOverlap);
+  add("rekey_again_us", node::ChannelKeys::kAgain);
+  add("rekey_slowest_us", node::ChannelKeys::kSlowest);
   add("max_peers", kMaxPeers);
   add("no_peer", int{kNoPeer});
   add("no_entity", int{kNoEntity});
@@ -322,6 +330,7 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("max_pieces", kMaxPieces);
   add("max_piece", kPieceBytes);
   add("max_gone", sync::Transfer::kMostGone);
+  add("max_proofs", sync::Transfer::kMostProofs);
   whole("admit_margin", limits.margin);
   whole("admit_speed", limits.max_speed);
   whole("admit_spin", limits.max_spin);
@@ -354,10 +363,22 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("relay_hurry", node::Relay::kHurry);
   add("relay_patience", node::Relay::kPatience);
   add("relay_served", node::Relay::kServed);
+  add("heard_again", node::Evictions::kHeardAgain);
+  add("lease", node::Evictions::kLease);
+  add("vouch_grace", node::Vouching::kGrace);
+  add("vouch_again", node::Vouching::kAskAgain);
+  add("prove_pace", node::Vouching::kPace);
+  add("testimony_again", node::Testimony::kAgain);
+  add("testimony_times", node::Testimony::kTimes);
+  add("made_known", node::Testimony::kMadeKnown);
+  add("dispute", node::Testimony::kDispute);
   add("heartbeat", node::Replica::kHeartbeat);
   add("probe_pace", node::PartitionMerge::kPace);
   add("probe_grace", node::PartitionMerge::kGrace);
   add("probe_lately", node::PartitionMerge::kLately);
+  add("may_be_unknown", node::PartitionMerge::kMayBeUnknown);
+  add("strangers", node::PartitionMerge::kStrangers);
+  add("patience", node::PartitionMerge::kPatience);
   add("probe_remember", node::PartitionMerge::kRemember);
   ASSERT_EQ(blocks("constants").size(), 1U);
   EXPECT_EQ(bare(blocks("constants")[0]), ours + "```\n");

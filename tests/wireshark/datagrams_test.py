@@ -76,7 +76,7 @@ def check_cut_off(path, datagrams):
     for datagram, shown in zip(datagrams, tshark.frames(path), strict=True):
         whole = len(datagram) <= 20
         wanted = fields(datagram) if whole else fields(datagram)[:4]
-        if is_claimed(datagram) and datagram[2] in (0x80, 0x81, 0x82) and len(datagram) <= 1200:
+        if is_claimed(datagram) and datagram[2] in (0x90, 0x91, 0x92) and len(datagram) <= 1200:
             tshark.compare(f"cut off: {datagram.hex(' ')}", wanted, shown)
 
 
@@ -144,7 +144,7 @@ def main(program, vectors_md):
         parts = {"vectors": written, "limits": list(cases()), "samples": drawn}
         parts["sealed"] = [each for datagram in written + drawn if len(datagram) >= 10 and is_claimed(datagram)
                            for each in (sealed(SEAL_KEY, AUTH, SEAL_ID, 7, datagram), sealed(SEAL_KEY, ENCRYPT, SEAL_ID, 8, datagram))
-                           if is_sealed(each)] + list(sealed_vectors().values())[-6:]  # fmt: skip
+                           if is_sealed(each)] + [each for each in sealed_vectors().values() if each[:2] == b"Pd"]  # fmt: skip
         parts["damaged"] = list(damaged(written + drawn[::4], rng))
         for what, datagrams in parts.items():
             outcomes, values = check(path, datagrams)

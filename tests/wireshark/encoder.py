@@ -52,4 +52,4 @@ def tagged(head):
 
 
 def datagram(kind, payload, peer=0, session=7):
-    return tagged(b"Pd" + bytes([0x80 | kind, peer]) + struct.pack("<H", session) + payload)
+    return tagged(b"Pd" + bytes([0x90 | kind, peer]) + struct.pack("<H", session) + payload)

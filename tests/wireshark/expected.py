@@ -15,8 +15,8 @@ from updates import CAUSES, MODELS, UPDATE_FIELDS, decode_update
 
 KINDS = ("state", "session", "membership")
 NOBODY = 255
-SEALED = (0x84, 0x85, 0x86, 0x88, 0x89, 0x8A)
-HANDSHAKES = ("hello", "cookie", "introduction", "acceptance")
+SEALED = (0x94, 0x95, 0x96, 0x98, 0x99, 0x9A)
+HANDSHAKES = ("hello", "cookie", "introduction", "acceptance", "rekey")
 
 
 def is_claimed(datagram):
@@ -24,7 +24,7 @@ def is_claimed(datagram):
     if datagram[:2] != b"Pd" or len(datagram) < 6:
         return False
     good = len(datagram) >= 10 and zlib.crc32(datagram[:-4]) == struct.unpack("<I", datagram[-4:])[0]
-    ours = datagram[2] in (0x80, 0x81, 0x82) and (datagram[3] < 64 or datagram[3] == NOBODY)
+    ours = datagram[2] in (0x90, 0x91, 0x92) and (datagram[3] < 64 or datagram[3] == NOBODY)
     return good or ours or is_handshake(datagram) or is_sealed(datagram) and (datagram[3] < 64 or datagram[3] == NOBODY)
 
 
@@ -38,7 +38,7 @@ def is_sealed(datagram):
 
 
 def is_handshake(datagram):
-    return len(datagram) == 76 and datagram[:3] == b"Pd\x83" and 1 <= datagram[3] <= 4 and not has_crc(datagram)
+    return len(datagram) == 76 and datagram[:3] == b"Pd\x93" and 1 <= datagram[3] <= 5 and not has_crc(datagram)
 
 
 def fields(datagram, opened=None):
@@ -50,8 +50,14 @@ def of_datagram(datagram, opened):
     yield "padr.version", datagram[2] >> 4
     if is_handshake(datagram):
         yield "padr.handshake", HANDSHAKES[datagram[3] - 1]
-        for name, at, stop in (("handshake.key", 4, 36), ("handshake.number", 36, 44), ("handshake.cookie", 44, 60), ("seal.tag", 60, 76)):
-            yield f"padr.{name}", datagram[at:stop]
+        yield "padr.handshake.key", datagram[4:36]
+        yield "padr.handshake.number", datagram[36:44]
+        if datagram[3] == 5:
+            yield from zip(("padr.seal.id", "padr.handshake.generation"), struct.unpack("<II", datagram[44:52]))
+            yield "padr.handshake.has", datagram[52:60]
+        else:
+            yield "padr.handshake.cookie", datagram[44:60]
+        yield "padr.seal.tag", datagram[60:76]
         return
     if is_sealed(datagram):
         yield from of_sealed(datagram, opened)
@@ -78,7 +84,7 @@ def of_sealed(datagram, opened):
         yield "padr.seal.good", bool(opened)
         if opened:
             yield from of_content(opened)
-    elif datagram[2] < 0x88:
+    elif datagram[2] < 0x98:
         plain = datagram[:2] + bytes([datagram[2] & 0xF3]) + datagram[3:6] + datagram[14:-16]
         yield from of_content(plain + struct.pack("<I", zlib.crc32(plain)))
 
@@ -245,7 +251,9 @@ PARTS = {  # of a transfer: messages and columns, as the decoder calls them, and
     "contacts": ("contact", ("key", "numbers", "ids", "type", "touching")),
     "avatars": ("avatar", ("present", "incarnation", "member", "model", "numbers", "since", "at_rest")),
     "authority": ("authority", ("owner", "released", "epoch", "claimed")), "holds": ("holds", ()),
-    "slots": ("slot", ("first", "have", "address", "port")), "gone": ("gone", ("address", "port")),
+    "slots": ("slot", ("first", "have", "address", "port", "since")),
+    "gone": ("gone", ("address", "port", "since", "removed")),
+    "proofs": ("proof", ("key", "incarnation", "one", "other")),
 }  # fmt: skip
 
 

@@ -85,7 +85,7 @@ def check_without_lua(home, repository, path, script):
     shown = [line.split("\t")[0].split(",")[0] for line in out.splitlines()]
     wanted = []
     for datagram in pcap.read(path):
-        if datagram and datagram[:3] == b"Pd\x80":
+        if datagram and datagram[:3] == b"Pd\x90":
             wanted.append(str(decode(datagram)["seq"]))
     assert shown == wanted and len(wanted) > 20, (shown, wanted)
 
@@ -121,7 +121,7 @@ def main(repository):
         check_protobuf(installed, scripted)
         check_filters(installed, everything, text)
         check_colours(installed, everything)
-        check_keylog(installed, [each for each in pcap.read(scripted) if each and each[:3] == b"Pd\x80"], with_keylog)
+        check_keylog(installed, [each for each in pcap.read(scripted) if each and each[:3] == b"Pd\x90"], with_keylog)
         check_without_lua(homes[1], repository, scripted, without_lua)
     print("installed by two lines; filters, colours, protobuf and the way without Lua are as the page says")
 

@@ -44,7 +44,7 @@ def begins_as_ours(rng):
     """Only the magic; of the header and the tag at least one thing is not as it would have to be."""
     data = bytearray(b"Pd" + rng.randbytes(rng.randrange(0, 200)))
     if len(data) > 3:
-        data[2], data[3] = rng.choice(((0x90, data[3]), (0x83, data[3]), (0x80, rng.randrange(64, 255)), (0x10, 0)))
+        data[2], data[3] = rng.choice(((0xA0, data[3]), (0x93, data[3]), (0x90, rng.randrange(64, 255)), (0x10, 0)))
     return bytes(data)
 
 

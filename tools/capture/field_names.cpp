@@ -98,6 +98,7 @@ constexpr FieldName kNames[] = {
     {"padr.welcome.wanted", false},
     {"padr.welcome.incarnation", false},
     {"padr.welcome.cookie", false},
+    {"padr.welcome.session", false},
     {"padr.redirect.address", false},
     {"padr.redirect.port", false},
     {"padr.refuse.reason", false},

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <list>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,7 +14,8 @@ namespace padr::capture {
 /// The keys of padr-peer --keylog, and what can be read with them, or without any.
 class Keyring {
  public:
-  /// Throws UserError if a file cannot be read or has a line that is none of a keylog.
+  /// Throws UserError if a file cannot be read or has a line that is none of a keylog. Keys that are added to the files
+  /// later are found when they are needed.
   explicit Keyring(const std::vector<std::string>& files);
 
   enum class Reading : std::uint8_t {
@@ -29,12 +32,23 @@ class Keyring {
   Result read(const wire::SealedHeader& header, std::span<const std::byte> datagram);
 
  private:
-  struct Entry {
-    std::uint32_t sender = 0;
-    wire::Key key{};
-    std::uint64_t upper = 0;  ///< half of the last number
+  /// What one sender seals with.
+  struct Ring {
+    std::list<wire::Key> keys;  ///< those that were of use last are in front
+    std::uint64_t upper = 0;    ///< half of the last number, which all keys share
   };
-  std::vector<Entry> entries_;  ///< those that were of use last are in front
+  /// One more key file, from `at` on: what has been read of it.
+  struct File {
+    std::string path;
+    std::size_t at = 0;
+    int lines = 0;
+  };
+  void load(File& file);
+  /// Whether a peer has written more keys since.
+  bool load_more();
+  std::optional<wire::Bytes> opened(const wire::SealedHeader& header, std::span<const std::byte> datagram);
+  std::vector<File> files_;
+  std::map<std::uint32_t, Ring> rings_;  ///< by the sender's short id
 };
 
 }  // namespace padr::capture

@@ -48,6 +48,7 @@ class SessionFields {
     r_.number("padr.welcome.wanted", static_cast<std::uint64_t>(m.wanted));
     r_.number("padr.welcome.incarnation", m.incarnation);
     r_.hex64("padr.welcome.cookie", m.cookie);
+    if (m.session != SessionId{}) r_.bytes("padr.welcome.session", std::as_bytes(std::span(m.session)));
   }
   void operator()(const wire::Redirect& m) const {
     r_.hex64("padr.nonce", m.nonce);

@@ -5,6 +5,7 @@
 
 #include "shell/command_line.h"
 #include "shell/run_main.h"
+#include "tools/lab/audit/command.h"
 #include "tools/lab/chaos/command.h"
 #include "tools/lab/compare/command.h"
 #include "tools/lab/convergence/command.h"
@@ -63,6 +64,8 @@ int lab(int argc, char** argv) {
   commands.add("run", "one session: consistency and traffic of every peer", run);
   ReplayCommand replay;
   commands.add("replay", "feed a peer's trace to a fresh core and compare every bit", replay);
+  padr::lab::AuditCommand audit;
+  commands.add("audit", "what members said, held against physics and against one another", audit);
   padr::lab::ExamplesCommand examples;
   commands.add("examples", "the paper's examples: what model errors do to bodies", examples);
   padr::lab::FiguresCommand figures;

@@ -44,6 +44,7 @@ node::ReplicaConfig config_of(const trace::Header& h) {
   c.slots = h.slots;
   c.incarnation = h.incarnation;
   c.session = h.session;
+  c.session_id = h.session_id;
   c.technique = h.technique;
   return c;
 }
@@ -92,7 +93,7 @@ class Replay::Again {
     const auto* fetched = message ? std::get_if<wire::Fetched>(&*message) : nullptr;
     if (fetched == nullptr)
       throw UserError(label_ + ": what was relayed after tick " + std::to_string(replica_->now()) + " does not decode");
-    replica_->relay(fetched->slot, fetched->incarnation, fetched->updates);
+    replica_->relay(fetched->slot, fetched->incarnation, fetched->updates, kNoPeer);
   }
   void take(const trace::Freeze& f) { replica_->freeze(f.peer, f.frozen); }
   void take(const trace::GiveUp& g) { replica_->give_up(g.peer, true); }

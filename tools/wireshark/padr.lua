@@ -65,7 +65,13 @@ local function show_handshake(show, tree, envelope)
   if not envelope.whole then return end
   show:raw(tree, "padr.handshake.key", tvb(4, 32))
   show:raw(tree, "padr.handshake.number", tvb(36, 8))
-  show:raw(tree, "padr.handshake.cookie", tvb(44, 16))
+  if envelope.handshake == "rekey" then
+    show:add(tree, "padr.seal.id", tvb(44, 4):le_uint(), tvb(44, 4))
+    show:add(tree, "padr.handshake.generation", tvb(48, 4):le_uint(), tvb(48, 4))
+    show:raw(tree, "padr.handshake.has", tvb(52, 8))
+  else
+    show:raw(tree, "padr.handshake.cookie", tvb(44, 16))
+  end
   show:raw(tree, "padr.seal.tag", tvb(60, datagram.SEALED_TAG))
 end
 

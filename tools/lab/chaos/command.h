@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "shell/technique_flags.h"
+#include "tools/lab/chaos/harm_table.h"
+#include "tools/lab/chaos/lies.h"
 #include "tools/lab/chaos/play.h"
 
 namespace padr::lab {
@@ -18,9 +20,12 @@ class ChaosCommand {
 
  private:
   void prepare();
+  void prepare_liar();
+  std::string summary(const std::vector<ChaosOutcome>& outcomes) const;
+  HarmTable harm(const std::vector<ChaosOutcome>& outcomes) const;
   ChaosPlay how_of(std::size_t i) const;
   ChaosScript script_of(std::size_t i) const;
-  void print(std::size_t i, const ChaosOutcome& outcome) const;
+  void print(std::size_t i, const ChaosOutcome& outcome, bool shrinks) const;
   std::string json(const std::vector<std::string>& command, const std::vector<ChaosOutcome>& outcomes) const;
 
   ChaosPlay how_;  ///< but for the scene
@@ -32,7 +37,13 @@ class ChaosCommand {
   double minutes_ = 2;
   int peers_ = 12;
   int jobs_ = 0;
+  int shrink_tries_ = 200;
   bool story_ = false;
+  CLI::Option* liar_option_ = nullptr;
+  CLI::Option* peers_option_ = nullptr;
+  std::string liar_name_;
+  bool lies_ = false;
+  const Behaviour* liar_ = nullptr;  ///< null: drawn by each script's seed
   std::string json_;
 };
 

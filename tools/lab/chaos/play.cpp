@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "shell/netem_text.h"
+#include "tools/lab/chaos/liar_part.h"
 #include "tools/lab/testbed/judge.h"
 
 namespace padr::lab {
@@ -103,7 +104,9 @@ void fill_outcome(const VirtualNetwork& g, const ChaosPlay& how, int founders, C
 
 }  // namespace
 
-ChaosOutcome play(const ChaosPlay& how, const ChaosScript& script) {
+namespace {
+
+VirtualNetworkConfig config_of(const ChaosPlay& how, const ChaosScript& script) {
   VirtualNetworkConfig config;
   config.scene = how.scene;
   config.technique = how.technique;
@@ -111,39 +114,86 @@ ChaosOutcome play(const ChaosPlay& how, const ChaosScript& script) {
   config.seed = script.seed;
   config.slots = how.slots;
   config.seal = how.seal;
+  config.recording = how.recording;
   config.wanted = script.founders;
   config.most_ppm = 200;                   // as much as cheap quartz is off
   config.refusals = script.seed % 2 == 1;  // some networks tell, some do not
-  VirtualNetwork g(std::move(config));
-  Judge judge(g);
-  Stage stage(g, how.scene);
-  g.start({});
-  for (int p = 1; p < script.founders; ++p) g.start(0);
+  return config;
+}
 
-  const auto run_to = [&](Micros t) {
-    while (judge.violation().empty() && g.now() < t) {
-      stage.undo_until(g.now());
-      g.run_to(std::min({t, stage.next_undo(), g.now() + kMicrosPerSecond}));
+/// A script in progress.
+class Performance {
+ public:
+  Performance(const ChaosPlay& how, const ChaosScript& script)
+      : how_(how),
+        script_(script),
+        network_(config_of(how, script)),
+        judge_(network_),
+        stage_(network_, how.scene),
+        meter_(network_, judge_.liars(), how.bounds) {
+    if (script.liar) liar_.emplace(network_, judge_, script);
+    if (script.liar) judge_.tolerate_differences(how.differ);
+  }
+
+  void play() {
+    network_.start({});
+    for (int p = 1; p < script_.founders; ++p) network_.start(0);
+    for (const ChaosEvent& e : script_.events) {
+      run_to(e.at);
+      if (!holds()) return;
+      stage_.undo_until(e.at);
+      stage_.act(e);
     }
-  };
-  for (const ChaosEvent& e : script.events) {
-    run_to(e.at);
-    if (!judge.violation().empty()) break;
-    stage.undo_until(e.at);
-    stage.act(e);
+    run_to(script_.length);
+    if (!holds()) return;
+    stage_.undo_until(std::numeric_limits<Micros>::max());
+    network_.shape(shell::parse_netem(chaos_links().front()));
+    run_to(script_.length + how_.quiet);
+    if (holds()) judge_.final_check();
   }
-  run_to(script.length);
-  if (judge.violation().empty()) {
-    stage.undo_until(std::numeric_limits<Micros>::max());
-    g.shape(shell::parse_netem(chaos_links().front()));
-    run_to(script.length + how.quiet);
+
+  ChaosOutcome outcome() const {
+    ChaosOutcome out;
+    out.violation = judge_.violation().empty() ? meter_.violation() : judge_.violation();
+    out.compared = judge_.compared();
+    out.harm = meter_.harm();
+    out.differed = judge_.longest_difference();
+    if (liar_) {
+      out.lies = liar_->told();
+      out.led_by_liar = liar_->led();
+    }
+    fill_outcome(network_, how_, script_.founders, out);
+    return out;
   }
-  if (judge.violation().empty()) judge.final_check();
-  ChaosOutcome out;
-  out.violation = judge.violation();
-  out.compared = judge.compared();
-  fill_outcome(g, how, script.founders, out);
-  return out;
+
+ private:
+  bool holds() const { return judge_.violation().empty() && meter_.violation().empty(); }
+  void run_to(Micros t) {
+    while (holds() && network_.now() < t) {
+      stage_.undo_until(network_.now());
+      const Micros step = liar_ ? HarmMeter::kEvery : kMicrosPerSecond;
+      network_.run_to(std::min({t, stage_.next_undo(), network_.now() + step}));
+      if (!liar_) continue;
+      liar_->advance();
+      meter_.look();
+    }
+  }
+
+  const ChaosPlay& how_;
+  const ChaosScript& script_;
+  VirtualNetwork network_;
+  Judge judge_;
+  Stage stage_;
+  HarmMeter meter_;
+  std::optional<LiarPart> liar_;
+};
+
+}  // namespace
+
+ChaosOutcome play(const ChaosPlay& how, const ChaosScript& script) {
+  Performance performance(how, script);
+  performance.play();
+  return performance.outcome();
 }
 
 }  // namespace padr::lab

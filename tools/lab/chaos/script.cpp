@@ -6,6 +6,7 @@
 #include <array>
 
 #include "common/model/rng.h"
+#include "tools/lab/chaos/lies.h"
 
 namespace padr::lab {
 namespace {
@@ -36,12 +37,12 @@ const std::vector<std::string>& chaos_links() {
   return kLinks;
 }
 
-ChaosScript make_script(std::uint64_t seed, Micros length, int most) {
+ChaosScript make_script(std::uint64_t seed, Micros length, int most, int least) {
   Rng rng(derive_seed(seed, 0xC4A05));
   ChaosScript s;
   s.seed = seed;
   s.length = length;
-  s.founders = 2 + static_cast<int>(rng.below(static_cast<std::uint32_t>(std::max(1, most / 2 - 1))));
+  s.founders = least + static_cast<int>(rng.below(static_cast<std::uint32_t>(std::max(1, most / 2 - 1))));
   int there = s.founders;
   for (Micros at = micros(rng.uniform(3, 8)); at < length; at += micros(rng.uniform(1, 9))) {
     ChaosEvent e;
@@ -49,7 +50,7 @@ ChaosScript make_script(std::uint64_t seed, Micros length, int most) {
     e.at = at;
     e.pick = rng.next_u64();
     const bool ends = e.kind == Kind::kLeave || e.kind == Kind::kKill;
-    if (ends && there <= 2) e.kind = Kind::kStart;
+    if (ends && there <= least) e.kind = Kind::kStart;
     if (e.kind == Kind::kStart && there >= most) e.kind = Kind::kFight;
     if (e.kind == Kind::kStart) ++there;
     if (e.kind == Kind::kLeave || e.kind == Kind::kKill) --there;
@@ -61,8 +62,36 @@ ChaosScript make_script(std::uint64_t seed, Micros length, int most) {
   return s;
 }
 
+ChaosScript with_liar(ChaosScript s, const Behaviour* how) {
+  Rng rng(derive_seed(s.seed, 0x11A2));
+  LyingScript liar;
+  const auto all = behaviours();
+  const Behaviour& drawn = all[rng.below(static_cast<std::uint32_t>(all.size()))];
+  liar.how = how != nullptr ? how : &drawn;
+  liar.pick = rng.next_u64();
+  for (Micros at = micros(rng.uniform(4, 10)); at < s.length;) {
+    const Micros to = std::min(s.length, at + micros(rng.uniform(3, 15)));
+    liar.times.push_back({at, to});
+    at = to + micros(rng.uniform(1, 10));
+  }
+  s.liar = std::move(liar);
+  return s;
+}
+
+namespace {
+
+std::string describe(const LyingScript& liar) {
+  std::string text = "  one lies, behaviour " + std::string(liar.how->name) + ":";
+  for (const LyingScript::Span& t : liar.times)
+    text += fmt::sprintf(" %.2f to %.2f s", static_cast<double>(t.from) / 1e6, static_cast<double>(t.to) / 1e6);
+  return text + "\n";
+}
+
+}  // namespace
+
 std::string describe(const ChaosScript& s) {
   std::string text = "seed " + std::to_string(s.seed) + ", " + std::to_string(s.founders) + " peers begin\n";
+  if (s.liar) text += describe(*s.liar);
   for (const ChaosEvent& e : s.events) {
     text += fmt::sprintf("  %7.2f s  %-6s", static_cast<double>(e.at) / 1e6, kNames[static_cast<std::size_t>(e.kind)]);
     if (e.span > 0) text += fmt::sprintf(" for %.2f s", static_cast<double>(e.span) / 1e6);

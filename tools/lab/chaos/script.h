@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,18 +26,35 @@ struct ChaosEvent {
   std::uint64_t pick = 0;  ///< whom, how divided, which link or place: read modulo what there is
 };
 
+struct Behaviour;
+
+/// One of the peers lies, now and then.
+struct LyingScript {
+  struct Span {
+    Micros from;
+    Micros to;
+  };
+  const Behaviour* how = nullptr;
+  std::uint64_t pick = 0;   ///< who, which variant of the behaviour, whom it harms
+  std::vector<Span> times;  ///< when it lies, in order
+};
+
 struct ChaosScript {
   std::uint64_t seed = 0;
   int founders = 2;  ///< peers that begin together
   Micros length = 0;
   std::vector<ChaosEvent> events;  ///< by time
+  std::optional<LyingScript> liar;
 };
 
 /// Links that a script chooses from; the first is where every script begins.
 const std::vector<std::string>& chaos_links();
 
-/// At most `most` peers at once, 2 at least, so far as starts and ends are known.
-ChaosScript make_script(std::uint64_t seed, Micros length, int most);
+/// At most `most` peers at once, `least` at least, so far as starts and ends are known.
+ChaosScript make_script(std::uint64_t seed, Micros length, int most, int least = 2);
+
+/// The same with a liar among its peers. `how`: its behaviour; null: drawn by the script's seed.
+ChaosScript with_liar(ChaosScript script, const Behaviour* how);
 
 /// One line an event.
 std::string describe(const ChaosScript& script);

@@ -22,7 +22,15 @@ ChaosScript shrink(const ChaosPlay& how, const ChaosScript& script, int tries) {
     }
     if (piece <= 1 || tries <= 0) break;
   }
-  while (best.founders > 2) {
+  for (std::size_t at = 0; best.liar && at < best.liar->times.size() && tries > 0;) {
+    ChaosScript without = best;
+    without.liar->times.erase(without.liar->times.begin() + static_cast<std::ptrdiff_t>(at));
+    if (fails(without))
+      best = std::move(without);
+    else
+      ++at;
+  }
+  while (best.founders > (best.liar ? 3 : 2)) {
     ChaosScript fewer = best;
     --fewer.founders;
     if (!fails(fewer)) break;

@@ -12,6 +12,8 @@ constexpr Tick kKept = 90 * kTicksPerSecond;
 constexpr std::size_t kMostLog = 60 * kTicksPerSecond;
 /// How far confirmed may be behind when all has been quiet.
 constexpr Tick kMostLag = 3 * kTicksPerSecond;
+/// A difference that has not shown for so long, us, is another one when it shows again.
+constexpr Micros kForgotten = 10 * kMicrosPerSecond;
 
 std::string name(int person) {
   return "person " + std::to_string(person);
@@ -32,6 +34,7 @@ void Judge::blame(const std::string& what) {
 }
 
 void Judge::confirmed(int person, int incarnation, const sync::FoldState& s, std::uint64_t hash) {
+  if (liars_.contains(person)) return;
   heard_.push_back({person, incarnation, s.tick, hash});
   for (const world::Kinematics& k : s.world.entities)
     if (!is_finite(k.position) || !is_finite(k.velocity) || !std::isfinite(k.angle) || !std::isfinite(k.spin))
@@ -54,7 +57,7 @@ void Judge::check_drops(int person) {
 }
 
 void Judge::turn(int person) {
-  if (liars_.contains(person)) return heard_.clear();
+  if (liars_.contains(person)) return;
   const node::Participant& p = network_.peer(person);
   if (p.playing() && liars_.empty()) check_drops(person);
   if (p.playing() && !p.replica().expelled()) {
@@ -78,19 +81,43 @@ void Judge::compare(Tick t, Record r) {
     const bool mutual = std::find(r.others.begin(), r.others.end(), o.self) != r.others.end() &&
                         std::find(o.others.begin(), o.others.end(), r.self) != o.others.end();
     if (!mutual || o.person == r.person) continue;
-    ++compared_;
-    if (o.hash != r.hash)
-      blame("confirmed worlds of " + name(o.person) + " and " + name(r.person) + " differ at tick " +
-            std::to_string(t));
+    judge_pair(t, o, r);
   }
   at.push_back(std::move(r));
   while (records_.begin()->first < records_.rbegin()->first - kKept) records_.erase(records_.begin());
 }
 
+// Where differences are tolerated, what counts is how long it takes until two confirm the same again.
+void Judge::judge_pair(Tick t, const Record& a, const Record& b) {
+  ++compared_;
+  const std::pair persons = std::minmax(a.person, b.person);
+  if (a.hash == b.hash) {
+    differences_.erase(persons);
+    return;
+  }
+  Difference& d = differences_.try_emplace(persons, Difference{network_.now(), network_.now()}).first->second;
+  if (network_.now() - d.seen > kForgotten) d.since = network_.now();
+  d.seen = network_.now();
+  const Micros lasted = d.seen - d.since;
+  longest_difference_ = std::max(longest_difference_, lasted);
+  if (lasted >= tolerated_)
+    blame("confirmed worlds of " + name(a.person) + " and " + name(b.person) + " differ at tick " + std::to_string(t) +
+          (lasted > 0 ? ", for " + std::to_string(static_cast<double>(lasted) / 1e6) + " s now" : ""));
+}
+
+bool Judge::is_liars(const node::Replica& seen_by, PeerId slot) const {
+  return std::any_of(liars_.begin(), liars_.end(), [&](int liar) {
+    if (!network_.runs(liar) || !network_.peer(liar).playing()) return false;
+    const node::Replica& n = network_.peer(liar).replica();
+    return n.self() == slot && n.config().incarnation == seen_by.seat(slot).incarnation;
+  });
+}
+
 void Judge::final_check() {
   std::vector<int> all;
   for (int p = 0; p < network_.persons(); ++p)
-    if (network_.runs(p) && !network_.leaving(p) && !network_.knocks_in_vain(p)) all.push_back(p);
+    if (network_.runs(p) && !network_.leaving(p) && !network_.knocks_in_vain(p) && !liars_.contains(p))
+      all.push_back(p);
   for (const int p : all) {
     const node::Participant& a = network_.peer(p);
     if (!a.playing()) return blame(name(p) + " has not come in");
@@ -99,22 +126,28 @@ void Judge::final_check() {
     if (n.now() - n.agreed().confirmed().tick > kMostLag)
       return blame(name(p) + "'s confirmed world is " + std::to_string(n.now() - n.agreed().confirmed().tick) +
                    " ticks behind");
-    if (n.stats().hash_mismatches > 0) return blame(name(p) + " has found another's confirmed world to differ");
-    for (const int q : all) {
-      if (q == p || !network_.peer(q).playing()) continue;
-      const node::Replica& m = network_.peer(q).replica();
-      const node::Seat& seen = n.seat(m.self());
-      if (!seen.there() || seen.incarnation != m.config().incarnation)
-        return blame(name(p) + " does not know " + name(q) + " as a member");
-    }
-    int there = 1;
-    for (PeerId s = 0; s < n.config().slots; ++s)
-      if (s != n.self() && n.seat(s).there()) ++there;
-    if (there != static_cast<int>(all.size()))
-      return blame(name(p) + " counts " + std::to_string(there) + " members of " + std::to_string(all.size()));
+    if (n.stats().hash_mismatches > 0 && liars_.empty())
+      return blame(name(p) + " has found another's confirmed world to differ");
+    check_members(p, all);
   }
   // That they agree has been compared tick by tick; that there was something to compare has not.
   if (all.size() > 1 && compared_ == 0) blame("nothing could be compared");
+}
+
+void Judge::check_members(int person, const std::vector<int>& all) {
+  const node::Replica& n = network_.peer(person).replica();
+  for (const int q : all) {
+    if (q == person || !network_.peer(q).playing()) continue;
+    const node::Replica& m = network_.peer(q).replica();
+    const node::Seat& seen = n.seat(m.self());
+    if (!seen.there() || seen.incarnation != m.config().incarnation)
+      return blame(name(person) + " does not know " + name(q) + " as a member");
+  }
+  int there = 1;
+  for (PeerId s = 0; s < n.config().slots; ++s)
+    if (s != n.self() && n.seat(s).there() && !is_liars(n, s)) ++there;
+  if (there != static_cast<int>(all.size()))
+    blame(name(person) + " counts " + std::to_string(there) + " members of " + std::to_string(all.size()));
 }
 
 }  // namespace padr::lab

@@ -21,6 +21,11 @@ class Judge {
 
   /// This person lies: it is nobody's peer, and what others drop may be its doing.
   void expect_lies_of(int person) { liars_.insert(person); }
+  const std::set<int>& liars() const { return liars_; }
+  /// Confirmed worlds of two peers may differ for at most this long, us, until they are mended. 0: not at all.
+  void tolerate_differences(Micros longest) { tolerated_ = longest; }
+  /// Longest time for which the confirmed worlds of two peers differed, us.
+  Micros longest_difference() const { return longest_difference_; }
   /// The first violation, in one line; empty if there is none.
   const std::string& violation() const { return violation_; }
   std::uint64_t compared() const { return compared_; }
@@ -42,16 +47,26 @@ class Judge {
     Tick tick;
     std::uint64_t hash;
   };
+  struct Difference {
+    Micros since;
+    Micros seen;
+  };
   void confirmed(int person, int incarnation, const sync::FoldState& s, std::uint64_t hash);
   void turn(int person);
   void check_drops(int person);
   void compare(Tick t, Record r);
+  void judge_pair(Tick t, const Record& a, const Record& b);
+  bool is_liars(const node::Replica& seen_by, PeerId slot) const;
+  void check_members(int person, const std::vector<int>& all);
   void blame(const std::string& what);
 
   VirtualNetwork& network_;
   std::vector<Heard> heard_;
   std::map<Tick, std::vector<Record>> records_;
   std::set<int> liars_;
+  Micros tolerated_ = 0;
+  Micros longest_difference_ = 0;
+  std::map<std::pair<int, int>, Difference> differences_;  ///< by persons
   std::uint64_t compared_ = 0;
   std::string violation_;
 };

@@ -73,6 +73,11 @@ node::ChannelConfig VirtualNetwork::channels_of(Rng& rng) const {
   Rng key(derive_seed(config_.seed, 0x5EA1));
   for (auto& b : g.session) b = static_cast<std::uint8_t>(key.below(256));
   for (auto& b : g.seed) b = static_cast<std::uint8_t>(rng.below(256));
+  std::uint64_t seed = 0;
+  for (unsigned i = 0; i < 8; ++i) seed |= std::uint64_t{g.seed[i]} << (8 * i);
+  g.random = [own = Rng(derive_seed(seed, 0x4E1))](std::span<std::byte> out) mutable {
+    for (std::byte& b : out) b = static_cast<std::byte>(own.below(256));
+  };
   return g;
 }
 

@@ -50,8 +50,13 @@ class VirtualNetwork {
   void leave(int person);
   void kill(int person);
   void pause(int person, bool paused);
+  /// A person's user pushes a body.
+  void push(int person, EntityId body, Vec2 velocity) { persons_[at(person)].peer->push(body, velocity); }
   /// Datagrams between persons of different sides vanish; by person, who are not named are on side 0.
   void divide(std::map<int, int> sides) { sides_ = std::move(sides); }
+  bool divided() const { return !sides_.empty(); }
+  /// Whom a person was told of when it started; nothing if it founded.
+  std::optional<int> introducer_of(int person) const { return persons_[at(person)].by; }
   /// What one person sends another vanishes, or no longer; the other way goes on as it is.
   void cut(int from, int to, bool off) { off ? (void)cuts_.insert({from, to}) : (void)cuts_.erase({from, to}); }
   void shape(const link::NetemSpec& netem);

@@ -6,7 +6,7 @@ local updates = require("padr.updates")
 local datagram = {}
 
 datagram.MAGIC = 0x5064
-datagram.VERSION = 8
+datagram.VERSION = 9
 datagram.KINDS = { [0] = "state", "session", "membership" }
 datagram.HEADER, datagram.TAG = 6, 4
 datagram.SHORTEST, datagram.LONGEST = 10, 1200
@@ -14,7 +14,7 @@ datagram.SHORTEST, datagram.LONGEST = 10, 1200
 datagram.SEALED_HEADER, datagram.SEALED_TAG = 14, 16
 datagram.SHORTEST_SEALED, datagram.LONGEST_SEALED, datagram.HANDSHAKE = 30, 1220, 76
 datagram.SEALS = { "auth", "encrypt" }
-datagram.HANDSHAKES = { "hello", "cookie", "introduction", "acceptance" }
+datagram.HANDSHAKES = { "hello", "cookie", "introduction", "acceptance", "rekey" }
 datagram.NOBODY = 255
 
 local require_that = protobuf.require
@@ -122,6 +122,7 @@ local CHECKS = {
     require_that(m.slots.v >= 1 and m.slots.v <= 64 and m.wanted.v >= 1 and m.wanted.v <= m.slots.v, "slots or wanted")
     require_that(m.peer.v < m.slots.v, "a number that is none")
     require_that(m.incarnation.v > 0 and m.cookie.v ~= ("\0"):rep(8), "no incarnation, or no cookie")
+    require_that(m.session.v == "" or (#m.session.v == 16 and m.session.v ~= ("\0"):rep(16)), "no session's id")
   end,
   join = function(m)
     require_that(m.nonce.v ~= ("\0"):rep(8), "a join without a nonce")

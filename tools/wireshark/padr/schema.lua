@@ -41,7 +41,7 @@ schema.session = {
     "welcome",
     one = {
       { "nonce", "fixed64" }, { "peer", "uint32" }, { "slots", "uint32" }, { "wanted", "uint32" },
-      [6] = { "incarnation", "uint32" }, [7] = { "cookie", "fixed64" },
+      [6] = { "incarnation", "uint32" }, [7] = { "cookie", "fixed64" }, [8] = { "session", "bytes" },
     },
   },
   { "redirect", one = { { "nonce", "fixed64" }, { "address", "bytes" }, { "port", "uint32" } } },
@@ -93,12 +93,17 @@ local avatar = {
   { "since", "uint32" }, { "at_rest", "bool" },
 }
 local authority = { { "owner", "uint32" }, { "released", "bool" }, { "epoch", "uint32" }, { "claimed", "uint32" } }
-local slot = { { "first", "uint32" }, { "have", "uint32" }, { "address", "bytes" }, { "port", "uint32" } }
+local slot = { { "first", "uint32" }, { "have", "uint32" }, { "address", "bytes" }, { "port", "uint32" },
+  { "since", "uint32" } }
 schema.transfer = {
   { "tick", "uint32" }, { "entities", "floats" }, { "awake", "bytes" }, { "contact", many = contact },
   { "avatar", many = avatar }, { "authority", many = authority }, { "holds", "fixed64s" }, { "slot", many = slot },
-  { "tail", many = passed_on }, { "gone", many = { { "address", "bytes" }, { "port", "uint32" } } },
+  { "tail", many = passed_on },
+  { "gone", many = { { "address", "bytes" }, { "port", "uint32" }, { "since", "uint32" }, { "removed", "uint32" } } },
   [13] = { "wanted", "uint32" }, [14] = { "begin", "uint32" },
+  [15] = {
+    "proof", many = { { "key", "bytes" }, { "incarnation", "uint32" }, { "one", "bytes" }, { "other", "bytes" } },
+  },
 }
 
 return schema

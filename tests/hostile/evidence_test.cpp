@@ -1,0 +1,143 @@
+// What a member says of another is believed only with evidence, and a lie that can be proven costs the liar its place.
+#include "tests/hostile/liar.h"
+
+namespace padr::test {
+namespace {
+
+/// The same datagram as often as the liar sends a state datagram, to each.
+wire::Bytes message(PeerId from, const wire::Header& h, const wire::MembershipMessage& m) {
+  return wire::seal({wire::Kind::kMembership, from, h.session}, wire::encode_membership(m));
+}
+
+/// The liar, which coordinates, has everybody asked about an honest peer that is well, and declares it gone.
+void throw_out(Trial& t, PeerId victim) {
+  t.liar().send_too([&t, victim](const wire::Header& h, PeerId) {
+    return std::vector<wire::Bytes>{message(0, h, wire::Poll{{{victim, t.incarnation(victim), 0}}, true, 0})};
+  });
+  const auto removal = [&t, victim](sync::Bundle& order) {
+    order.removals = {{victim, t.incarnation(victim), t.replica(victim).agreed().log().have(victim)}};
+  };
+  t.liar().begin(in_place_of_the_next(removal, 600));
+}
+
+// Once, members froze whomever the coordinator asked about, and the order that followed was lawful.
+TEST(Evidence, TheCoordinatorCannotHaveAPeerThrownOutThatOthersHear) {
+  for (const bool plays : {true, false}) {
+    Trial t(4, 0, wire::SealMode::kAuth, 601);
+    if (plays) t.party().net().attract(Vec2{10, 7});
+    throw_out(t, 2);
+    t.party().run(8);
+    EXPECT_TRUE(t.replica(1).seat(2).there()) << t.party().story();
+    EXPECT_TRUE(t.replica(3).seat(2).there()) << t.party().story();
+    t.party().net().attract(Vec2{5, 5});  // so that the liar has something to say, and says it as an order
+    t.party().run(16);
+    EXPECT_GT(t.dropped(1, sync::DropReason::kRight), 0U) << t.party().story();
+    EXPECT_TRUE(t.liar_is_out()) << t.party().story();
+    t.expect_no_harm();
+  }
+}
+
+/// It tells one member other things than the rest.
+void tell_differently(Trial& t, PeerId victim) {
+  t.liar().begin([victim](sync::StatePacket& p, PeerId to) {
+    for (sync::Bundle& b : p.updates)
+      if (b.avatar && to == victim) b.avatar->position.x += 0.5F;
+  });
+  t.party().net().attract(Vec2{10, 7});
+}
+
+// Once, a ban was the memory of the one peer that had found the lie.
+TEST(Evidence, WhoSignsTwoDifferentThingsLosesItsPlaceForGoodWhoeverLeaves) {
+  Trial t(5, 2, wire::SealMode::kAuth, 602);
+  tell_differently(t, 1);
+  t.party().run(8);
+  EXPECT_TRUE(t.liar_is_out()) << t.party().story();
+  for (const PeerId p : {PeerId{0}, PeerId{3}, PeerId{4}})
+    EXPECT_TRUE(t.party().noted(t.person(p), "has signed two different updates of one number: cut off"))
+        << p << "\n"
+        << t.party().story();
+  const int late = t.party().net().start(t.person(3));
+  t.party().run(3);
+  t.party().net().kill(t.person(0));
+  t.party().net().leave(t.person(3));
+  t.party().run(12);
+  t.party().net().kill(t.person(4));
+  t.party().run(12);
+  EXPECT_TRUE(t.party().net().peer(late).playing());
+  const node::Replica& last = t.party().replica(late);
+  int there = 0;
+  for (PeerId p = 0; p < last.config().slots; ++p) there += p != last.self() && last.seat(p).there() ? 1 : 0;
+  EXPECT_EQ(there, 1) << "the one that was lied to has come back, the liar has not\n" << t.party().story();
+}
+
+// A mark is not signed, so nobody else can be shown the lie: the one that was misled begins anew itself, even the
+// coordinator.
+TEST(Evidence, WhoIsPromisedThatThereIsNoMoreFindsOutAndBeginsAnew) {
+  for (const PeerId victim : {PeerId{0}, PeerId{1}}) {
+    Trial t(4, 2, wire::SealMode::kAuth, 603);
+    t.party().net().attract(Vec2{10, 7});
+    t.liar().begin([victim, from = std::optional<std::uint32_t>{}](sync::StatePacket& p, PeerId to) mutable {
+      if (to != victim) return;
+      if (!from) from = p.mark_count;
+      std::erase_if(p.updates, [&](const sync::Bundle& b) { return b.index >= *from; });
+      p.mark_count = std::min(p.mark_count, *from);
+    });
+    t.party().run(6);
+    t.liar().stop();
+    t.party().run(14);
+    for (const PeerId p : t.honest()) {
+      const node::Participant& peer = t.party().net().peer(t.person(p));
+      EXPECT_TRUE(peer.playing() && !peer.returning()) << p << "\n" << t.party().story();
+      EXPECT_EQ(peer.incarnation() > 0, p == victim) << p << "\n" << t.party().story();
+    }
+    EXPECT_TRUE(t.party().noted(t.person(victim), "kept an update from this peer that it has told others"))
+        << t.party().story();
+  }
+}
+
+// Once, it counted as one that had left, and everybody waited for ever for the update that nobody had taken.
+TEST(Evidence, WhoLeavesBehindAnOrderThatNobodyTakesIsRemoved) {
+  Trial t(4, 2, wire::SealMode::kAuth, 606);
+  t.liar().begin([&t, index = std::optional<std::uint32_t>{}](sync::StatePacket& p, PeerId) mutable {
+    for (sync::Bundle& b : p.updates) {
+      if (!index && !b.leave) index = b.index;
+      if (b.index != index || b.leave) continue;
+      sync::Bundle order;
+      order.peer = b.peer;
+      order.index = b.index;
+      order.tick = b.tick;
+      order.removals = {{0, t.incarnation(0), 5}};
+      b = order;
+    }
+  });
+  t.party().net().attract(Vec2{10, 7});
+  t.party().run(1);
+  EXPECT_GT(t.dropped(0, sync::DropReason::kRight), 0U) << t.party().story();
+  t.party().net().leave(t.person(2));
+  t.party().run(14);
+  EXPECT_TRUE(t.liar_is_out()) << t.party().story();
+  t.expect_no_harm_to({0, 1, 3});
+}
+
+// The coordinator gives whoever joins a world that is well formed and wrong.
+TEST(Evidence, AFalseWorldHarmsOnlyTheNewcomer) {
+  Trial t(4, 0, wire::SealMode::kAuth, 604);
+  constexpr std::size_t kInTheFirstEntity = 10;
+  t.liar().speak_of_others([](wire::MembershipMessage& m) {
+    if (auto* piece = std::get_if<wire::Piece>(&m); piece != nullptr && piece->index == 0)
+      piece->bytes[kInTheFirstEntity] ^= std::byte{1};
+  });
+  const int late = t.party().net().start(t.person(1));
+  t.party().run(20);
+  EXPECT_GT(t.liar().told, 0U);
+  EXPECT_GT(t.party().net().peer(late).incarnation(), 0) << t.party().story();
+  for (const PeerId p : t.honest())
+    EXPECT_EQ(t.party().net().peer(t.person(p)).incarnation(), 0) << p << "\n" << t.party().story();
+  t.party().net().kill(t.person(0));
+  EXPECT_TRUE(t.party().run_until(20, [&] { return t.party().united(); }).has_value()) << t.party().story();
+  for (const PeerId p : {PeerId{1}, PeerId{2}, PeerId{3}})
+    EXPECT_EQ(t.party().net().peer(t.person(p)).incarnation(), 0);
+}
+
+}  // namespace
+}  // namespace padr::test

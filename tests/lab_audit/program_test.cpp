@@ -1,0 +1,69 @@
+// padr-lab audit as a user meets it.
+#include <nlohmann/json.hpp>
+
+#include "tests/lab_audit/lies.h"
+#include "tests/shell.h"
+
+namespace padr::test {
+namespace {
+
+class AuditProgram : public Shell {
+ protected:
+  Outcome lab(const std::string& words) const { return shell(std::string("'") + PADR_LAB + "' " + words); }
+  void record(const std::string& words) const {
+    const Outcome o = lab("run --seconds 4 --fidelity off " + words);
+    ASSERT_EQ(o.status, 0) << o.err;
+  }
+};
+
+TEST_F(AuditProgram, HonestTracesSayNothing) {
+  record("--peers 3 --netem 'delay 60ms 20ms loss 5%' --trace t");
+  const Outcome o = lab("audit t/*");
+  EXPECT_EQ(o.status, 0) << o.out << o.err;
+  EXPECT_TRUE(o.out.starts_with("nothing found: 3 traces, ")) << o.out;
+  const Outcome json = lab("audit t/* --json -");
+  EXPECT_EQ(json.status, 0);
+  const auto j = nlohmann::json::parse(json.out);
+  EXPECT_TRUE(j["findings"].empty());
+  EXPECT_GT(j["judged"], 20);
+}
+
+TEST_F(AuditProgram, ALiarHasItsParagraphAndEverythingIsInTheFile) {
+  LiarTrial t(601, "delay 30ms 5ms loss 1%");
+  t.trial().party().net().attract(Vec2{10, 7});
+  tell_one_otherwise(t, 0.5F);
+  t.run(6);
+  const lab::audit::Report r = t.report();
+  ASSERT_GT(LiarTrial::count(r, lab::audit::Kind::kTwoUpdates), 1);
+  for (const auto& text : t.recorder().traces({t.trial().person(LiarTrial::kLiar)}))
+    write(text.label, std::string(reinterpret_cast<const char*>(text.bytes.data()), text.bytes.size()));
+  const Outcome o = lab("audit *.trace --worst 1 --json all.json");
+  EXPECT_EQ(o.status, 1) << o.err;
+  EXPECT_NE(o.out.find("slot 2, incarnation "), std::string::npos) << o.out;
+  EXPECT_NE(o.out.find("PROOF: it signed both [person"), std::string::npos) << o.out;
+  EXPECT_NE(o.out.find(" more of the kind two_updates\n"), std::string::npos) << o.out;
+  const auto j = nlohmann::json::parse(read("all.json"));
+  EXPECT_EQ(j["findings"].size(), r.findings.size());
+  EXPECT_EQ(j["findings"][0]["slot"], 2);
+  EXPECT_EQ(j["findings"][0]["signed"], true);
+  EXPECT_EQ(j["findings"][0]["key"].get<std::string>().size(), 64U);
+}
+
+TEST_F(AuditProgram, WhatItCannotUseHasOneLineAndExit2) {
+  record("--peers 2 --seed 1 --trace a");
+  record("--peers 2 --seed 2 --trace b");
+  const std::string whole = read("a/peer0.trace");
+  write("cut.trace", whole.substr(0, 20));
+  write("bent.trace", whole.substr(0, whole.size() / 2) + std::string(3, '\xFF') + whole.substr(whole.size() / 2));
+  for (const char* words : {"audit", "audit none.trace", "audit cut.trace", "audit a/peer0.trace b/peer1.trace",
+                            "audit bent.trace", "audit a/peer0.trace --worst 0"}) {
+    const Outcome o = lab(words);
+    EXPECT_EQ(o.status, 2) << words << "\n" << o.out;
+    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << words << "\n" << o.err;
+  }
+  EXPECT_NE(lab("audit a/peer0.trace b/peer1.trace").err.find("is of another session than a/peer0.trace"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace padr::test

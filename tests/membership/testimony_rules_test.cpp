@@ -1,0 +1,198 @@
+// Two updates that one peer has signed, and what they prove: as tables.
+#include "common/membership/testimony.h"
+
+#include "common/wire/signature.h"
+#include "tests/membership/rules.h"
+
+namespace padr::test {
+namespace {
+
+using node::Testimony;
+using Proof = sync::Transfer::Proof;
+
+const SessionId kSession{1, 2, 3};
+
+wire::Key secret(std::uint8_t n) {
+  wire::Key k{};
+  k.fill(n);
+  return k;
+}
+
+sync::Bundle update(std::uint32_t index, Tick tick, float x = 0, PeerId peer = 2) {
+  sync::Bundle b;
+  b.peer = peer;
+  b.index = index;
+  b.tick = tick;
+  b.avatar.emplace();
+  b.avatar->position.x = x;
+  return b;
+}
+
+/// Member 1 sees what others send of peer 2, whose incarnation is 3.
+class Told : public testing::Test {
+ protected:
+  Told() {
+    s_.session.config.sealed = true;
+    s_.session.id = s_.roster.session = kSession;
+    for (PeerId p = 0; p < 4; ++p) s_.roster.seats[p].at.key = wire::public_key(secret(1U + p));
+    s_.log.begin(2, 10, kNow - 100);
+  }
+  sync::Bundle said(sync::Bundle b, std::uint32_t incarnation = 3) const {
+    b.signature = wire::sign_update(wire::signing_key(secret(1U + b.peer)), {kSession, incarnation}, b);
+    return b;
+  }
+  bool convicted() const { return rules_.convicts(s_.roster.seats[2].at.key); }
+  void from(PeerId p, const sync::Bundle& b, std::uint32_t incarnation = 3) {
+    rules_.on_updates(p, {2, incarnation, {b}}, s_.view());
+  }
+
+  Situation s_{4, 1};
+  Testimony rules_{s_.session};
+};
+
+TEST(Contradiction, Table) {
+  struct Row {
+    const char* name;
+    sync::Bundle one;
+    sync::Bundle other;
+    bool contradicts;
+  };
+  const Row rows[] = {
+      {"the same", update(1, 5, 1), update(1, 5, 1), false},
+      {"one number, two contents", update(1, 5, 1), update(1, 5, 2), true},
+      {"the same but for a sign that decides nothing", update(1, 5, 0.0F), update(1, 5, -0.0F), true},
+      {"one number, two ticks", update(1, 5), update(1, 6), true},
+      {"one tick, two numbers", update(1, 5), update(2, 5), true},
+      {"the later number of the earlier tick", update(2, 5), update(1, 6), true},
+      {"one after the other", update(1, 5), update(2, 6), false},
+      {"of two peers", update(1, 5, 1, 2), update(1, 5, 2, 3), false},
+  };
+  for (const Row& r : rows) {
+    EXPECT_EQ(wire::contradict(r.one, r.other), r.contradicts) << r.name;
+    EXPECT_EQ(wire::contradict(r.other, r.one), r.contradicts) << r.name;
+  }
+}
+
+TEST_F(Told, WhatProvesALie) {
+  struct Row {
+    const char* name;
+    sync::Bundle told;
+    std::uint32_t incarnation;
+    bool proves;
+  };
+  sync::Bundle unsigned_one = update(10, kNow - 50, 2);
+  sync::Bundle forged = said(update(10, kNow - 50, 2));
+  forged.avatar->position.y = 1;
+  const Row rows[] = {
+      {"another of that number", said(update(10, kNow - 50, 2)), 3, true},
+      {"the same", said(update(10, kNow - 50, 1)), 3, false},
+      {"another tick", said(update(10, kNow - 40, 1)), 3, true},
+      {"another number of that tick", said(update(11, kNow - 50, 1)), 3, true},
+      {"a later one", said(update(11, kNow - 40, 1)), 3, false},
+      {"not signed", unsigned_one, 3, false},
+      {"changed by who sent it", forged, 3, false},
+      {"of another incarnation", said(update(10, kNow - 50, 2), 2), 2, false},
+  };
+  s_.log.insert(said(update(10, kNow - 50, 1)));
+  for (const Row& r : rows) {
+    Testimony rules(s_.session);
+    rules.on_updates(3, {2, r.incarnation, {r.told}}, s_.view());
+    EXPECT_EQ(rules.convicts(s_.roster.seats[2].at.key), r.proves) << r.name;
+  }
+}
+
+// The others send both, to whom the log has neither.
+TEST_F(Told, BothFromOneMember) {
+  const sync::Bundle one = said(update(4, 100, 1));
+  const sync::Bundle other = said(update(4, 100, 2));
+  from(3, one);
+  from(0, other);
+  EXPECT_FALSE(convicted()) << "nobody has shown both";
+  from(3, other);
+  EXPECT_TRUE(convicted());
+  ASSERT_EQ(rules_.proofs().size(), 1U);
+  EXPECT_TRUE(wire::is_proven(kSession, rules_.proofs()[0]));
+}
+
+TEST_F(Told, ItsOwnRepeatThatDiffers) {
+  s_.log.insert(said(update(10, kNow - 50, 1)));
+  rules_.on_repeat(said(update(10, kNow - 50, 1)), 3, s_.view());
+  EXPECT_FALSE(convicted());
+  rules_.on_repeat(said(update(10, kNow - 50, 2)), 3, s_.view());
+  EXPECT_TRUE(convicted());
+}
+
+TEST_F(Told, AProofIsMadeKnownAndTheLiarIsNotToldSo) {
+  s_.log.insert(said(update(10, kNow - 50, 1)));
+  from(3, said(update(10, kNow - 50, 2)));
+  ListedCommands out;
+  rules_.advance(s_.view(), out);
+  std::map<Endpoint, int> sent;
+  for (const auto& f : out.all<wire::Fetched>()) ++sent[f.to];
+  EXPECT_EQ(sent.size(), 2U);
+  for (const PeerId p : {PeerId{0}, PeerId{3}}) EXPECT_EQ(sent[s_.roster.seats[p].at], 2) << p;
+}
+
+TEST_F(Told, WhoseWorldsDifferCompareWhatTheyHave) {
+  for (std::uint32_t i = 0; i < 5; ++i) s_.log.insert(said(update(10 + i, kNow - 90 + 10 * static_cast<Tick>(i))));
+  node::Seat& other = s_.roster.seats[3];
+  other.same = kNow - 80;
+  other.differs_at = kNow - 50;
+  other.differs = true;
+  int sent = 0;
+  for (int i = 0; i < 10; ++i) {
+    ListedCommands out;
+    rules_.advance(s_.view(), out);
+    for (const auto& f : out.all<wire::Fetched>()) {
+      EXPECT_EQ(f.to, other.at);
+      EXPECT_EQ(f.message.slot, 2);
+      ASSERT_EQ(f.message.updates.size(), 3U) << "of the ticks between";
+      EXPECT_EQ(f.message.updates[0].tick, kNow - 80);
+      ++sent;
+    }
+    s_.roster.now += Testimony::kAgain;
+  }
+  EXPECT_EQ(sent, Testimony::kTimes);
+}
+
+// It has told this member that all up to a tick were here.
+TEST_F(Told, ABrokenPromiseMisleadsAndProvesNothing) {
+  s_.log.mark(2, kNow - 20, 10);
+  from(3, said(update(10, kNow - 19)));
+  EXPECT_FALSE(rules_.misled_by());
+  from(3, update(10, kNow - 20));
+  EXPECT_FALSE(rules_.misled_by()) << "anybody can say that";
+  from(3, said(update(10, kNow - 20)));
+  EXPECT_EQ(rules_.misled_by(), PeerId{2});
+  EXPECT_FALSE(convicted());
+}
+
+TEST_F(Told, InvalidProofsAreNotTaken) {
+  Proof p{s_.roster.seats[2].at.key, 3, said(update(4, 100, 1)), said(update(4, 100, 2))};
+  Proof wrong = p;
+  wrong.other = wrong.one;
+  rules_.take(wrong);
+  wrong = p;
+  wrong.key = s_.roster.seats[3].at.key;
+  rules_.take(wrong);
+  wrong = p;
+  wrong.incarnation = 4;
+  rules_.take(wrong);
+  EXPECT_TRUE(rules_.proofs().empty());
+  rules_.take(p);
+  rules_.take(p);
+  EXPECT_EQ(rules_.proofs().size(), 1U);
+}
+
+TEST_F(Told, SignaturesAreCheckedInMeasure) {
+  s_.log.insert(said(update(10, kNow - 50, 1)));
+  for (int i = 0; i < Testimony::kMostChecks; ++i) from(3, update(10, kNow - 50, 2));
+  from(3, said(update(10, kNow - 50, 2)));
+  EXPECT_FALSE(convicted());
+  s_.roster.now += kTicksPerSecond;
+  from(3, said(update(10, kNow - 50, 2)));
+  EXPECT_TRUE(convicted());
+}
+
+}  // namespace
+}  // namespace padr::test

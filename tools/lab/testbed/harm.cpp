@@ -1,0 +1,127 @@
+#include "tools/lab/testbed/harm.h"
+
+#include <algorithm>
+
+namespace padr::lab {
+namespace {
+
+std::string title(int person) {
+  return "person " + std::to_string(person);
+}
+
+}  // namespace
+
+HarmMeter::HarmMeter(const VirtualNetwork& network, const std::set<int>& liars, const HarmBounds& bounds)
+    : network_(network), liars_(liars), bounds_(bounds) {}
+
+void HarmMeter::blame(const std::string& what) {
+  if (violation_.empty())
+    violation_ = "at " + std::to_string(static_cast<double>(network_.now()) / 1e6) + " s: " + what;
+}
+
+void HarmMeter::note(Micros lasted, Micros& longest, Micros bound, const std::string& what) {
+  longest = std::max(longest, lasted);
+  if (lasted > bound) blame(what + " for " + std::to_string(static_cast<double>(lasted) / 1e6) + " s");
+}
+
+bool HarmMeter::plays(int person) const {
+  return network_.runs(person) && !network_.leaving(person) && network_.peer(person).playing();
+}
+
+bool HarmMeter::know_each_other(int a, int b) const {
+  const node::Replica& n = network_.peer(a).replica();
+  const node::Replica& m = network_.peer(b).replica();
+  const auto knows = [](const node::Replica& x, const node::Replica& y) {
+    const node::Seat& seat = x.seat(y.self());
+    return seat.there() && seat.incarnation == y.config().incarnation;
+  };
+  return n.self() != m.self() && knows(n, m) && knows(m, n);
+}
+
+std::set<int> HarmMeter::largest_group() const {
+  std::set<int> left;
+  for (int p = 0; p < network_.persons(); ++p)
+    if (honest(p) && plays(p)) left.insert(p);
+  std::set<int> largest;
+  while (!left.empty()) {
+    std::vector<int> to_visit{*left.begin()};
+    std::set<int> group{*left.begin()};
+    left.erase(left.begin());
+    while (!to_visit.empty()) {
+      const int p = to_visit.back();
+      to_visit.pop_back();
+      std::erase_if(left, [&](int q) {
+        if (!know_each_other(p, q)) return false;
+        group.insert(q);
+        to_visit.push_back(q);
+        return true;
+      });
+    }
+    if (group.size() > largest.size()) largest = std::move(group);
+  }
+  return largest;
+}
+
+void HarmMeter::look() {
+  const std::set<int> group = largest_group();
+  for (int p = 0; p < network_.persons(); ++p) {
+    if (!honest(p)) continue;
+    if (plays(p))
+      look_at(p, group.contains(p));
+    else
+      look_at_ended(p);
+  }
+}
+
+void HarmMeter::look_at(int person, bool in) {
+  const node::Participant& peer = network_.peer(person);
+  const node::Replica& n = peer.replica();
+  const Micros now = network_.now();
+  Watched& w = watched_[person];
+  if (w.incarnation >= 0 && peer.incarnation() > w.incarnation) ++harm_.begun_anew;
+  if (n.expelled() && !w.expelled) ++harm_.evicted;
+  const bool fresh = w.incarnation < 0;
+  const bool changed = peer.incarnation() != w.incarnation;
+  w.incarnation = peer.incarnation();
+  w.expelled = n.expelled();
+  if (in) w.was_in = true;
+  const Tick confirmed = n.agreed().confirmed().tick;
+  if (fresh || network_.paused(person)) w.confirmed_at = w.in_at = w.stepped_at = now;
+  if (changed || n.now() != w.now) w.stepped_at = now;
+  if (confirmed != w.confirmed) w.confirmed_at = now;
+  if (in || !w.was_in || network_.divided()) w.in_at = now;
+  w.now = n.now();
+  w.confirmed = confirmed;
+  note(now - w.confirmed_at, harm_.unconfirmed, bounds_.unconfirmed, title(person) + " has confirmed nothing");
+  note(now - w.in_at, harm_.out, bounds_.out, title(person) + " has been out");
+  note(now - w.stepped_at, harm_.stalled, bounds_.stalled, title(person) + "'s live world has stood still");
+  look_for_bans(person);
+}
+
+// No honest peer gives another cause to cut it off.
+void HarmMeter::look_for_bans(int person) {
+  const node::Replica& n = network_.peer(person).replica();
+  for (PeerId q = 0; q < n.config().slots; ++q) {
+    if (q == n.self() || n.link(q).cut_offs == 0 || !n.seat(q).there()) continue;
+    for (int other = 0; other < network_.persons(); ++other) {
+      if (!honest(other) || !plays(other)) continue;
+      const node::Replica& m = network_.peer(other).replica();
+      if (m.self() == q && m.config().incarnation == n.seat(q).incarnation)
+        blame(title(person) + " has cut off " + title(other) + ", which is honest");
+    }
+  }
+}
+
+// A joiner that does not come in gives up some time. Whoever asks the liar, or somebody who is gone, may have to.
+void HarmMeter::look_at_ended(int person) {
+  Watched& w = watched_[person];
+  const node::Participant& peer = network_.peer(person);
+  if (w.ended || network_.runs(person) || network_.leaving(person) || peer.playing()) return;
+  w.ended = true;
+  if (!peer.failed()) return;
+  ++harm_.kept_out;
+  const std::string& why = peer.session().failure();
+  if (why.find("cut off") != std::string::npos) blame(title(person) + ", which is honest, was refused: " + why);
+}
+
+}  // namespace padr::lab

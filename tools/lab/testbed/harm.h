@@ -1,0 +1,75 @@
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/lab/testbed/virtual_network.h"
+
+namespace padr::lab {
+
+/// What honest peers suffered, longest times in us. Times in which a peer stood still itself do not count.
+struct Harm {
+  Micros unconfirmed = 0;  ///< one confirmed nothing new
+  Micros out = 0;          ///< one that had been in was not a member of the largest group of the honest
+  Micros stalled = 0;      ///< one's live world made no step
+  int evicted = 0;         ///< times that one was declared gone
+  int begun_anew = 0;      ///< incarnations begun after the first
+  int kept_out = 0;        ///< joiners that gave up, or were refused
+};
+
+/// How long harm may last, us; whatever lasts longer is a violation.
+struct HarmBounds {
+  Micros unconfirmed = 30 * kMicrosPerSecond;
+  Micros out = 30 * kMicrosPerSecond;
+  Micros stalled = kMicrosPerSecond;
+};
+
+/// Watches the honest peers of a session in which somebody lies.
+class HarmMeter {
+ public:
+  /// Both must outlive it. `liars` may grow.
+  HarmMeter(const VirtualNetwork& network, const std::set<int>& liars, const HarmBounds& bounds = {});
+
+  /// To be called every kEvery of the network's time.
+  void look();
+  static constexpr Micros kEvery = 100'000;
+
+  const Harm& harm() const { return harm_; }
+  /// The first violation, in one line; empty if there is none.
+  const std::string& violation() const { return violation_; }
+
+ private:
+  using Seat = std::pair<PeerId, std::uint32_t>;  ///< slot, incarnation
+  struct Watched {
+    int incarnation = -1;
+    bool expelled = false;
+    bool was_in = false;
+    bool ended = false;
+    Tick confirmed = -1;
+    Micros confirmed_at = 0;
+    Micros in_at = 0;
+    Tick now = -1;
+    Micros stepped_at = 0;
+  };
+  bool honest(int person) const { return !liars_.contains(person); }
+  bool plays(int person) const;
+  bool know_each_other(int a, int b) const;
+  std::set<int> largest_group() const;
+  void look_at(int person, bool in);
+  void look_at_ended(int person);
+  void look_for_bans(int person);
+  void note(Micros lasted, Micros& longest, Micros bound, const std::string& what);
+  void blame(const std::string& what);
+
+  const VirtualNetwork& network_;
+  const std::set<int>& liars_;
+  HarmBounds bounds_;
+  Harm harm_;
+  std::map<int, Watched> watched_;
+  std::string violation_;
+};
+
+}  // namespace padr::lab
