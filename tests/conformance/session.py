@@ -83,8 +83,9 @@ class Session:
             leaves = [updates[n]["leave"] for n in range(len(updates))]
             check(leaves == [False] * (len(leaves) - 1) + [True], "the leave is not the last", leaves)
         for (sender, receiver), link in self.links.items():
-            # Whoever has left is told no more.
+            # Whoever has left is told no more, and who came in has by its transfer what was before.
             told = {n for n, update in self.updates[sender].items() if update["tick"] < self.last_tick(receiver)}
+            told -= set(range(link.given))
             check(told <= link.updates, "not all was sent from", sender, "to", receiver, told - link.updates)
             check(link.mark_count <= len(self.updates[sender]), "a mark above all that there is")
 
