@@ -53,7 +53,10 @@ void put_seal(Json& j, const Report& r) {
       .field("handshakes", s.handshakes)
       .field("rekeys", s.rekeys)
       .field("moves", s.moves)
-      .field("readable", s.readable);
+      .field("readable", s.readable)
+      .field("carried", s.carried)
+      .field("carried_bytes", s.carried_bytes)
+      .field("declined", s.declined);
   j.key("dropped").begin_object();
   for (std::size_t d = 0; d < node::kChannelDrops; ++d) j.field(node::kChannelDropNames[d], s.dropped[d]);
   j.end_object().end_object();

@@ -34,6 +34,10 @@ std::string words_of(const node::SessionEvent& e) {
       return who + " does not answer, but others hear it: it stays";
     case Kind::kHeardAgain:
       return who + " is heard by others again: it stays";
+    case Kind::kCarried:
+      return who + " is reached through peer " + std::to_string(e.by) + ": the link to it does not work";
+    case Kind::kDirect:
+      return who + " is reached directly again";
     case Kind::kDropped:
       return "dropped " + count + (e.count == 1 ? " datagram of " : " datagrams of ") + who + ": " + e.text;
     case Kind::kMuted:

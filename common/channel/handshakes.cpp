@@ -107,7 +107,7 @@ void SecureChannels::take(const Endpoint& place, const wire::Introduction& in, s
     fresh->window.start_after(in.number);
     c = &keep(*fresh);
   }
-  heard(*c, place, in.number, datagram.size(), local);
+  heard(*c, &place, in.number, datagram.size(), local);
   if (same_place(c->at, place)) c->answers = true;  // the cookie in it was sent there
   ++stats_.handshakes;
   // Either shows that the introduction has come.
@@ -115,7 +115,7 @@ void SecureChannels::take(const Endpoint& place, const wire::Introduction& in, s
   rekey ? tell(*c, *rekey) : accept(*c);
 }
 
-void SecureChannels::take(const Endpoint& place, const wire::Acceptance& in, std::span<const std::byte> datagram,
+void SecureChannels::take(const Endpoint* place, const wire::Acceptance& in, std::span<const std::byte> datagram,
                           Micros local) {
   Channel* c = known(in.key);
   if (c == nullptr) {
@@ -140,7 +140,7 @@ void SecureChannels::tell(Channel& to, wire::Rekey rekey) {
   transmit(to, kNoPeer, wire::encode_handshake(rekey, to.keys.out()));
 }
 
-void SecureChannels::take(const Endpoint& place, const wire::Rekey& in, std::span<const std::byte> datagram,
+void SecureChannels::take(const Endpoint* place, const wire::Rekey& in, std::span<const std::byte> datagram,
                           Micros local) {
   ChannelDrop why = ChannelDrop::kStranger;
   for (Channel& c : channels_) {

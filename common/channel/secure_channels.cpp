@@ -115,6 +115,7 @@ SecureChannels::Channel* SecureChannels::make(const PublicKey& key, const Endpoi
 // ---- out
 
 void SecureChannels::send(const Endpoint& to, PeerId state_to, std::span<const std::byte> datagram, Micros local) {
+  local_ = local;
   Channel* c = nullptr;
   if (to.has_key()) {
     c = known(to.key);
@@ -170,9 +171,38 @@ void SecureChannels::keep_company(Channel& c, Micros local) {
 void SecureChannels::post(Channel& to, PeerId state_to, std::span<const std::byte> datagram) {
   wire::seal_with(to.keys.out(), config_.mode, id_, ++number_, datagram, sealed_);
   transmit(to, state_to, sealed_);
+  if (is_carried(to)) try_directly(to, state_to, datagram);
+}
+
+// Sealed anew: what comes second of two with one number would be dropped, and the receiver not know that it came.
+void SecureChannels::try_directly(Channel& to, PeerId state_to, std::span<const std::byte> datagram) {
+  if (state_to == kNoPeer || local_ - to.tried < to.try_again) return;
+  to.tried = local_;
+  to.try_again = std::min(2 * to.try_again, kTrySlowest);
+  wire::seal_with(to.keys.out(), config_.mode, id_, ++number_, datagram, sealed_);
+  transmit_directly(to, state_to, sealed_);
+}
+
+void SecureChannels::carry(const PublicKey& to, const PublicKey& by, Micros local) {
+  Channel* c = known(to);
+  if (c == nullptr) return;
+  if (local >= c->carried_until) {
+    c->tried = local;
+    c->try_again = kTryAgain;
+  }
+  c->carrier = by;
+  c->carried_until = local + kCarries;
 }
 
 void SecureChannels::transmit(Channel& to, PeerId state_to, std::span<const std::byte> sealed) {
+  Channel* by = is_carried(to) ? known(to.carrier) : nullptr;
+  if (by == nullptr) return transmit_directly(to, state_to, sealed);
+  wire::encode_carried({to.id, sealed}, carried_);
+  wire::seal_with(by->keys.out(), config_.mode, id_, ++number_, carried_, outer_);
+  transmit_directly(*by, state_to, outer_);
+}
+
+void SecureChannels::transmit_directly(Channel& to, PeerId state_to, std::span<const std::byte> sealed) {
   if (may_send_there(to, sealed.size())) outgoing_.add(to.at, state_to, sealed);
   // If both of two are led astray, neither gets what would put the other right.
   if (!same_place(to.home, to.at)) outgoing_.add(to.home, state_to, sealed);
@@ -187,54 +217,107 @@ std::optional<SecureChannels::Arrival> SecureChannels::drop(ChannelDrop why) {
 
 std::optional<SecureChannels::Arrival> SecureChannels::receive(const Endpoint& place,
                                                                std::span<const std::byte> datagram, Micros local) {
+  local_ = local;
   ++stats_.datagrams;
-  if (const auto sealed = wire::read_sealed(datagram)) {
-    ChannelDrop why = ChannelDrop::kStranger;
-    for (Channel& c : channels_) {
-      if (c.id != sealed->id) continue;
-      const std::uint64_t number = whole_number(c.window.newest(), sealed->number);
-      if (!c.window.would_pass(number)) {
-        why = ChannelDrop::kReplay;
-        continue;
-      }
-      const auto opens = [&](const wire::Key& key) { return wire::unseal_with(key, number, datagram, unsealed_); };
-      if (!c.keys.open(opens, local)) {
-        why = ChannelDrop::kTag;
-        continue;
-      }
-      heard(c, place, number, datagram.size(), local);
-      ++stats_.passed;
-      note_mode(c, sealed->mode);
-      renew(c, local);
-      return Arrival{c.name, unsealed_};
-    }
-    return drop(why);
-  }
-  if (wire::is_handshake(datagram)) {
-    const auto message = wire::decode_handshake(datagram, handshake_);
-    if (!message) return drop(ChannelDrop::kTag);
-    std::visit(
-        [&](const auto& m) {
-          using Type = std::decay_t<decltype(m)>;
-          if constexpr (std::is_same_v<Type, wire::Hello> || std::is_same_v<Type, wire::Cookie>)
-            take(place, m, local);
-          else
-            take(place, m, datagram, local);
-        },
-        *message);
-    return std::nullopt;
-  }
-  wire::SealError error{};
-  return drop(wire::open(datagram, error) ? ChannelDrop::kUnsealed : ChannelDrop::kForm);
+  return open(&place, datagram);
 }
 
-// Only the newest says where somebody is: what was under way when it moved comes from where it was.
-void SecureChannels::heard(Channel& c, const Endpoint& place, std::uint64_t number, std::size_t bytes, Micros local) {
+std::optional<SecureChannels::Arrival> SecureChannels::open(const Endpoint* place,
+                                                            std::span<const std::byte> datagram) {
+  const auto sealed = wire::read_sealed(datagram);
+  if (!sealed) return open_handshake(place, datagram);
+  // Nobody carries what is carried already: there is one hop.
+  if (sealed->kind == wire::Kind::kCarried && place == nullptr) return drop(ChannelDrop::kForm);
+  ChannelDrop why = ChannelDrop::kStranger;
+  for (Channel& c : channels_) {
+    if (c.id != sealed->id) continue;
+    const std::uint64_t number = whole_number(c.window.newest(), sealed->number);
+    if (!c.window.would_pass(number)) {
+      why = ChannelDrop::kReplay;
+      continue;
+    }
+    const auto opens = [&](const wire::Key& key) { return wire::unseal_with(key, number, datagram, unsealed_); };
+    if (!c.keys.open(opens, local_)) {
+      why = ChannelDrop::kTag;
+      continue;
+    }
+    heard(c, place, number, datagram.size(), local_);
+    note_mode(c, sealed->mode);
+    renew(c, local_);
+    if (sealed->kind == wire::Kind::kCarried) return take_carried(c);
+    ++stats_.passed;
+    return Arrival{c.name, unsealed_, place == nullptr};
+  }
+  return drop(why);
+}
+
+std::optional<SecureChannels::Arrival> SecureChannels::take_carried(const Channel& by) {
+  const auto carried = wire::decode_carried(unsealed_);
+  if (!carried) return drop(ChannelDrop::kForm);
+  if (carried->to != id_) {
+    pass_on(by, carried->to);
+    return std::nullopt;
+  }
+  carried_.assign(carried->sealed.begin(), carried->sealed.end());
+  return open(nullptr, carried_);
+}
+
+// As it came, and only to who is heard: a peer that has lost its link to somebody can be of no use there.
+void SecureChannels::pass_on(const Channel& by, std::uint32_t to) {
+  for (Channel& c : channels_) {
+    if (c.id != to || &c == &by) continue;
+    const bool reached = !is_carried(c) && local_ - c.direct <= kQuiet;
+    if (!reached || !config_.may_carry || !config_.may_carry(by.name, c.name, unsealed_.size())) {
+      ++stats_.declined;
+      continue;
+    }
+    wire::seal_with(c.keys.out(), config_.mode, id_, ++number_, unsealed_, sealed_);
+    ++stats_.carried;
+    stats_.carried_bytes += sealed_.size();
+    transmit_directly(c, kNoPeer, sealed_);
+  }
+}
+
+std::optional<SecureChannels::Arrival> SecureChannels::open_handshake(const Endpoint* place,
+                                                                      std::span<const std::byte> datagram) {
+  if (!wire::is_handshake(datagram)) {
+    wire::SealError error{};
+    return drop(wire::open(datagram, error) ? ChannelDrop::kUnsealed : ChannelDrop::kForm);
+  }
+  const auto message = wire::decode_handshake(datagram, handshake_);
+  if (!message) return drop(ChannelDrop::kTag);
+  return std::visit(
+      [&](const auto& m) -> std::optional<Arrival> {
+        using Type = std::decay_t<decltype(m)>;
+        if constexpr (std::is_same_v<Type, wire::Acceptance> || std::is_same_v<Type, wire::Rekey>) {
+          take(place, m, datagram, local_);
+        } else if (place == nullptr) {  // the others are about an address
+          return drop(ChannelDrop::kForm);
+        } else if constexpr (std::is_same_v<Type, wire::Introduction>) {
+          take(*place, m, datagram, local_);
+        } else {
+          take(*place, m, local_);
+        }
+        return std::nullopt;
+      },
+      *message);
+}
+
+void SecureChannels::heard(Channel& c, const Endpoint* place, std::uint64_t number, std::size_t bytes, Micros local) {
   const bool newest = number > c.window.newest();
   c.window.pass(number);
   c.heard = local;
   c.in_vain = 0;
   count_rekeys(c);
+  if (place != nullptr) {
+    note_place(c, *place, newest, bytes, local);
+    c.direct = local;
+  }
+  c.met = true;
+}
+
+// Only the newest says where somebody is: what was under way when it moved comes from where it was.
+void SecureChannels::note_place(Channel& c, const Endpoint& place, bool newest, std::size_t bytes, Micros local) {
   if (newest && !same_place(c.at, place)) {
     if (c.met) ++stats_.moves;
     c.at = place.place();
@@ -244,7 +327,6 @@ void SecureChannels::heard(Channel& c, const Endpoint& place, std::uint64_t numb
     c.nonce = 0;
     c.greeted = kNever;
   }
-  c.met = true;
   if (same_place(c.at, place)) c.credit += c.answers ? 0 : kUnprovenTimes * bytes;
   if (newest && c.here < kSettled && c.answers && ++c.here == kSettled) c.home = c.at;
   if (!c.answers) challenge(c, local);

@@ -34,6 +34,9 @@ struct ChannelConfig {
   /// key can come under any number of names.
   std::function<void(const PublicKey& from, const PublicKey& to, const wire::Key& key)> on_key;
   std::size_t most_keys = 65'536;
+  /// Whether a datagram of so many bytes of one peer is passed on to another one. Empty: none is; a Participant then
+  /// decides itself.
+  std::function<bool(const Endpoint& from, const Endpoint& to, std::size_t bytes)> may_carry{};
 };
 
 /// Why a datagram went no further.
@@ -53,9 +56,12 @@ inline constexpr std::array<std::string_view, kChannelDrops> kChannelDropNames{"
 struct ChannelStats {
   std::uint64_t datagrams = 0;  ///< that came
   std::uint64_t passed = 0;
-  std::uint64_t handshakes = 0;  ///< messages of it that were right
-  std::uint64_t rekeys = 0;      ///< times that a channel went over to new keys
-  std::uint64_t moves = 0;       ///< peers that were found at another address than before
+  std::uint64_t handshakes = 0;     ///< messages of it that were right
+  std::uint64_t rekeys = 0;         ///< times that a channel went over to new keys
+  std::uint64_t moves = 0;          ///< peers that were found at another address than before
+  std::uint64_t carried = 0;        ///< datagrams of others that this peer has passed on
+  std::uint64_t carried_bytes = 0;  ///< of those, as they went out
+  std::uint64_t declined = 0;       ///< datagrams of others that it has not
   /// Passed datagrams that anybody on their way could read, though this peer encrypts what it sends.
   std::uint64_t readable = 0;
   std::array<std::uint64_t, kChannelDrops> dropped{};
@@ -66,6 +72,9 @@ struct ChannelStats {
 /// changes keeps its name. Whoever passes datagrams on can make it seem to have moved, so that what is for it goes to
 /// where it was, too, until enough has come from the new place; and until it has answered from there, little is sent
 /// there.
+///
+/// What is for a peer whose link does not work can go through another one that both reach. It is sealed for its
+/// receiver, and once more for who carries it, who sees neither what is in it nor can change it.
 ///
 /// Two programs get to know one another's keys by a handshake, or from others whom they know: endpoints that carry a
 /// key are enough to begin with, and the handshake goes on beside until there is an answer. Everything is repeated by
@@ -81,12 +90,16 @@ class SecureChannels {
   struct Arrival {
     Endpoint from;
     std::span<const std::byte> datagram;  ///< unsealed; until the next one arrives
+    bool carried = false;                 ///< another peer has passed it on
   };
   /// A datagram has arrived from `place`.
   std::optional<Arrival> receive(const Endpoint& place, std::span<const std::byte> datagram, Micros local);
   /// Seals an unsealed datagram for whoever `to` names; without a key in it, for whoever is found at that place.
   /// `state_to`: as in Parcel.
   void send(const Endpoint& to, PeerId state_to, std::span<const std::byte> datagram, Micros local);
+  /// What is for one peer goes through another one for the next kCarries. Meanwhile a state datagram now and then goes
+  /// directly, too, so that both can see whether their link works again.
+  void carry(const PublicKey& to, const PublicKey& by, Micros local);
   /// What to send, by place, in order, since the last time; until the next call of anything.
   std::span<const Parcel> take_outgoing() { return outgoing_.take(); }
 
@@ -102,6 +115,10 @@ class SecureChannels {
   /// No more keys are told.
   bool has_told_all_keys() const { return keys_told_ == config_.most_keys; }
   static constexpr int kSettled = 8;
+  static constexpr Micros kCarries = 250'000;
+  /// A link that does not work is tried after this time, and after twice that, until kTrySlowest.
+  static constexpr Micros kTryAgain = 1'000'000;
+  static constexpr Micros kTrySlowest = 8'000'000;
   /// To a place that a peer seems to have moved to, at most so many times the bytes that came from there are sent until
   /// it has echoed a nonce.
   static constexpr std::size_t kUnprovenTimes = 3;
@@ -123,9 +140,14 @@ class SecureChannels {
     bool answers = true;
     std::size_t credit = 0;  ///< until then: bytes that may be sent there
     NumberWindow<4096> window;
-    bool met = false;       ///< something of it has come
-    bool readable = false;  ///< something readable of it has come to a peer that encrypts
-    Micros heard = 0;       ///< when, or when we began
+    bool met = false;               ///< something of it has come
+    bool readable = false;          ///< something readable of it has come to a peer that encrypts
+    Micros heard = 0;               ///< when, or when we began
+    Micros direct = kNever;         ///< when something came that nobody had carried
+    PublicKey carrier{};            ///< who carries what is for it
+    Micros carried_until = kNever;  ///< until then
+    Micros tried = kNever;          ///< then: when something was sent directly all the same
+    Micros try_again = kTryAgain;   ///< after so long
     Micros greeted = kNever;
     std::uint64_t nonce = 0;  ///< of the last Hello; 0: none is out
     std::optional<wire::Tag> cookie;
@@ -161,13 +183,22 @@ class SecureChannels {
   void call(const Endpoint& to, PeerId state_to, std::span<const std::byte> datagram, Micros local);
   void post(Channel& to, PeerId state_to, std::span<const std::byte> datagram);
   void transmit(Channel& to, PeerId state_to, std::span<const std::byte> sealed);
+  void transmit_directly(Channel& to, PeerId state_to, std::span<const std::byte> sealed);
+  bool is_carried(const Channel& c) const { return local_ < c.carried_until; }
+  void try_directly(Channel& to, PeerId state_to, std::span<const std::byte> datagram);
+  std::optional<Arrival> take_carried(const Channel& by);
+  void pass_on(const Channel& by, std::uint32_t to);
+  /// `place`: null if another peer has carried it.
+  std::optional<Arrival> open(const Endpoint* place, std::span<const std::byte> datagram);
+  std::optional<Arrival> open_handshake(const Endpoint* place, std::span<const std::byte> datagram);
   void introduce(Channel& to, Micros local);
   void accept(Channel& to);
   /// Asks for new keys if it is time.
   void renew(Channel& c, Micros local);
   void tell(Channel& to, wire::Rekey rekey);
   void keep_company(Channel& c, Micros local);
-  void heard(Channel& c, const Endpoint& place, std::uint64_t number, std::size_t bytes, Micros local);
+  void heard(Channel& c, const Endpoint* place, std::uint64_t number, std::size_t bytes, Micros local);
+  void note_place(Channel& c, const Endpoint& place, bool newest, std::size_t bytes, Micros local);
   void challenge(Channel& c, Micros local);
   bool may_send_there(Channel& c, std::size_t bytes);
   void note_mode(Channel& c, wire::SealMode mode);
@@ -180,8 +211,8 @@ class SecureChannels {
   void take(const Endpoint& place, const wire::Hello& hello, Micros local);
   void take(const Endpoint& place, const wire::Cookie& cookie, Micros local);
   void take(const Endpoint& place, const wire::Introduction& in, std::span<const std::byte> datagram, Micros local);
-  void take(const Endpoint& place, const wire::Acceptance& in, std::span<const std::byte> datagram, Micros local);
-  void take(const Endpoint& place, const wire::Rekey& in, std::span<const std::byte> datagram, Micros local);
+  void take(const Endpoint* place, const wire::Acceptance& in, std::span<const std::byte> datagram, Micros local);
+  void take(const Endpoint* place, const wire::Rekey& in, std::span<const std::byte> datagram, Micros local);
   void count_rekeys(Channel& c);
   void follow(Channel& c, const wire::Rekey& in, Micros local);
 
@@ -201,6 +232,9 @@ class SecureChannels {
   Outbox outgoing_;
   wire::Bytes sealed_;    ///< what is being sent
   wire::Bytes unsealed_;  ///< what has arrived
+  wire::Bytes carried_;   ///< what is carried
+  wire::Bytes outer_;     ///< that, sealed for who carries it
+  Micros local_ = 0;      ///< of the last call
   ChannelStats stats_;
   std::vector<Endpoint> readable_;
 };

@@ -96,6 +96,7 @@ void Membership::receive_of_member(PeerId member, const wire::MembershipMessage&
     evictions_.on_fetch(member, *fetch, view, commands_);
     relay_.on_fetch(member, *fetch, view, commands_);
   }
+  if (const auto* reach = std::get_if<wire::Reach>(&message)) paths_.on_reach(member, *reach, view.roster.now);
   if (const auto* fetched = std::get_if<wire::Fetched>(&message)) {
     testimony_.on_updates(member, *fetched, view);
     evictions_.on_fetched(member, *fetched, view, misbehaviour_, commands_);
@@ -210,12 +211,42 @@ void Membership::advance(Micros local) {
   follow_testimony();
   evictions_.advance(view, commands_);
   relay_.advance(view, commands_);
+  find_paths();
   follow_changes();
   end_former_incarnations();
   merge_.advance(view, commands_);
   watch_confirmed();
   admissions_.advance(local);
   count_present();
+}
+
+bool Membership::may_carry(const Endpoint& from, const Endpoint& to) const {
+  const auto is_member = [this](const Endpoint& at) {
+    for (PeerId p = 0; p < session_.slots; ++p)
+      if (is_at(p, at)) return roster().seats[p].reachable() && hears(p);
+    return false;
+  };
+  return roster().member && is_member(from) && is_member(to);
+}
+
+// Without a key, whoever carries could say anything in the name of others.
+void Membership::find_paths() {
+  if (!session_.config.sealed || !roster().member) return;
+  std::vector<Paths::Link> links(roster().slots());
+  for (PeerId p = 0; p < roster().slots(); ++p) {
+    const sync::OutLink& out = replica_.replica().link(p).out;
+    links[p] = {out.unanswered(roster().now), out.round_trip() / 2};
+  }
+  for (const Paths::Change& c : paths_.advance(roster(), links)) {
+    const auto kind = c.by == kNoPeer ? SessionEvent::Kind::kDirect : SessionEvent::Kind::kCarried;
+    commands_.tell({.kind = kind, .peer = c.to, .by = c.by});
+  }
+  for (PeerId p = 0; p < roster().slots(); ++p)
+    if (paths_.carrier(p) != kNoPeer) commands_.carry(p, paths_.carrier(p));
+  const auto reach = paths_.due(roster(), links);
+  if (!reach) return;
+  for (PeerId p = 0; p < roster().slots(); ++p)
+    if (p != session_.self && roster().seats[p].there()) commands_.send(roster().seats[p].at, *reach);
 }
 
 void Membership::count_present() {

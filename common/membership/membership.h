@@ -12,6 +12,7 @@
 #include "common/membership/relay.h"
 #include "common/membership/testimony.h"
 #include "common/membership/vouching.h"
+#include "common/paths/paths.h"
 
 namespace padr::node {
 
@@ -44,6 +45,12 @@ class Membership {
   void on_drop(PeerId p, sync::DropReason why, Micros local) {
     misbehaviour_.on_drop(p, why, view(), local, commands_);
   }
+  /// A state datagram of member p has come directly.
+  void note_direct(PeerId p) { paths_.note_direct(p, roster().now); }
+  /// Whether datagrams of one of the two are to be passed on to the other: both are members whose datagrams are taken.
+  bool may_carry(const Endpoint& from, const Endpoint& to) const;
+  /// The member through which p is reached; kNoPeer: it is reached directly.
+  PeerId carrier(PeerId p) const { return paths_.carrier(p); }
   /// The machine at `at` reports that nobody listens there.
   void on_unreachable(const Endpoint& at);
   /// Sends one Probe to `at`, which lists the members of this session.
@@ -79,6 +86,7 @@ class Membership {
   PeerId guide() const;
   void follow_changes();
   void count_present();
+  void find_paths();
   void note_former_incarnations(const std::vector<MemberChange>& changes);
   void end_former_incarnations();
   /// Whether an eviction may be near.
@@ -97,6 +105,7 @@ class Membership {
   PartitionMerge merge_;
   Testimony testimony_;
   Vouching vouching_;
+  Paths paths_;
   std::vector<MemberChange> changes_;
   std::map<PeerId, Tick> refused_;          ///< since when its machine reports that nobody listens there
   std::map<PeerId, std::uint32_t> former_;  ///< slots and incarnations of peers that were admitted anew elsewhere

@@ -23,6 +23,8 @@ struct SessionEvent {
     kSuspected,    ///< `peer` has been silent for kSilence, and members are polled for its updates
     kHeard,        ///< `peer` does not answer, but stays, as other members hear it
     kHeardAgain,   ///< as kHeard, of a peer that was suspected
+    kCarried,      ///< `peer` is reached through `by`
+    kDirect,       ///< `peer` is reached directly again
     kDropped,      ///< `count` datagrams of `peer`; `text`: why
     kWithholds,  ///< `peer` does not answer polls about lost peers, or does not send the updates that it claims to have
     kMuted,      ///< `peer` is ignored for `tick` ticks; `text`: why
@@ -37,6 +39,7 @@ struct SessionEvent {
   };
   Kind kind{};
   PeerId peer = kNoPeer;
+  PeerId by = kNoPeer;
   Tick tick = 0;
   Endpoint at{};
   Endpoint to{};

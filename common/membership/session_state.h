@@ -49,6 +49,12 @@ struct SessionDatagram {
   wire::Bytes bytes;
 };
 
+/// What is for `to` now goes through `by`.
+struct SessionRoute {
+  Endpoint to;
+  Endpoint by;
+};
+
 /// How often peers repeat themselves, and how long they wait; us.
 struct SessionPace {
   static constexpr Micros kTick = 10'000;      ///< timers are looked at this often
@@ -75,6 +81,7 @@ struct SessionState : SessionView {
   std::string failure;
   Micros born = 0;
   std::vector<SessionDatagram> outgoing;
+  std::vector<SessionRoute> routes;
   std::vector<SessionEvent> events;
 
   void send(const Endpoint& to, const wire::SessionMessage& message) {

@@ -19,6 +19,9 @@ namespace {
 constexpr Tick kSteerEvery = kTicksPerSecond / 2;
 /// When all peers are stopped at once, this many leave in one tick, because every peer answers every leave update.
 constexpr int kFarewells = 4;
+/// Datagrams of others are passed on at this rate at least, bytes/s, and so many bytes at once.
+constexpr double kCarriedAtLeast = 8'000;
+constexpr double kCarriedAtOnce = 64'000;
 /// Interval between two events about datagrams that do not fit the session's key.
 constexpr Micros kWarnAgain = 10 * kMicrosPerSecond;
 
@@ -36,8 +39,17 @@ void check_founder(const SessionConfig& c, const Scene& scene) {
 }  // namespace
 
 Participant::Participant(const Scene& scene, ParticipantConfig config, Micros local)
-    : scene_(scene), config_(std::move(config)), local_(local), warned_(local - kWarnAgain), began_(local) {
-  if (config_.channels) channels_.emplace(*config_.channels);
+    : scene_(scene),
+      config_(std::move(config)),
+      local_(local),
+      warned_(local - kWarnAgain),
+      began_(local),
+      carried_at_(local) {
+  if (config_.channels) {
+    auto& may = config_.channels->may_carry;
+    if (!may) may = [this](const auto& from, const auto& to, auto bytes) { return may_carry(from, to, bytes); };
+    channels_.emplace(*config_.channels);
+  }
   SessionConfig& session = config_.session;
   if (!session.join) check_founder(session, scene_);
   session.sealed = channels_.has_value();
@@ -55,12 +67,12 @@ Participant::~Participant() = default;
 
 void Participant::receive(const Endpoint& from, std::span<const std::byte> datagram, Micros local) {
   local_ = local;
-  if (!channels_) return take(from, datagram, local);
+  if (!channels_) return take({from, datagram}, local);
   const auto arrival = channels_->receive(from, datagram, local);
   warn_of_last_key();
   for (const Endpoint& at : channels_->take_readable())
     events_.push_back({.kind = SessionEvent::Kind::kReadable, .at = at});
-  if (arrival) return take(arrival->from, arrival->datagram, local);
+  if (arrival) return take(*arrival, local);
   warn_of_drops(from, local);
 }
 
@@ -87,11 +99,24 @@ void Participant::post(const Endpoint& to, PeerId state_to, std::span<const std:
 }
 
 void Participant::hand_over(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes) {
+  may_carry_ = std::min(kCarriedAtOnce, may_carry_ + static_cast<double>(bytes.size()));
   if (channels_) return channels_->send(to, state_to, bytes, local_);
   outgoing_.add(to, state_to, bytes);
 }
 
-void Participant::take(const Endpoint& from, std::span<const std::byte> datagram, Micros local) {
+// Half of what this peer sends may be what it carries, and some more, so that quiet peers can carry, too.
+bool Participant::may_carry(const Endpoint& from, const Endpoint& to, std::size_t bytes) {
+  if (!current_.membership || !current_.membership->may_carry(from, to)) return false;
+  const double more = static_cast<double>(local_ - carried_at_) / kMicrosPerSecond * kCarriedAtLeast;
+  carried_at_ = local_;
+  may_carry_ = std::min(kCarriedAtOnce, may_carry_ + more);
+  if (may_carry_ < static_cast<double>(bytes)) return false;
+  may_carry_ -= static_cast<double>(bytes);
+  return true;
+}
+
+void Participant::take(const SecureChannels::Arrival& arrival, Micros local) {
+  const auto& [from, datagram, carried] = arrival;
   wire::SealError refused{};
   std::uint8_t version = 0;
   const auto opened = wire::open(datagram, refused, &version);
@@ -107,6 +132,7 @@ void Participant::take(const Endpoint& from, std::span<const std::byte> datagram
       incarnation->replica->count_drop(peer, sync::DropReason::kCutOff);
       continue;
     }
+    if (!carried) incarnation->membership->note_direct(peer);
     const auto why = incarnation->replica->receive(*opened, incarnation->session->session_now(local));
     if (why == sync::DropReason::kNone) continue;
     if (why == sync::DropReason::kForeign) incarnation->membership->on_stranger(from, datagram.size(), local);
@@ -236,6 +262,8 @@ bool Participant::nobody_to_tell() const {
 
 void Participant::collect(Incarnation& incarnation) {
   if (!incarnation.session) return;
+  for (const SessionRoute& r : incarnation.session->take_routes())
+    if (channels_) channels_->carry(r.to.key, r.by.key, local_);
   for (const SessionDatagram& d : incarnation.session->take_outgoing()) post(d.to, kNoPeer, d.bytes);
   for (SessionEvent& e : incarnation.session->take_events()) events_.push_back(std::move(e));
   if (!incarnation.membership) return;

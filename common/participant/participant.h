@@ -103,6 +103,8 @@ class Participant {
     return !current_.session->failure().empty() && done(local_);
   }
   PeerId coordinator() const { return current_.membership->coordinator(); }
+  /// The member through which p is reached; kNoPeer: it is reached directly, as far as is known.
+  PeerId carrier(PeerId p) const { return current_.membership ? current_.membership->carrier(p) : kNoPeer; }
   /// Null if the session has no key.
   const SecureChannels* channels() const { return channels_ ? &*channels_ : nullptr; }
   /// Ends the trace. Nothing may be called afterwards but the getters.
@@ -134,7 +136,8 @@ class Participant {
   void say_goodbye();
   bool nobody_to_tell() const;
   void collect(Incarnation& incarnation);
-  void take(const Endpoint& from, std::span<const std::byte> datagram, Micros local);
+  void take(const SecureChannels::Arrival& arrival, Micros local);
+  bool may_carry(const Endpoint& from, const Endpoint& to, std::size_t bytes);
   void post(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes);
   void hand_over(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes);
   void warn_of_last_key();
@@ -163,6 +166,8 @@ class Participant {
   bool stays_ = false;
   Micros try_again_ = 0;
   std::uint64_t tries_ = 0;
+  double may_carry_ = 0;  ///< bytes that may be passed on now
+  Micros carried_at_;     ///< when that was counted last
   Outbox outgoing_;
   std::vector<SessionEvent> events_;
   std::vector<MemberChange> changes_;

@@ -84,6 +84,14 @@ struct Encoder {
     p.set_knows_you(m.knows_you);
     p.set_newest(m.newest);
   }
+  void operator()(const Reach& m) const {
+    out.mutable_reach()->set_tick(static_cast<std::uint32_t>(m.tick));
+    for (const Way& w : m.heard) {
+      Membership::Way& way = *out.mutable_reach()->add_heard();
+      way.set_slot(w.slot);
+      way.set_delay(w.delay);
+    }
+  }
 };
 
 constexpr std::uint32_t kMaxTick = 0x7FFFFFFF;
@@ -158,6 +166,17 @@ Taken take(const Membership::Probe& in) {
   return p;
 }
 
+Taken take(const Membership::Reach& in) {
+  if (in.tick() > kMaxTick || static_cast<std::size_t>(in.heard_size()) > kMaxPeers) return std::nullopt;
+  Reach m{static_cast<Tick>(in.tick()), {}};
+  for (const Membership::Way& w : in.heard()) {
+    if (w.slot() >= kMaxPeers || w.delay() > kMostDelay) return std::nullopt;
+    if (!m.heard.empty() && w.slot() <= m.heard.back().slot) return std::nullopt;
+    m.heard.push_back({static_cast<PeerId>(w.slot()), w.delay()});
+  }
+  return m;
+}
+
 }  // namespace
 
 Bytes encode_membership(const MembershipMessage& message) {
@@ -188,6 +207,8 @@ std::optional<MembershipMessage> decode_membership(std::span<const std::byte> pa
       return take(in.fetched());
     case Membership::kProbe:
       return take(in.probe());
+    case Membership::kReach:
+      return take(in.reach());
     case Membership::KIND_NOT_SET:
       break;
   }

@@ -88,7 +88,21 @@ struct Probe {
   friend bool operator==(const Probe&, const Probe&) = default;
 };
 
-using MembershipMessage = std::variant<Pull, Piece, Enter, Poll, Answer, Fetch, Fetched, Probe>;
+struct Way {
+  PeerId slot = kNoPeer;    ///< below kMaxPeers
+  std::uint32_t delay = 0;  ///< one way, ticks, at most kMostDelay
+  friend bool operator==(const Way&, const Way&) = default;
+};
+
+inline constexpr std::uint32_t kMostDelay = 0x3FFF;
+
+struct Reach {
+  Tick tick = 0;           ///< of the sender
+  std::vector<Way> heard;  ///< whom the sender hears directly; at most kMaxPeers, by ascending slot
+  friend bool operator==(const Reach&, const Reach&) = default;
+};
+
+using MembershipMessage = std::variant<Pull, Piece, Enter, Poll, Answer, Fetch, Fetched, Probe, Reach>;
 
 inline constexpr std::uint32_t kMaxPieces = 2048;
 inline constexpr std::size_t kPieceBytes = kMaxPayload - 40;

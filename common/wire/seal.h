@@ -21,7 +21,7 @@ inline constexpr std::size_t kHeaderBytes = 6;
 inline constexpr std::size_t kTagBytes = 4;
 inline constexpr std::size_t kMaxPayload = kMaxDatagram - kHeaderBytes - kTagBytes;
 
-enum class Kind : std::uint8_t { kState = 0, kSession = 1, kMembership = 2 };
+enum class Kind : std::uint8_t { kState = 0, kSession = 1, kMembership = 2, kCarried = 3 };
 
 struct Header {
   Kind kind = Kind::kState;
@@ -32,7 +32,8 @@ struct Header {
 /// Why a datagram was dropped before anything in it was believed.
 enum class SealError : std::uint8_t { kNone, kTooShort, kTooLong, kMagic, kVersion, kKind, kTag };
 
-/// Header, payload and tag as one datagram. The payload is at most kMaxPayload bytes.
+/// Header, payload and tag as one datagram. The payload is at most kMaxPayload bytes; of kCarried as many as
+/// wire/carried.h says.
 Bytes seal(const Header& header, std::span<const std::byte> payload);
 /// The same into `out`, in place of what is there.
 void seal(const Header& header, std::span<const std::byte> payload, Bytes& out);
@@ -42,8 +43,8 @@ struct Opened {
   std::span<const std::byte> payload;   ///< into the datagram
   std::span<const std::byte> datagram;  ///< as it came
 };
-/// The datagram's parts if its tag is right; otherwise nothing, and why. For kVersion the version found is in
-/// `version`.
+/// The datagram's parts if its tag is right, but for kCarried, which is only ever sealed; otherwise nothing, and why.
+/// For kVersion the version found is in `version`.
 std::optional<Opened> open(std::span<const std::byte> datagram, SealError& error, std::uint8_t* version = nullptr);
 
 }  // namespace padr::wire

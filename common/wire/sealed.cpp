@@ -20,13 +20,17 @@ std::uint32_t get32(std::span<const std::byte> from) {
   return v;
 }
 
-/// The unsealed datagram with this header and payload.
-void unsealed(std::span<const std::byte> head, std::span<const std::byte> payload, Bytes& out) {
+Header header_of(std::span<const std::byte> head) {
   Header h;
   h.kind = static_cast<Kind>(std::to_integer<unsigned>(head[2]) & kKindMask);
   h.sender = std::to_integer<PeerId>(head[3]);
   h.session = static_cast<std::uint16_t>(std::to_integer<unsigned>(head[4]) | std::to_integer<unsigned>(head[5]) << 8U);
-  seal(h, payload, out);
+  return h;
+}
+
+/// The unsealed datagram with this header and payload.
+void unsealed(std::span<const std::byte> head, std::span<const std::byte> payload, Bytes& out) {
+  seal(header_of(head), payload, out);
 }
 
 }  // namespace
@@ -36,13 +40,15 @@ std::uint32_t short_id(const PublicKey& key) {
 }
 
 std::optional<SealedHeader> read_sealed(std::span<const std::byte> d) {
-  if (d.size() < kSealedHeaderBytes + kSealedTagBytes || d.size() > kMaxSealed) return std::nullopt;
+  if (d.size() < kSealedHeaderBytes + kSealedTagBytes || d.size() > kMaxCarried) return std::nullopt;
   if (d[0] != kDatagramMagic[0] || d[1] != kDatagramMagic[1]) return std::nullopt;
-  const auto kind = std::to_integer<unsigned>(d[2]);
-  const unsigned mode = kind >> kModeShift & 3U;
-  if (kind >> 4U != kProtocolVersion || (mode != 1 && mode != 2)) return std::nullopt;
-  if ((kind & kKindMask) > static_cast<unsigned>(Kind::kMembership)) return std::nullopt;
-  return SealedHeader{static_cast<SealMode>(mode), get32(d.subspan(kHeaderBytes)), get32(d.subspan(kHeaderBytes + 4))};
+  const auto third = std::to_integer<unsigned>(d[2]);
+  const unsigned mode = third >> kModeShift & 3U;
+  const auto kind = static_cast<Kind>(third & kKindMask);
+  if (third >> 4U != kProtocolVersion || (mode != 1 && mode != 2)) return std::nullopt;
+  if (kind != Kind::kCarried && d.size() > kMaxSealed) return std::nullopt;
+  return SealedHeader{kind, static_cast<SealMode>(mode), get32(d.subspan(kHeaderBytes)),
+                      get32(d.subspan(kHeaderBytes + 4))};
 }
 
 Bytes seal_with(const Key& key, SealMode mode, std::uint32_t id, std::uint64_t number,
@@ -54,7 +60,8 @@ Bytes seal_with(const Key& key, SealMode mode, std::uint32_t id, std::uint64_t n
 
 void seal_with(const Key& key, SealMode mode, std::uint32_t id, std::uint64_t number, std::span<const std::byte> plain,
                Bytes& out) {
-  assert(mode != SealMode::kNone && plain.size() >= kHeaderBytes + kTagBytes && plain.size() <= kMaxDatagram);
+  assert(mode != SealMode::kNone && plain.size() >= kHeaderBytes + kTagBytes);
+  assert(plain.size() + kSealGrowth <= kMaxCarried);
   const auto payload = plain.subspan(kHeaderBytes, plain.size() - kHeaderBytes - kTagBytes);
   out.resize(plain.size() + kSealGrowth);
   const std::span<std::byte> all(out);
@@ -82,7 +89,7 @@ bool unseal_with(const Key& key, std::uint64_t number, std::span<const std::byte
   const std::size_t open = h->mode == SealMode::kAuth ? end : kSealedHeaderBytes;
   Tag tag{};
   std::copy(sealed.begin() + static_cast<std::ptrdiff_t>(end), sealed.end(), tag.begin());
-  std::array<std::byte, kMaxPayload> room{};
+  std::array<std::byte, kMaxCarriedPayload> room{};
   const std::span<std::byte> text = std::span(room).first(end - open);
   std::copy(sealed.begin() + static_cast<std::ptrdiff_t>(open), sealed.begin() + static_cast<std::ptrdiff_t>(end),
             text.begin());
@@ -98,6 +105,24 @@ std::optional<Bytes> unseal_unchecked(std::span<const std::byte> sealed) {
   Bytes out;
   unsealed(sealed, sealed.subspan(kSealedHeaderBytes, sealed.size() - kSealedHeaderBytes - kSealedTagBytes), out);
   return out;
+}
+
+void encode_carried(const Carried& carried, Bytes& out) {
+  assert(carried.sealed.size() >= kHeaderBytes + kTagBytes && carried.sealed.size() <= kMaxSealed);
+  std::array<std::byte, kMaxCarriedPayload> room{};
+  put32(room, carried.to);
+  std::copy(carried.sealed.begin(), carried.sealed.end(), room.begin() + kCarriedHeaderBytes);
+  Header header = header_of(carried.sealed);
+  header.kind = Kind::kCarried;
+  seal(header, std::span(room).first(kCarriedHeaderBytes + carried.sealed.size()), out);
+}
+
+std::optional<Carried> decode_carried(std::span<const std::byte> plain) {
+  constexpr std::size_t kAround = kHeaderBytes + kTagBytes;
+  if (plain.size() < kAround + kCarriedHeaderBytes + kAround || plain.size() > kAround + kMaxCarriedPayload)
+    return std::nullopt;
+  const auto payload = plain.subspan(kHeaderBytes, plain.size() - kAround);
+  return Carried{get32(payload), payload.subspan(kCarriedHeaderBytes)};
 }
 
 }  // namespace padr::wire

@@ -21,12 +21,17 @@ inline constexpr std::size_t kSealedTagBytes = sizeof(Tag);
 /// So many bytes longer than unsealed.
 inline constexpr std::size_t kSealGrowth = kSealedHeaderBytes + kSealedTagBytes - kHeaderBytes - kTagBytes;
 inline constexpr std::size_t kMaxSealed = kMaxDatagram + kSealGrowth;
+/// A datagram of Kind::kCarried has another sealed one in it, behind a short id.
+inline constexpr std::size_t kCarriedHeaderBytes = 4;
+inline constexpr std::size_t kMaxCarriedPayload = kCarriedHeaderBytes + kMaxSealed;
+inline constexpr std::size_t kMaxCarried = kSealedHeaderBytes + kMaxCarriedPayload + kSealedTagBytes;
 
 /// The first four bytes of a public key, little endian: by this a receiver finds the key to check with.
 std::uint32_t short_id(const PublicKey& key);
 
 /// What a sealed datagram says of itself; believable once its tag has been checked.
 struct SealedHeader {
+  Kind kind = Kind::kState;
   SealMode mode = SealMode::kAuth;
   std::uint32_t id = 0;      ///< of the sender
   std::uint32_t number = 0;  ///< lower half
@@ -48,5 +53,15 @@ std::optional<Bytes> unseal_with(const Key& key, std::uint64_t number, std::span
 bool unseal_with(const Key& key, std::uint64_t number, std::span<const std::byte> sealed, Bytes& out);
 /// The same for those who have no key: unchecked, and only of what is readable.
 std::optional<Bytes> unseal_unchecked(std::span<const std::byte> sealed);
+
+/// Payload of a datagram of Kind::kCarried: one that a member passes on for two others whose own link does not work.
+struct Carried {
+  std::uint32_t to = 0;               ///< short id of whom it is sealed for
+  std::span<const std::byte> sealed;  ///< 10 .. kMaxSealed bytes
+};
+/// The unsealed datagram, into `out`, in place of what is there. Its header is that of the datagram that it carries.
+void encode_carried(const Carried& carried, Bytes& out);
+/// Of an unsealed datagram of Kind::kCarried.
+std::optional<Carried> decode_carried(std::span<const std::byte> unsealed);
 
 }  // namespace padr::wire

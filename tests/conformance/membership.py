@@ -6,6 +6,7 @@ from updates import MOST_PEERS, MOST_TICK, UPDATE_FIELDS, decode_update
 MOST_PIECES, MOST_PIECE = 2048, 1150
 MOST_HEARD = 0x3FFF
 MOST_POLL_NUMBER = 0x3FFF
+MOST_DELAY = 0x3FFF
 
 SEAT_FIELDS = {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("have", "uint32"), 4: ("heard", "uint32")}
 TOLD_FIELDS = {2: ("mark_tick", "uint32"), 3: ("mark_count", "uint32"), 9: ("update", UPDATE_FIELDS)}
@@ -19,6 +20,7 @@ MEMBERSHIP_MESSAGES = {
     6: ("fetch", {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("from", "uint32")}),
     7: ("fetched", {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("updates", Single(TOLD_FIELDS))}),
     8: ("probe", {1: ("incarnation", "uint32"), 2: ("member", SEAT_FIELDS), 3: ("knows_you", "bool"), 4: ("newest", "uint32")}),
+    9: ("reach", {1: ("tick", "uint32"), 2: ("heard", {1: ("slot", "uint32"), 2: ("delay", "uint32")})}),
 }
 
 
@@ -30,6 +32,10 @@ def decode_membership(payload):
     for column, most in (("lost", MOST_PEERS - 2), ("member", MOST_PEERS)):
         if column in out:
             check_seats(out[column], most)
+    if name == "reach":
+        slots = [way["slot"] for way in out["heard"]]
+        require(len(slots) <= MOST_PEERS and all(slot < MOST_PEERS for slot in slots) and ascends(slots), "ways that are none")
+        require(all(way["delay"] <= MOST_DELAY for way in out["heard"]), "a delay that is none")
     require(out.get("tick", 0) <= MOST_TICK + 1, "a tick that is none")
     require(out.get("number", 0) <= MOST_POLL_NUMBER, "a number that is none")
     if name == "pull":

@@ -49,6 +49,15 @@ class Machines:
         ip("-n", name, "addr", "add", f"10.99.0.{i}/24", "dev", "eth0")
         ip("-n", name, "link", "set", "eth0", "up")
 
+    def keep_apart(self, *machines):
+        """None of these reaches another one of them any more; all others do."""
+        for i in machines:
+            ip("-n", self.names[0], "link", "set", f"port{i}", "type", "bridge_slave", "isolated", "on")
+
+    def together(self, *machines):
+        for i in machines:
+            ip("-n", self.names[0], "link", "set", f"port{i}", "type", "bridge_slave", "isolated", "off")
+
     def enter(self, i):
         """For a child process, before it becomes another program."""
         path = f"/run/netns/{self.names[i]}"
@@ -92,6 +101,65 @@ class ThreeMachines(Case):
         for p in self.peers:
             self.assertNotRegex(p.text(), "silent for|is lost|joining anew")
         self.check_agreement([newcomer, elsewhere, beside], least_common=2)
+
+
+class Apart(Case):
+    """Three machines, of which two do not reach each other."""
+
+    def setUp(self):
+        super().setUp()
+        self.machines = Machines(3)
+
+    def tearDown(self):
+        super().tearDown()
+        self.machines.remove()
+
+    def on(self, machine, *arguments):
+        env = {**os.environ, "PADR_KEY": "11" * 32}
+        return self.peer("--listen", "0.0.0.0:0", *arguments, env=env, preexec_fn=self.machines.enter(machine))
+
+    def play_three(self, seal):
+        self.machines.keep_apart(2, 3)
+        founder = self.on(1, "--wait-peers", 3, "--duration", 12, "--seal", seal)
+        at = f"10.99.0.1:{founder.port()}"
+        second = self.on(2, "--join", at, "--duration", 12, "--seal", seal)
+        second.wait_for("admitted")
+        third = self.on(3, "--join", at, "--duration", 12, "--seal", seal)
+        for peer, other in ((second, 2), (third, 1)):
+            peer.wait_for(f"peer {other} is reached through peer 0")
+        self.assertEqual([p.end() for p in (founder, second, third)], [0, 0, 0])
+        for p in self.peers:
+            self.assertNotRegex(p.text(), "silent for|is lost|joining anew")
+        self.check_agreement(self.peers, least_common=5)
+        carried = founder.summary()["seal"]
+        self.assertGreater(carried["carried"], 100)
+        self.assertEqual((carried["declined"], carried["dropped"]["tag"]), (0, 0))
+        for peer in (second, third):
+            self.assertEqual(peer.summary()["seal"]["carried"], 0)
+
+    def test_readable(self):
+        self.play_three("auth")
+
+    def test_encrypted(self):
+        self.play_three("encrypt")
+
+    def test_the_link_is_taken_when_it_works(self):
+        founder = self.on(1, "--wait-peers", 3, "--duration", 16)
+        at = f"10.99.0.1:{founder.port()}"
+        second = self.on(2, "--join", at, "--duration", 16)
+        second.wait_for("admitted")
+        third = self.on(3, "--join", at, "--duration", 16)
+        second.wait_for("this is peer")
+        self.machines.keep_apart(2, 3)
+        for peer, other in ((second, 2), (third, 1)):
+            peer.wait_for(f"peer {other} is reached through peer 0")
+        self.machines.together(2, 3)
+        for peer, other in ((second, 2), (third, 1)):
+            peer.wait_for(f"peer {other} is reached directly again")
+        self.assertEqual([p.end() for p in (founder, second, third)], [0, 0, 0])
+        for p in self.peers:
+            self.assertNotRegex(p.text(), "silent for|is lost|joining anew")
+        self.check_agreement(self.peers, least_common=5)
 
 
 def why_not():

@@ -139,6 +139,12 @@ struct MembershipLister {
     return line("probe.incarnation = %u\n", m.incarnation) + seats("probe.member", m.members) +
            line("probe.knows_you = %d\nprobe.newest = %u\n", flag(m.knows_you), m.newest);
   }
+  std::string operator()(const wire::Reach& m) const {
+    std::string s = line("reach.tick = %d\n", m.tick);
+    for (std::size_t i = 0; i < m.heard.size(); ++i)
+      s += line("reach.heard[%zu] = %d %u\n", i, int{m.heard[i].slot}, m.heard[i].delay);
+    return s;
+  }
 };
 
 struct SessionLister {

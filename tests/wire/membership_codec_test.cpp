@@ -66,6 +66,8 @@ TEST(MembershipCodec, BothSidesOfEveryLimit) {
       Fetched{3, 0, {bye(0xFFFFFFFEU, 0x7FFFFFFE)}},
       Probe{0, seats(1), false, 0},
       Probe{~0U, seats(64), true, ~0U},
+      Reach{0, {}},
+      Reach{0x7FFFFFFF, {{0, 0}, {63, kMostDelay}}},
   };
   for (std::size_t i = 0; i < good.size(); ++i) {
     const Bytes bytes = encode_membership(good[i]);
@@ -104,6 +106,12 @@ TEST(MembershipCodec, BothSidesOfEveryLimit) {
       Probe{0, seats(65), false, 0},
       Probe{0, {{2, 0, 0}, {2, 0, 0}}, false, 0},
       Probe{0, {{2, 0, 0}, {1, 0, 0}}, false, 0},
+      Reach{-1, {}},
+      Reach{0, std::vector<Way>(65)},
+      Reach{0, {{64, 0}}},
+      Reach{0, {{0, kMostDelay + 1}}},
+      Reach{0, {{2, 0}, {2, 0}}},
+      Reach{0, {{2, 0}, {1, 0}}},
   };
   for (std::size_t i = 0; i < wrong.size(); ++i) EXPECT_FALSE(decode_membership(encode_membership(wrong[i]))) << i;
   EXPECT_FALSE(decode_membership({}));
@@ -193,6 +201,13 @@ struct Range {
     return m.slot < kMaxPeers && !m.updates.empty();
   }
   bool operator()(const Probe& m) const { return of(m.members); }
+  bool operator()(const Reach& m) const {
+    for (std::size_t i = 0; i < m.heard.size(); ++i)
+      if (m.heard[i].slot >= kMaxPeers || m.heard[i].delay > kMostDelay ||
+          (i > 0 && m.heard[i].slot <= m.heard[i - 1].slot))
+        return false;
+    return m.tick >= 0;
+  }
 };
 
 TEST(MembershipCodec, DamageNeverCrashesAndNothingOutOfRangeGetsIn) {

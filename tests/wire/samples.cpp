@@ -237,8 +237,13 @@ wire::MembershipMessage any_membership(Rng& rng, std::size_t kind) {
       return wire::Fetch{slot, any_count(rng), any_count(rng)};
     case 6:
       return any_fetched(rng);
-    default:
+    case 7:
       return wire::Probe{any_count(rng), any_seats(rng), rng.chance(0.5), any_count(rng)};
+    default: {
+      wire::Reach reach{static_cast<Tick>(any_count(rng) >> 1U), {}};
+      for (const wire::Seat& s : any_seats(rng)) reach.heard.push_back({s.slot, rng.below(wire::kMostDelay + 1)});
+      return reach;
+    }
   }
 }
 

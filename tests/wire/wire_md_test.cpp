@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/channel/channel_keys.h"
+#include "common/channel/secure_channels.h"
 #include "common/membership/admissions.h"
 #include "common/membership/partition_merge.h"
 #include "common/membership/relay.h"
@@ -19,6 +20,7 @@
 #include "common/membership/vouching.h"
 #include "common/model/hash.h"
 #include "common/participant/transfer_pull.h"
+#include "common/paths/paths.h"
 #include "common/replica/replica.h"
 #include "common/sync/authority.h"
 #include "common/sync/validation.h"
@@ -214,6 +216,7 @@ TEST(WireMd, HasTheVectorsOfMembershipDatagrams) {
       Fetch{3, 77, 11},
       fetched,
       Probe{3, {{1, 0, 0}, {2, 3, 0}}, true, 77},
+      Reach{4500, {{0, 3}, {3, 12}}},
   };
   for (const MembershipMessage& m : messages)
     expect_in_document(Kind::kMembership, encode_membership(m), test::list(m));
@@ -310,6 +313,8 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("sealed_header", kSealedHeaderBytes);
   add("sealed_tag", kSealedTagBytes);
   add("max_sealed", kMaxSealed);
+  add("carried_header", kCarriedHeaderBytes);
+  add("max_carried", kMaxCarried);
   add("handshake", kHandshakeBytes);
   add("rekey_us", node::ChannelKeys::kEvery);
   add("rekey_patience_us", node::ChannelKeys::kPatience);
@@ -380,6 +385,14 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("strangers", node::PartitionMerge::kStrangers);
   add("patience", node::PartitionMerge::kPatience);
   add("probe_remember", node::PartitionMerge::kRemember);
+  add("unheard", node::Paths::kUnheard);
+  add("carried_unanswered", node::Paths::kUnanswered);
+  add("reach_fresh", node::Paths::kFresh);
+  add("reach_again", node::Paths::kTellAgain);
+  add("reach_afterwards", node::Paths::kTellAfterwards);
+  add("carrier_failed", node::Paths::kFailed);
+  add("try_directly_us", node::SecureChannels::kTryAgain);
+  add("try_directly_slowest_us", node::SecureChannels::kTrySlowest);
   ASSERT_EQ(blocks("constants").size(), 1U);
   EXPECT_EQ(bare(blocks("constants")[0]), ours + "```\n");
 }

@@ -134,13 +134,37 @@ bool Captures::advance(File& file) {
 
 bool Captures::unseal(File& file) {
   Datagram& d = file.datagram;
-  Keyring::Result result = keys_.read(*wire::read_sealed(d.payload), d.payload);
+  const std::size_t bytes = d.payload.size();
+  auto sealed = *wire::read_sealed(d.payload);
+  Keyring::Result result = keys_.read(sealed, d.payload);
+  if (sealed.kind != wire::Kind::kCarried) {
+    places_[sealed.id] = d.from;
+  } else if (result.unsealed) {
+    const auto inner = carried_in(*result.unsealed, d);
+    if (!inner) return false;
+    ++contents_.carried;
+    sealed = *wire::read_sealed(*inner);
+    result = keys_.read(sealed, *inner);
+  }
   ++contents_.sealed[static_cast<std::size_t>(result.reading)];
   if (!result.unsealed) return false;
-  d.seal_bytes = wire::kSealGrowth;
   file.unsealed = std::move(*result.unsealed);
+  d.seal_bytes = bytes - file.unsealed.size();
   d.payload = file.unsealed;
   return true;
+}
+
+// It counts as between the two for whom it is carried, as far as the capture has shown where they are.
+std::optional<wire::Bytes> Captures::carried_in(const wire::Bytes& unsealed, Datagram& d) {
+  const auto carried = wire::decode_carried(unsealed);
+  const auto inner = carried ? wire::read_sealed(carried->sealed) : std::nullopt;
+  if (!inner || inner->kind == wire::Kind::kCarried) {
+    ++(carried && wire::is_handshake(carried->sealed) ? contents_.handshakes : contents_.others);
+    return std::nullopt;
+  }
+  if (const auto from = places_.find(inner->id); from != places_.end()) d.from = from->second;
+  if (const auto to = places_.find(carried->to); to != places_.end()) d.to = to->second;
+  return wire::Bytes(carried->sealed.begin(), carried->sealed.end());
 }
 
 const Datagram* Captures::next() {

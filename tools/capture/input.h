@@ -33,7 +33,8 @@ struct Contents {
   std::uint64_t ours = 0;                     ///< that are, each once
   std::uint64_t seen_again = 0;               ///< that another of the files has too
   std::array<std::uint64_t, 4> sealed{};      ///< by Keyring::Reading; the last two are not among ours
-  std::uint64_t handshakes = 0;               ///< of sessions with a key; not among ours
+  std::uint64_t carried = 0;     ///< sealed ones that a third peer passes on; of those, what is in them counts
+  std::uint64_t handshakes = 0;  ///< of sessions with a key; not among ours
 };
 
 /// The captures of one session, as one: by time, and what several of them have seen counts once. Two equal datagrams
@@ -68,10 +69,12 @@ class Captures {
   };
   bool advance(File& file);
   bool unseal(File& file);
+  std::optional<wire::Bytes> carried_in(const wire::Bytes& unsealed, Datagram& d);
   bool seen_elsewhere(const Datagram& d);
   void forget(std::int64_t now_ns);
 
   Keyring keys_;
+  std::unordered_map<std::uint32_t, Endpoint> places_;  ///< from where a peer has sent last, by its short id
   std::vector<std::unique_ptr<File>> files_;
   File* given_ = nullptr;  ///< whose datagram was given out last
   bool begun_ = false;

@@ -171,6 +171,13 @@ class MembershipFields {
     r_.flag("padr.probe.knows_you", m.knows_you);
     r_.number("padr.probe.newest", m.newest);
   }
+  void operator()(const wire::Reach& m) const {
+    r_.number("padr.reach.tick", static_cast<std::uint64_t>(m.tick));
+    for (const wire::Way& w : m.heard) {
+      r_.number("padr.reach.heard.slot", w.slot);
+      r_.number("padr.reach.heard.delay", w.delay);
+    }
+  }
 
  private:
   void seats(const std::vector<wire::Seat>& all, const SeatNames& names) const {

@@ -90,7 +90,8 @@ void put(Json& j, const Source& s) {
   const auto sealed = [&s](Keyring::Reading r) { return s.contents.sealed[static_cast<std::size_t>(r)]; };
   j.key("sealed").begin_object().field("checked", sealed(Keyring::Reading::kChecked));
   j.field("unchecked", sealed(Keyring::Reading::kUnchecked)).field("encrypted", sealed(Keyring::Reading::kHidden));
-  j.field("wrong", sealed(Keyring::Reading::kWrong)).field("handshakes", s.contents.handshakes).end_object();
+  j.field("wrong", sealed(Keyring::Reading::kWrong)).field("carried", s.contents.carried);
+  j.field("handshakes", s.contents.handshakes).end_object();
   j.field("not_udp", of(Content::kOther)).field("fragments", of(Content::kFragment));
   j.field("unknown_link_type", of(Content::kUnknownLink)).field("malformed_headers", of(Content::kMalformed));
 }

@@ -76,6 +76,8 @@ void Tally::take(const Datagram& d) {
       return session(d, *opened);
     case wire::Kind::kMembership:
       return membership(*opened);
+    case wire::Kind::kCarried:
+      break;  // never opened
   }
 }
 

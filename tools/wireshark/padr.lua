@@ -194,19 +194,37 @@ local function show_drop(show, tree, reason, detail)
   if detail then item:append_text(" (" .. detail .. ")") end
 end
 
-local function dissect(tvb, pinfo, root, data, envelope)
+-- What is in a datagram of kind 3 is one more, of whoever has sealed it.
+local dissect
+local function dissect_carried(tvb, pinfo, root, tree, show, readable)
+  local to, at = datagram.carried(readable)
+  if not to then return show_drop(show, tree, "malformed") end
+  show:add(tree, "padr.carried.to", to, tvb(at - 5, 4))
+  local size = #readable - datagram.SEALED_TAG - at + 1
+  local inner = readable:sub(at, at + size - 1)
+  local envelope = datagram.envelope(inner, size)
+  if envelope.seal and envelope.kind ~= datagram.CARRIED or envelope.handshake then
+    dissect(tvb(at - 1, size):tvb(), pinfo, root, inner, envelope, to)
+    pinfo.cols.info:prepend("carried, ")
+  end
+end
+
+-- `carried`: the short id of whom a carried one is for.
+function dissect(tvb, pinfo, root, data, envelope, carried)
   local size = tvb:reported_len()
   local reason, said, detail = datagram.envelope_drop(envelope, size)
   local readable
-  envelope.seal_good, readable = open_seal(pinfo.number, data, envelope)
+  envelope.seal_good, readable = open_seal(carried and -pinfo.number or pinfo.number, data, envelope)
   local decrypted = envelope.seal == "encrypt" and envelope.seal_good
   local hidden = envelope.handshake or envelope.seal_good == false or envelope.seal == "encrypt" and not decrypted
-  if not reason and envelope.whole and not hidden then
+  local carries = envelope.seal and envelope.kind == datagram.CARRIED
+  if not reason and envelope.whole and not hidden and not carries then
     said, reason, detail = datagram.decode(readable, envelope)
   end
-  local to = history.place(pinfo.dst, pinfo.dst_port)
+  local from, to = history.place(pinfo.src, pinfo.src_port), history.place(pinfo.dst, pinfo.dst_port)
+  if carried then from, to = "id " .. tostring(envelope.seal_id), "id " .. carried end
   if said and not pinfo.visited and not pinfo.in_error_pkt then
-    history.note(pinfo.number, history.place(pinfo.src, pinfo.src_port), to, envelope, said)
+    history.note(pinfo.number, from, to, envelope, said)
   end
   local found = history.of(pinfo.number)
   found.to = found.to or history.number_of(to)
@@ -225,6 +243,11 @@ local function dissect(tvb, pinfo, root, data, envelope)
     -- Nothing to read.
   elseif not envelope.whole then
     tree:add_proto_expert_info(experts.cut)
+  elseif carries then
+    pinfo.cols.protocol:set("PADR")
+    tree:append_text(", carries for another peer")
+    dissect_carried(tvb, pinfo, root, tree, show, readable)
+    return #data
   elseif said.name == "state" then
     show_state(show, tree, said, found)
   else

@@ -7,12 +7,13 @@ local datagram = {}
 
 datagram.MAGIC = 0x5064
 datagram.VERSION = 9
-datagram.KINDS = { [0] = "state", "session", "membership" }
+datagram.KINDS = { [0] = "state", "session", "membership", "carried" }
+datagram.CARRIED = 3 -- only ever sealed: another sealed datagram behind a short id
 datagram.HEADER, datagram.TAG = 6, 4
 datagram.SHORTEST, datagram.LONGEST = 10, 1200
 -- The same of a sealed one, and the size of a handshake (section 14).
 datagram.SEALED_HEADER, datagram.SEALED_TAG = 14, 16
-datagram.SHORTEST_SEALED, datagram.LONGEST_SEALED, datagram.HANDSHAKE = 30, 1220, 76
+datagram.SHORTEST_SEALED, datagram.LONGEST_SEALED, datagram.LONGEST_CARRIED, datagram.HANDSHAKE = 30, 1220, 1254, 76
 datagram.SEALS = { "auth", "encrypt" }
 datagram.HANDSHAKES = { "hello", "cookie", "introduction", "acceptance", "rekey" }
 datagram.NOBODY = 255
@@ -38,7 +39,8 @@ local function note_seal(out, data, size)
   local mode, kind = math.floor(out.kind / 4), out.kind % 4
   if out.kind == 3 and size == datagram.HANDSHAKE and datagram.HANDSHAKES[out.peer] then
     out.handshake, out.tag, out.tag_good = datagram.HANDSHAKES[out.peer], nil, nil
-  elseif datagram.SEALS[mode] and kind < 3 and size >= datagram.SHORTEST_SEALED and size <= datagram.LONGEST_SEALED then
+  elseif datagram.SEALS[mode] and size >= datagram.SHORTEST_SEALED
+    and size <= (kind == datagram.CARRIED and datagram.LONGEST_CARRIED or datagram.LONGEST_SEALED) then
     out.seal, out.kind, out.tag, out.tag_good = datagram.SEALS[mode], kind, nil, nil
     out.header_size, out.tag_size = datagram.SEALED_HEADER, datagram.SEALED_TAG
     if #data >= datagram.SEALED_HEADER then out.seal_id, out.seal_number = Struct.unpack("<I4I4", data, datagram.HEADER + 1) end
@@ -70,7 +72,7 @@ function datagram.envelope_drop(envelope, size)
   if envelope.magic ~= datagram.MAGIC then return "magic" end
   if envelope.tag_good == false then return "tag" end
   if envelope.version ~= datagram.VERSION then return "version" end
-  if not datagram.KINDS[envelope.kind] then return "kind" end
+  if not datagram.KINDS[envelope.kind] or envelope.kind == datagram.CARRIED then return "kind" end
 end
 
 local function decode_updates(list, peer, mark_tick, mark_count)
@@ -193,6 +195,13 @@ local function decode_membership(data, at, stop)
     out.updates = decode_fetched(m)
   end
   return out
+end
+
+-- Whom what is carried in a readable datagram is for, by its short id, and where that begins, counted from 1; nil if nothing is.
+function datagram.carried(data)
+  local at = datagram.SEALED_HEADER + 1
+  if #data < at + 4 + datagram.SHORTEST - 1 + datagram.SEALED_TAG then return nil end
+  return Struct.unpack("<I4", data, at), at + 4
 end
 
 -- What a payload says, positions counted in the whole datagram from 1; or nil, the reason and the detail of its being

@@ -178,6 +178,11 @@ local LIST = {
   { "padr.probe.members.heard", "uint32", "Heard" },
   { "padr.probe.knows_you", "bool", "Knows the receiver" },
   { "padr.probe.newest", "uint32", "Highest incarnation heard of" },
+  { "padr.carried.to", "hex32", "Carried for", "the first four bytes of the receiver's public key" },
+  { "padr.reach.tick", "uint32", "Tick" },
+  { "padr.reach.heard", "none", "Hears directly" },
+  { "padr.reach.heard.slot", "uint32", "Slot" },
+  { "padr.reach.heard.delay", "uint32", "Delay", "one way, ticks" },
 
   { "padr.transfer", "none", "Transfer", "the agreed world for a newcomer, put together of its pieces" },
   { "padr.transfer.tick", "uint32", "Tick" },

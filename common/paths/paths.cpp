@@ -1,0 +1,138 @@
+#include "common/paths/paths.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace padr::node {
+
+namespace {
+
+/// More than any delay.
+constexpr float kLast = 1e6F;
+
+}  // namespace
+
+void Paths::note_direct(PeerId from, Tick now) {
+  ways_[from].direct = std::max(ways_[from].direct, now);
+}
+
+void Paths::on_reach(PeerId from, const wire::Reach& reach, Tick now) {
+  Way& w = ways_[from];
+  if (!w.known || reach.tick <= w.told_tick) return;
+  w.told_tick = reach.tick;
+  w.told_at = now;
+  w.hears.clear();
+  for (const wire::Way& h : reach.heard) w.hears[h.slot] = h.delay;
+}
+
+// Silence while this peer was held up says nothing.
+Tick Paths::unanswered(const Roster& roster, const std::vector<Link>& links, PeerId p) {
+  return std::min(links[p].unanswered, roster.now - roster.seats[p].excused);
+}
+
+bool Paths::hears(const Roster& roster, PeerId p) const {
+  return roster.now - std::max(ways_[p].direct, roster.seats[p].excused) < kUnheard;
+}
+
+bool Paths::needs_carrier(const Roster& roster, const std::vector<Link>& links, PeerId p) const {
+  const Way& w = ways_[p];
+  const Tick lasts = roster.now - w.since;
+  if (w.by != kNoPeer && lasts < w.stay) return true;
+  if (has_told(w, roster.now)) return !w.hears.contains(roster.self);
+  if (w.by != kNoPeer && lasts < kFresh) return true;
+  return !hears(roster, p) && unanswered(roster, links, p) >= kUnheard;
+}
+
+// By both links of it, as far as they are known; nothing if it cannot carry.
+std::optional<float> Paths::cost(const Roster& roster, const std::vector<Link>& links, PeerId p, PeerId by) const {
+  const Way& to = ways_[p];
+  const Way& w = ways_[by];
+  if (!w.known || !roster.seats[by].there() || w.by != kNoPeer) return std::nullopt;
+  if (!hears(roster, by) || unanswered(roster, links, by) >= kUnheard) return std::nullopt;
+  if (has_told(w, roster.now) && !w.hears.contains(roster.self)) return std::nullopt;
+  const auto failed = to.failed.find(by);
+  const float first = links[by].delay + (failed != to.failed.end() && roster.now < failed->second ? kLast : 0);
+  if (!has_told(to, roster.now)) return first;
+  const auto second = to.hears.find(by);
+  if (second == to.hears.end()) return std::nullopt;
+  return first + static_cast<float>(second->second);
+}
+
+PeerId Paths::choose(const Roster& roster, const std::vector<Link>& links, PeerId p) const {
+  PeerId best = kNoPeer;
+  float least = 0;
+  for (PeerId by = 0; by < roster.slots(); ++by) {
+    if (by == p || by == roster.self) continue;
+    auto c = cost(roster, links, p, by);
+    if (!c) continue;
+    if (by == ways_[p].by) *c -= kBetter;
+    if (best != kNoPeer && *c >= least) continue;
+    best = by;
+    least = *c;
+  }
+  return best;
+}
+
+// Who is heard and acknowledges nothing does not get what this member sends. Who is not heard either may well get it,
+// and have chosen a carrier that is of no use itself: the two must not both change theirs at once, again and again.
+bool Paths::leads_nowhere(const Roster& roster, const std::vector<Link>& links, PeerId p) const {
+  const bool is_heard = roster.silence(p) < kUnanswered;
+  const Tick patience = is_heard ? kUnanswered : (roster.self < p ? 2 : 3) * kUnanswered;
+  return roster.now - ways_[p].since >= patience && unanswered(roster, links, p) >= patience;
+}
+
+void Paths::change(Way& w, PeerId by, Tick now) {
+  if (w.by == kNoPeer) w.stay = now - w.since < kRelapse && w.since > 0 ? std::clamp(2 * w.stay, kStay, kLongest) : 0;
+  w.by = by;
+  w.since = now;
+}
+
+std::vector<Paths::Change> Paths::advance(const Roster& roster, const std::vector<Link>& links) {
+  std::vector<Change> changes;
+  for (PeerId p = 0; p < roster.slots(); ++p) {
+    const Seat& seat = roster.seats[p];
+    Way& w = ways_[p];
+    if (p == roster.self || !seat.reachable() || roster.departed(p)) {
+      w = {};
+    } else if (!w.known || w.incarnation != seat.incarnation) {
+      w = {};
+      w.known = true;
+      w.incarnation = seat.incarnation;
+      w.direct = roster.now;
+    }
+  }
+  for (PeerId p = 0; p < roster.slots(); ++p) {
+    Way& w = ways_[p];
+    if (!w.known) continue;
+    if (w.by != kNoPeer && leads_nowhere(roster, links, p)) w.failed[w.by] = roster.now + kFailed;
+    const PeerId by = needs_carrier(roster, links, p) ? choose(roster, links, p) : kNoPeer;
+    if (by == w.by) continue;
+    change(w, by, roster.now);
+    changes.push_back({p, by});
+  }
+  return changes;
+}
+
+std::optional<wire::Reach> Paths::due(const Roster& roster, const std::vector<Link>& links) {
+  wire::Reach reach{roster.now, {}};
+  PeerSet heard = 0;
+  bool all_well = true;
+  for (PeerId p = 0; p < roster.slots(); ++p) {
+    if (!ways_[p].known) continue;
+    const bool hears_it = hears(roster, p);
+    all_well = all_well && hears_it && ways_[p].by == kNoPeer;
+    if (!hears_it) continue;
+    heard |= only(p);
+    const auto delay = static_cast<std::uint32_t>(std::lround(std::max(0.0F, links[p].delay)));
+    reach.heard.push_back({p, std::min(delay, wire::kMostDelay)});
+  }
+  if (!all_well) left_to_tell_ = kTellAfterwards;
+  if (left_to_tell_ == 0) return std::nullopt;
+  if (heard == heard_ && roster.now - told_ < kTellAgain) return std::nullopt;
+  if (all_well) --left_to_tell_;
+  heard_ = heard;
+  told_ = roster.now;
+  return reach;
+}
+
+}  // namespace padr::node

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "common/replica/roster.h"
+#include "common/wire/membership_codec.h"
+
+namespace padr::node {
+
+/// Decides by which way each member is reached: directly, or through another member that both reach. One hop, no more.
+///
+/// A link works in one direction and may not in the other. So it is the receiver who says so: a member that does not
+/// hear all others directly, or that others carry for, tells everybody whom it does hear, and how long that takes.
+/// Somebody from whom nothing has been heard of all this is reached through one member after the other until it
+/// answers.
+class Paths {
+ public:
+  /// What is measured of the link to the member in a slot.
+  struct Link {
+    Tick unanswered = 0;  ///< since the member last acknowledged something new of ours, by whatever way, ticks
+    float delay = 0;      ///< one way, ticks
+  };
+  /// From now on `to` is reached through `by`; kNoPeer: directly.
+  struct Change {
+    PeerId to = kNoPeer;
+    PeerId by = kNoPeer;
+    friend bool operator==(const Change&, const Change&) = default;
+  };
+
+  /// Something of the member has come directly.
+  void note_direct(PeerId from, Tick now);
+  void on_reach(PeerId from, const wire::Reach& reach, Tick now);
+  /// Once a tick. `links`: by slot.
+  std::vector<Change> advance(const Roster& roster, const std::vector<Link>& links);
+  /// What this member now has to tell all others; nothing if it is not time, or if it hears them all.
+  std::optional<wire::Reach> due(const Roster& roster, const std::vector<Link>& links);
+  /// kNoPeer: it is reached directly.
+  PeerId carrier(PeerId of) const { return ways_[of].by; }
+
+  /// A member of which nothing has come directly for this time is not heard directly, ticks. More than the longest
+  /// honest interval between two datagrams, of which one may get lost.
+  static constexpr Tick kUnheard = 75;
+  /// A member that is heard and acknowledges nothing for this time does not get what is carried for it, ticks. More
+  /// than twice the longest interval between two marks. Of two that do not hear each other, one waits twice as long,
+  /// and the other three times.
+  static constexpr Tick kUnanswered = 120;
+  /// What a member has told of whom it hears counts for this time, ticks.
+  static constexpr Tick kFresh = 3 * kTicksPerSecond;
+  /// Between two times of telling it while it lasts, ticks; and so often afterwards.
+  static constexpr Tick kTellAgain = 30;
+  static constexpr int kTellAfterwards = 4;
+  /// A carrier by which a member did not answer comes after all others for this time, ticks.
+  static constexpr Tick kFailed = 10 * kTicksPerSecond;
+  /// Another carrier has to save this much, ticks.
+  static constexpr float kBetter = 3;
+  /// A direct way that fails within kRelapse is left alone for kStay, and for twice that the next time, until kLongest.
+  static constexpr Tick kRelapse = 10 * kTicksPerSecond;
+  static constexpr Tick kStay = 2 * kTicksPerSecond;
+  static constexpr Tick kLongest = 60 * kTicksPerSecond;
+
+ private:
+  struct Way {
+    bool known = false;
+    std::uint32_t incarnation = 0;
+    Tick direct = 0;      ///< when something of it came directly
+    PeerId by = kNoPeer;  ///< its carrier
+    Tick since = 0;       ///< since when
+    Tick stay = 0;        ///< for how long at least
+    Tick told_at = -kFresh;
+    Tick told_tick = -1;                    ///< of the sender
+    std::map<PeerId, std::uint32_t> hears;  ///< whom it hears directly, and their delay in ticks
+    std::map<PeerId, Tick> failed;          ///< carriers, until when
+  };
+  bool has_told(const Way& w, Tick now) const { return now - w.told_at < kFresh; }
+  static Tick unanswered(const Roster& roster, const std::vector<Link>& links, PeerId p);
+  bool hears(const Roster& roster, PeerId p) const;
+  bool needs_carrier(const Roster& roster, const std::vector<Link>& links, PeerId p) const;
+  std::optional<float> cost(const Roster& roster, const std::vector<Link>& links, PeerId p, PeerId by) const;
+  bool leads_nowhere(const Roster& roster, const std::vector<Link>& links, PeerId p) const;
+  PeerId choose(const Roster& roster, const std::vector<Link>& links, PeerId p) const;
+  void change(Way& w, PeerId by, Tick now);
+
+  std::array<Way, kMaxPeers> ways_;
+  PeerSet heard_ = 0;     ///< as told last
+  int left_to_tell_ = 0;  ///< times
+  Tick told_ = -kTellAgain;
+};
+
+}  // namespace padr::node
