@@ -167,6 +167,12 @@ local function check_seats(seats, most)
   for _, seat in ipairs(seats) do require_that(seat.heard.v <= 0x3FFF, "heard too long ago") end
 end
 
+local function check_ways(ways)
+  require_that(#ways <= 64, "too many")
+  for _, way in ipairs(ways) do require_that(way.slot.v < 64 and way.delay.v <= 0x3FFF, "a way that is none") end
+  updates.require_ascending(ways, function(way) return way.slot.v end, "ways")
+end
+
 local function decode_fetched(message)
   local state = message.state
   require_that(state and #state.updates > 0 and state.mark_tick.v <= updates.MOST_TICK, "nothing fetched")
@@ -182,8 +188,9 @@ local function decode_membership(data, at, stop)
   require_that(not m.slot or m.slot.v < 64, "a slot that is none")
   if m.lost then check_seats(m.lost, 62) end
   if m.members then check_seats(m.members, 64) end
+  if name == "reach" then check_ways(m.heard) end
   if name == "poll" or name == "answer" then require_that(m.number.v <= 0x3FFF, "a number that is none") end
-  if name == "answer" then require_that(m.tick.v <= 0x7FFFFFFF, "a tick that is none") end
+  if name == "answer" or name == "reach" then require_that(m.tick.v <= 0x7FFFFFFF, "a tick that is none") end
   local out = { name = name, spec = spec, message = m }
   if name == "pull" then
     require_that(m.from.v < 2048, "from beyond the last piece")
