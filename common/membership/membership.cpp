@@ -232,18 +232,18 @@ bool Membership::may_carry(const Endpoint& from, const Endpoint& to) const {
 // Without a key, whoever carries could say anything in the name of others.
 void Membership::find_paths() {
   if (!session_.config.sealed || !roster().member) return;
-  std::vector<Paths::Link> links(roster().slots());
+  links_.resize(roster().slots());
   for (PeerId p = 0; p < roster().slots(); ++p) {
     const sync::OutLink& out = replica_.replica().link(p).out;
-    links[p] = {out.unanswered(roster().now), out.round_trip() / 2};
+    links_[p] = {out.unanswered(roster().now), out.round_trip() / 2};
   }
-  for (const Paths::Change& c : paths_.advance(roster(), links)) {
+  for (const Paths::Change& c : paths_.advance(roster(), links_)) {
     const auto kind = c.by == kNoPeer ? SessionEvent::Kind::kDirect : SessionEvent::Kind::kCarried;
     commands_.tell({.kind = kind, .peer = c.to, .by = c.by});
   }
   for (PeerId p = 0; p < roster().slots(); ++p)
     if (paths_.carrier(p) != kNoPeer) commands_.carry(p, paths_.carrier(p));
-  const auto reach = paths_.due(roster(), links);
+  const auto reach = paths_.due(roster(), links_);
   if (!reach) return;
   for (PeerId p = 0; p < roster().slots(); ++p)
     if (p != session_.self && roster().seats[p].there()) commands_.send(roster().seats[p].at, *reach);

@@ -106,6 +106,7 @@ class Membership {
   Testimony testimony_;
   Vouching vouching_;
   Paths paths_;
+  std::vector<Paths::Link> links_;  ///< by slot, as measured last
   std::vector<MemberChange> changes_;
   std::map<PeerId, Tick> refused_;          ///< since when its machine reports that nobody listens there
   std::map<PeerId, std::uint32_t> former_;  ///< slots and incarnations of peers that were admitted anew elsewhere

@@ -114,17 +114,13 @@ std::vector<Paths::Change> Paths::advance(const Roster& roster, const std::vecto
 }
 
 std::optional<wire::Reach> Paths::due(const Roster& roster, const std::vector<Link>& links) {
-  wire::Reach reach{roster.now, {}};
   PeerSet heard = 0;
   bool all_well = true;
   for (PeerId p = 0; p < roster.slots(); ++p) {
     if (!ways_[p].known) continue;
     const bool hears_it = hears(roster, p);
     all_well = all_well && hears_it && ways_[p].by == kNoPeer;
-    if (!hears_it) continue;
-    heard |= only(p);
-    const auto delay = static_cast<std::uint32_t>(std::lround(std::max(0.0F, links[p].delay)));
-    reach.heard.push_back({p, std::min(delay, wire::kMostDelay)});
+    if (hears_it) heard |= only(p);
   }
   if (!all_well) left_to_tell_ = kTellAfterwards;
   if (left_to_tell_ == 0) return std::nullopt;
@@ -132,6 +128,12 @@ std::optional<wire::Reach> Paths::due(const Roster& roster, const std::vector<Li
   if (all_well) --left_to_tell_;
   heard_ = heard;
   told_ = roster.now;
+  wire::Reach reach{roster.now, {}};
+  for (PeerId p = 0; p < roster.slots(); ++p) {
+    if ((heard & only(p)) == 0) continue;
+    const auto delay = static_cast<std::uint32_t>(std::lround(std::max(0.0F, links[p].delay)));
+    reach.heard.push_back({p, std::min(delay, wire::kMostDelay)});
+  }
   return reach;
 }
 

@@ -273,7 +273,8 @@ end
 local function is_ours(envelope)
   if envelope.tag_good or envelope.handshake then return true end
   local sender_is_one = envelope.peer < 64 or envelope.peer == datagram.NOBODY
-  return envelope.version == datagram.VERSION and datagram.KINDS[envelope.kind] ~= nil and sender_is_one
+  local kind_is_one = datagram.KINDS[envelope.kind] ~= nil and (envelope.seal or envelope.kind ~= datagram.CARRIED)
+  return envelope.version == datagram.VERSION and kind_is_one and sender_is_one
 end
 
 padr:register_heuristic("udp", function(tvb, pinfo, root)
