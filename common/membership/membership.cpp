@@ -238,6 +238,7 @@ void Membership::find_paths() {
     links_[p] = {out.unanswered(roster().now), out.round_trip() / 2};
   }
   for (const Paths::Change& c : paths_.advance(roster(), links_)) {
+    if (!roster().seats[c.to].there()) continue;
     const auto kind = c.by == kNoPeer ? SessionEvent::Kind::kDirect : SessionEvent::Kind::kCarried;
     commands_.tell({.kind = kind, .peer = c.to, .by = c.by});
   }
@@ -246,7 +247,7 @@ void Membership::find_paths() {
   const auto reach = paths_.due(roster(), links_);
   if (!reach) return;
   for (PeerId p = 0; p < roster().slots(); ++p)
-    if (p != session_.self && roster().seats[p].there()) commands_.send(roster().seats[p].at, *reach);
+    if (p != session_.self && roster().seats[p].reachable()) commands_.send(roster().seats[p].at, *reach);
 }
 
 void Membership::count_present() {

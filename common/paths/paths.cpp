@@ -106,9 +106,12 @@ std::vector<Paths::Change> Paths::advance(const Roster& roster, const std::vecto
     if (!w.known) continue;
     if (w.by != kNoPeer && leads_nowhere(roster, links, p)) w.failed[w.by] = roster.now + kFailed;
     const PeerId by = needs_carrier(roster, links, p) ? choose(roster, links, p) : kNoPeer;
-    if (by == w.by) continue;
-    change(w, by, roster.now);
-    changes.push_back({p, by});
+    if (by != w.by) change(w, by, roster.now);
+    // A carrier is tried for whoever falls silent, and most of those have ended.
+    const bool works = w.by == kNoPeer || unanswered(roster, links, p) < roster.now - w.since;
+    if (!works || w.by == w.reported) continue;
+    w.reported = w.by;
+    changes.push_back({p, w.by});
   }
   return changes;
 }

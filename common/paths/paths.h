@@ -24,7 +24,7 @@ class Paths {
     Tick unanswered = 0;  ///< since the member last acknowledged something new of ours, by whatever way, ticks
     float delay = 0;      ///< one way, ticks
   };
-  /// From now on `to` is reached through `by`; kNoPeer: directly.
+  /// `to` is now reached through `by` and has answered; kNoPeer: directly again.
   struct Change {
     PeerId to = kNoPeer;
     PeerId by = kNoPeer;
@@ -66,10 +66,11 @@ class Paths {
   struct Way {
     bool known = false;
     std::uint32_t incarnation = 0;
-    Tick direct = 0;      ///< when something of it came directly
-    PeerId by = kNoPeer;  ///< its carrier
-    Tick since = 0;       ///< since when
-    Tick stay = 0;        ///< for how long at least
+    Tick direct = 0;            ///< when something of it came directly
+    PeerId by = kNoPeer;        ///< its carrier
+    Tick since = 0;             ///< since when
+    PeerId reported = kNoPeer;  ///< the carrier in the last Change
+    Tick stay = 0;              ///< for how long at least
     Tick told_at = -kFresh;
     Tick told_tick = -1;                    ///< of the sender
     std::map<PeerId, std::uint32_t> hears;  ///< whom it hears directly, and their delay in ticks

@@ -9,14 +9,16 @@ Usage: peer_hosts.py PATH_TO_PADR_PEER [unittest arguments]
 
 import ctypes
 import os
+import re
 import shutil
 import subprocess
 import sys
 
-from peers import Case, main
+from peers import PROGRAM, Case, main
 
 SKIPPED = 77  # ctest's SKIP_RETURN_CODE
 CLONE_NEWNET = 0x40000000
+CAPTURE = os.path.join(os.path.dirname(PROGRAM), "padr-capture")
 PREFIX = f"padr{os.getpid()}"
 LIBC = ctypes.CDLL(None, use_errno=True)
 
@@ -122,7 +124,8 @@ class Apart(Case):
         self.machines.keep_apart(2, 3)
         founder = self.on(1, "--wait-peers", 3, "--duration", 12, "--seal", seal)
         at = f"10.99.0.1:{founder.port()}"
-        second = self.on(2, "--join", at, "--duration", 12, "--seal", seal)
+        packets, keys = (os.path.join(self.folder.name, name) for name in ("2.pcapng", "2.keys"))
+        second = self.on(2, "--join", at, "--duration", 12, "--seal", seal, "--pcap", packets, "--keylog", keys)
         second.wait_for("admitted")
         third = self.on(3, "--join", at, "--duration", 12, "--seal", seal)
         for peer, other in ((second, 2), (third, 1)):
@@ -136,6 +139,12 @@ class Apart(Case):
         self.assertEqual((carried["declined"], carried["dropped"]["tag"]), (0, 0))
         for peer in (second, third):
             self.assertEqual(peer.summary()["seal"]["carried"], 0)
+        # What it has got by another one is in its capture as if it had come directly.
+        rebuilt = subprocess.run([CAPTURE, "rebuild", packets, "--keylog", keys], check=False, capture_output=True, text=True)
+        self.assertEqual(rebuilt.returncode, 0, rebuilt.stderr)
+        agreeing, of = map(int, re.search(r"(\d+) of (\d+) hashes agree", rebuilt.stdout).groups())
+        self.assertEqual(agreeing, of, rebuilt.stdout)
+        self.assertGreater(of, 20)
 
     def test_readable(self):
         self.play_three("auth")

@@ -262,6 +262,25 @@ TEST(PathsRules, ADirectWayThatFailsAgainIsLeftAloneForLonger) {
   EXPECT_EQ(stayed, (std::vector<Tick>{1, Paths::kStay, 2 * Paths::kStay, 4 * Paths::kStay}));
 }
 
+TEST(PathsRules, ACarrierIsReportedOnceItsMemberAnswers) {
+  Scene s;
+  s.mute = only(2);
+  for (int i = 0; i < 200; ++i) {
+    ++s.links[2].unanswered;
+    s.run(1);
+  }
+  EXPECT_NE(s.paths.carrier(2), kNoPeer);
+  EXPECT_TRUE(s.changes.empty()) << "it may have ended";
+  s.links[2].unanswered = 3;
+  s.run(1);
+  ASSERT_EQ(s.changes.size(), 1U);
+  EXPECT_EQ(s.changes[0], (Paths::Change{2, 1}));
+  s.tell(2, {{0, 2}, {1, 2}, {3, 2}});
+  s.run(1);
+  ASSERT_EQ(s.changes.size(), 2U);
+  EXPECT_EQ(s.changes[1], (Paths::Change{2, kNoPeer}));
+}
+
 TEST(PathsRules, WhatComesLateIsIgnored) {
   Scene s;
   s.paths.on_reach(2, {500, {{0, 2}, {1, 2}, {3, 2}}}, s.roster.now);

@@ -145,6 +145,7 @@ bool Captures::unseal(File& file) {
     ++contents_.carried;
     sealed = *wire::read_sealed(*inner);
     result = keys_.read(sealed, *inner);
+    if (!result.unsealed) return false;  // the carrier's capture: it has no key for it
   }
   ++contents_.sealed[static_cast<std::size_t>(result.reading)];
   if (!result.unsealed) return false;
