@@ -98,6 +98,8 @@ class Player {
   PeerId self() const { return replica().self(); }
   /// Null if the session has no key.
   const node::SecureChannels* channels() const { return participant_.channels(); }
+  /// The member through which p is reached; kNoPeer: it is reached directly.
+  PeerId carrier(PeerId p) const { return participant_.carrier(p); }
   /// Of the present incarnation; only when playing.
   const node::Replica& replica() const { return participant_.replica(); }
   /// Counted from 0.

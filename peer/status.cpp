@@ -22,6 +22,15 @@ std::uint64_t refused(const node::ReplicaStats& stats) {
   return sum;
 }
 
+/// Which members are reached through which others, if any are: "2 by 0, 3 by 0".
+std::string carried(const Player& player) {
+  std::string list;
+  for (PeerId p = 0; p < player.replica().config().slots; ++p)
+    if (player.carrier(p) != kNoPeer)
+      list += fmt::format("{}{} by {}", list.empty() ? "" : ", ", p, player.carrier(p));
+  return list;
+}
+
 }  // namespace
 
 double confirmed_lag_ms(const Player& player) {
@@ -49,6 +58,7 @@ std::string Status::line(const Player& player, Micros now) {
   if (history.removed() > 0) line += fmt::format("  lost {}", history.removed());
   if (const std::uint64_t n = refused(totals.replica); n > 0) line += fmt::format("  refused {}", n);
   if (player.channels() != nullptr && player.channels()->stats().readable > 0) line += "  readable datagrams come";
+  if (const std::string list = carried(player); !list.empty()) line += "  carried: " + list;
   if (player.incarnation() > 0) line += fmt::format("  life {}", player.incarnation() + 1);
   if (player.returning()) line += "  joining anew";
   if (player.leaving()) line += "  leaving";

@@ -244,10 +244,11 @@ void Membership::find_paths() {
   }
   for (PeerId p = 0; p < roster().slots(); ++p)
     if (paths_.carrier(p) != kNoPeer) commands_.carry(p, paths_.carrier(p));
-  const auto reach = paths_.due(roster(), links_);
-  if (!reach) return;
+  const auto telling = paths_.due(roster(), links_);
+  if (!telling) return;
   for (PeerId p = 0; p < roster().slots(); ++p)
-    if (p != session_.self && roster().seats[p].reachable()) commands_.send(roster().seats[p].at, *reach);
+    if ((telling->to & only(p)) != 0 && roster().seats[p].reachable())
+      commands_.send(roster().seats[p].at, telling->reach);
 }
 
 void Membership::count_present() {

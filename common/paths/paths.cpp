@@ -116,28 +116,29 @@ std::vector<Paths::Change> Paths::advance(const Roster& roster, const std::vecto
   return changes;
 }
 
-std::optional<wire::Reach> Paths::due(const Roster& roster, const std::vector<Link>& links) {
+std::optional<Paths::Telling> Paths::due(const Roster& roster, const std::vector<Link>& links) {
   PeerSet heard = 0;
-  bool all_well = true;
+  PeerSet concerned = 0;
   for (PeerId p = 0; p < roster.slots(); ++p) {
     if (!ways_[p].known) continue;
     const bool hears_it = hears(roster, p);
-    all_well = all_well && hears_it && ways_[p].by == kNoPeer;
     if (hears_it) heard |= only(p);
+    if (!hears_it || ways_[p].by != kNoPeer) concerned |= only(p);
   }
-  if (!all_well) left_to_tell_ = kTellAfterwards;
+  if (concerned != 0) left_to_tell_ = kTellAfterwards;
   if (left_to_tell_ == 0) return std::nullopt;
+  concerned_ |= concerned;
   if (heard == heard_ && roster.now - told_ < kTellAgain) return std::nullopt;
-  if (all_well) --left_to_tell_;
   heard_ = heard;
   told_ = roster.now;
-  wire::Reach reach{roster.now, {}};
+  Telling telling{{roster.now, {}}, concerned_};
   for (PeerId p = 0; p < roster.slots(); ++p) {
     if ((heard & only(p)) == 0) continue;
     const auto delay = static_cast<std::uint32_t>(std::lround(std::max(0.0F, links[p].delay)));
-    reach.heard.push_back({p, std::min(delay, wire::kMostDelay)});
+    telling.reach.heard.push_back({p, std::min(delay, wire::kMostDelay)});
   }
-  return reach;
+  if (concerned == 0 && --left_to_tell_ == 0) concerned_ = 0;
+  return telling;
 }
 
 }  // namespace padr::node

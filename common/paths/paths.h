@@ -36,8 +36,12 @@ class Paths {
   void on_reach(PeerId from, const wire::Reach& reach, Tick now);
   /// Once a tick. `links`: by slot.
   std::vector<Change> advance(const Roster& roster, const std::vector<Link>& links);
-  /// What this member now has to tell all others; nothing if it is not time, or if it hears them all.
-  std::optional<wire::Reach> due(const Roster& roster, const std::vector<Link>& links);
+  struct Telling {
+    wire::Reach reach;
+    PeerSet to = 0;
+  };
+  /// What this member now has to tell those whose link does not work, or did not until a moment ago.
+  std::optional<Telling> due(const Roster& roster, const std::vector<Link>& links);
   /// kNoPeer: it is reached directly.
   PeerId carrier(PeerId of) const { return ways_[of].by; }
 
@@ -86,7 +90,8 @@ class Paths {
   void change(Way& w, PeerId by, Tick now);
 
   std::array<Way, kMaxPeers> ways_;
-  PeerSet heard_ = 0;     ///< as told last
+  PeerSet heard_ = 0;      ///< as told last
+  PeerSet concerned_ = 0;  ///< who is told
   int left_to_tell_ = 0;  ///< times
   Tick told_ = -kTellAgain;
 };

@@ -130,6 +130,7 @@ class Apart(Case):
         third = self.on(3, "--join", at, "--duration", 12, "--seal", seal)
         for peer, other in ((second, 2), (third, 1)):
             peer.wait_for(f"peer {other} is reached through peer 0")
+            peer.wait_for(f"status: .* carried: {other} by 0")
         self.assertEqual([p.end() for p in (founder, second, third)], [0, 0, 0])
         for p in self.peers:
             self.assertNotRegex(p.text(), "silent for|is lost|joining anew")

@@ -20,6 +20,7 @@ struct Scene {
   Paths paths;
   std::vector<Paths::Change> changes;
   std::vector<wire::Reach> told;
+  PeerSet told_to = 0;
   PeerSet silent = 0;  ///< of whom nothing comes directly
   PeerSet mute = 0;    ///< of whom nothing comes
 
@@ -39,7 +40,10 @@ struct Scene {
         if (((silent | mute) & only(p)) == 0) paths.note_direct(p, roster.now);
       }
       for (const Paths::Change& c : paths.advance(roster, links)) changes.push_back(c);
-      if (auto reach = paths.due(roster, links)) told.push_back(*reach);
+      if (const auto t = paths.due(roster, links)) {
+        told.push_back(t->reach);
+        told_to = t->to;
+      }
     }
   }
   void tell(PeerId from, std::vector<wire::Way> heard) {
@@ -233,12 +237,14 @@ TEST(PathsRules, WhatIsToldAndWhen) {
   s.run(Paths::kUnheard);
   ASSERT_EQ(s.told.size(), 1U) << "at once";
   EXPECT_FALSE(s.listed(2));
+  EXPECT_EQ(s.told_to, only(2)) << "nobody else needs to know";
   EXPECT_TRUE(s.listed(1) && s.listed(3));
   s.run(10 * Paths::kTellAgain);
   EXPECT_EQ(s.told.size(), 11U) << "as long as it lasts";
   s.silent = 0;
   s.run(1);
   ASSERT_EQ(s.told.size(), 12U) << "that it is over, too";
+  EXPECT_EQ(s.told_to, only(2));
   EXPECT_TRUE(s.listed(2));
   s.run(20 * Paths::kTellAgain);
   EXPECT_EQ(s.told.size(), 11U + Paths::kTellAfterwards);
