@@ -26,8 +26,7 @@ std::uint64_t refused(const node::ReplicaStats& stats) {
 std::string carried(const Player& player) {
   std::string list;
   for (PeerId p = 0; p < player.replica().config().slots; ++p)
-    if (player.carrier(p) != kNoPeer)
-      list += fmt::format("{}{} by {}", list.empty() ? "" : ", ", p, player.carrier(p));
+    if (player.carrier(p) != kNoPeer) list += fmt::format("{}{} by {}", list.empty() ? "" : ", ", p, player.carrier(p));
   return list;
 }
 

@@ -176,14 +176,16 @@ void SecureChannels::post(Channel& to, PeerId state_to, std::span<const std::byt
 
 // Sealed anew: what comes second of two with one number would be dropped, and the receiver not know that it came.
 void SecureChannels::try_directly(Channel& to, PeerId state_to, std::span<const std::byte> datagram) {
-  if (state_to == kNoPeer || local_ - to.tried < to.try_again) return;
-  to.tried = local_;
-  to.try_again = std::min(2 * to.try_again, kTrySlowest);
+  if (!to.directly_too) {
+    if (state_to == kNoPeer || local_ - to.tried < to.try_again) return;
+    to.tried = local_;
+    to.try_again = std::min(2 * to.try_again, kTrySlowest);
+  }
   wire::seal_with(to.keys.out(), config_.mode, id_, ++number_, datagram, sealed_);
   transmit_directly(to, state_to, sealed_);
 }
 
-void SecureChannels::carry(const PublicKey& to, const PublicKey& by, Micros local) {
+void SecureChannels::carry(const PublicKey& to, const PublicKey& by, bool directly_too, Micros local) {
   Channel* c = known(to);
   if (c == nullptr) return;
   if (local >= c->carried_until) {
@@ -192,6 +194,7 @@ void SecureChannels::carry(const PublicKey& to, const PublicKey& by, Micros loca
   }
   c->carrier = by;
   c->carried_until = local + kCarries;
+  c->directly_too = directly_too;
 }
 
 void SecureChannels::transmit(Channel& to, PeerId state_to, std::span<const std::byte> sealed) {
@@ -311,6 +314,7 @@ void SecureChannels::heard(Channel& c, const Endpoint* place, std::uint64_t numb
   count_rekeys(c);
   if (place != nullptr) {
     note_place(c, *place, newest, bytes, local);
+    if (local - c.direct > kQuiet) c.try_again = kTryAgain;  // what works again one way may do so both ways
     c.direct = local;
   }
   c.met = true;

@@ -98,8 +98,8 @@ class SecureChannels {
   /// `state_to`: as in Parcel.
   void send(const Endpoint& to, PeerId state_to, std::span<const std::byte> datagram, Micros local);
   /// What is for one peer goes through another one for the next kCarries. Meanwhile a state datagram now and then goes
-  /// directly, too, so that both can see whether their link works again.
-  void carry(const PublicKey& to, const PublicKey& by, Micros local);
+  /// directly, too, so that both can see whether their link works again; or all datagrams, if `directly_too`.
+  void carry(const PublicKey& to, const PublicKey& by, bool directly_too, Micros local);
   /// What to send, by place, in order, since the last time; until the next call of anything.
   std::span<const Parcel> take_outgoing() { return outgoing_.take(); }
 
@@ -146,6 +146,7 @@ class SecureChannels {
     Micros direct = kNever;         ///< when something came that nobody had carried
     PublicKey carrier{};            ///< who carries what is for it
     Micros carried_until = kNever;  ///< until then
+    bool directly_too = false;      ///< and it is sent there, too
     Micros tried = kNever;          ///< then: when something was sent directly all the same
     Micros try_again = kTryAgain;   ///< after so long
     Micros greeted = kNever;

@@ -243,7 +243,7 @@ void Membership::find_paths() {
     commands_.tell({.kind = kind, .peer = c.to, .by = c.by});
   }
   for (PeerId p = 0; p < roster().slots(); ++p)
-    if (paths_.carrier(p) != kNoPeer) commands_.carry(p, paths_.carrier(p));
+    if (paths_.carrier(p) != kNoPeer) commands_.carry(p, paths_.carrier(p), !paths_.has_told(p, roster().now));
   const auto telling = paths_.due(roster(), links_);
   if (!telling) return;
   for (PeerId p = 0; p < roster().slots(); ++p)

@@ -49,10 +49,11 @@ struct SessionDatagram {
   wire::Bytes bytes;
 };
 
-/// What is for `to` now goes through `by`.
+/// What is for `to` now goes through `by`, and directly, too, if so.
 struct SessionRoute {
   Endpoint to;
   Endpoint by;
+  bool directly_too = false;
 };
 
 /// How often peers repeat themselves, and how long they wait; us.

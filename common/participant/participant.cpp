@@ -263,7 +263,7 @@ bool Participant::nobody_to_tell() const {
 void Participant::collect(Incarnation& incarnation) {
   if (!incarnation.session) return;
   for (const SessionRoute& r : incarnation.session->take_routes())
-    if (channels_) channels_->carry(r.to.key, r.by.key, local_);
+    if (channels_) channels_->carry(r.to.key, r.by.key, r.directly_too, local_);
   for (const SessionDatagram& d : incarnation.session->take_outgoing()) post(d.to, kNoPeer, d.bytes);
   for (SessionEvent& e : incarnation.session->take_events()) events_.push_back(std::move(e));
   if (!incarnation.membership) return;

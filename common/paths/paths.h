@@ -45,6 +45,10 @@ class Paths {
   /// kNoPeer: it is reached directly.
   PeerId carrier(PeerId of) const { return ways_[of].by; }
 
+  /// Whether a member has lately told whom it hears. Until then nobody knows whether its own link would do, so what is
+  /// carried for it is sent directly, too.
+  bool has_told(PeerId p, Tick now) const { return has_told(ways_[p], now); }
+
   /// A member of which nothing has come directly for this time is not heard directly, ticks. More than the longest
   /// honest interval between two datagrams, of which one may get lost.
   static constexpr Tick kUnheard = 75;
@@ -92,7 +96,7 @@ class Paths {
   std::array<Way, kMaxPeers> ways_;
   PeerSet heard_ = 0;      ///< as told last
   PeerSet concerned_ = 0;  ///< who is told
-  int left_to_tell_ = 0;  ///< times
+  int left_to_tell_ = 0;   ///< times
   Tick told_ = -kTellAgain;
 };
 

@@ -57,7 +57,7 @@ struct Three {
   }
   /// What 0 says to 1 by 2, as it goes out to 2.
   wire::Bytes by_2(std::string_view text) {
-    peers[0].carry(peers[1].key(), peers[2].key(), now);
+    peers[0].carry(peers[1].key(), peers[2].key(), false, now);
     peers[0].send(name_of(1), kNoPeer, words(text), now);
     for (const auto& p : taken(peers[0]))
       if (same_place(p.to, place(3))) return p.bytes;
@@ -167,6 +167,20 @@ TEST(Carried, OnlyForWhomTheCarrierAllowsAndHears) {
   for (const auto& p : taken(t.peers[2])) EXPECT_FALSE(wire::read_sealed(p.bytes)) << "a greeting at most";
 }
 
+// Both arrive, as two datagrams.
+TEST(Carried, DirectlyTooIfNobodyKnowsWhatWorks) {
+  Three t;
+  t.peers[0].carry(t.peers[1].key(), t.peers[2].key(), true, t.now);
+  t.peers[0].send(t.name_of(1), 1, words("twice"), t.now);
+  const auto out = taken(t.peers[0]);
+  ASSERT_EQ(out.size(), 2U);
+  t.deliver(2, 0, out[0].bytes);
+  EXPECT_TRUE(t.deliver(1, 2, taken(t.peers[2]).at(0).bytes));
+  EXPECT_TRUE(t.deliver(1, 0, out[1].bytes));
+  EXPECT_FALSE(t.was_carried);
+  EXPECT_EQ(t.heard[1], (std::vector<wire::Bytes>(2, words("twice"))));
+}
+
 // What a stranger sends goes nowhere, however often.
 TEST(Carried, NotForStrangers) {
   Three t;
@@ -191,7 +205,7 @@ TEST(Carried, TheDirectWayIsTriedNowAndThen) {
   std::vector<double> tried;
   for (int i = 0; i < 60 * 40; ++i) {
     t.now += 16'667;
-    t.peers[0].carry(t.peers[1].key(), t.peers[2].key(), t.now);
+    t.peers[0].carry(t.peers[1].key(), t.peers[2].key(), false, t.now);
     t.peers[0].send(t.name_of(1), 1, words("tick " + std::to_string(i)), t.now);
     for (const auto& p : taken(t.peers[0])) {
       if (!same_place(p.to, place(2))) continue;

@@ -56,6 +56,8 @@ void ChaosCommand::declare(CLI::App& app) {
   technique_.declare(app);
   app.add_flag_callback(
       "--sealed", [this] { how_.seal = wire::SealMode::kAuth; }, "Sessions have a key");
+  app.add_flag("--cuts", cuts_,
+               "Links between two peers fail, too, in one direction or both, for a while or again and again");
   liar_option_ = app.add_option("--liar", liar_name_,
                                 "One of 4 peers or more lies; implies --sealed. The behaviour is "
                                 "drawn for each script, unless it is named")
@@ -158,8 +160,9 @@ void ChaosCommand::print(std::size_t i, const ChaosOutcome& o, bool shrinks) con
 
 ChaosScript ChaosCommand::script_of(std::size_t i) const {
   const auto length = static_cast<Micros>(std::llround(minutes_ * 60e6));
-  if (!lies_) return make_script(seed_ + i, length, peers_);
-  return with_liar(make_script(seed_ + i, length, peers_, kLeastWithLiar), liar_);
+  ChaosScript script = make_script(seed_ + i, length, peers_, lies_ ? kLeastWithLiar : 2);
+  if (cuts_) script = with_cuts(std::move(script));
+  return lies_ ? with_liar(std::move(script), liar_) : script;
 }
 
 HarmTable ChaosCommand::harm(const std::vector<ChaosOutcome>& outcomes) const {

@@ -39,6 +39,7 @@ class ChaosCommand {
   int jobs_ = 0;
   int shrink_tries_ = 200;
   bool story_ = false;
+  bool cuts_ = false;
   CLI::Option* liar_option_ = nullptr;
   CLI::Option* peers_option_ = nullptr;
   std::string liar_name_;

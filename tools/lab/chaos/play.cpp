@@ -21,6 +21,7 @@ class Stage {
     const std::vector<int> there = those_there();
     if (there.empty()) return;
     const int who = there[e.pick % there.size()];
+    const int other = there[(e.pick >> 20U) % there.size()];
     switch (e.kind) {
       case Kind::kStart:
         network_.start(who);
@@ -53,6 +54,10 @@ class Stage {
         undo_.push_back({e.at + e.span, Kind::kFight, 0});
         return;
       }
+      case Kind::kCut:
+        cut(who, other, e.at + e.span);
+        if (e.pick >> 40U & 1U) cut(other, who, e.at + e.span);
+        return;
     }
   }
 
@@ -68,6 +73,7 @@ class Stage {
       if (u.kind == Kind::kPause) network_.pause(u.who, false);
       if (u.kind == Kind::kDivide) network_.divide({});
       if (u.kind == Kind::kFight) network_.attract({});
+      if (u.kind == Kind::kCut) network_.cut(u.who, u.other, false);
     }
     std::erase_if(undo_, [t](const Undo& u) { return u.at <= t; });
   }
@@ -77,7 +83,13 @@ class Stage {
     Micros at;
     Kind kind;
     int who;
+    int other = 0;
   };
+  void cut(int from, int to, Micros until) {
+    if (from == to) return;
+    network_.cut(from, to, true);
+    undo_.push_back({until, Kind::kCut, from, to});
+  }
   std::vector<int> those_there() const {
     std::vector<int> there;
     for (int p = 0; p < network_.persons(); ++p)

@@ -13,7 +13,7 @@ namespace {
 
 using Kind = ChaosEvent::Kind;
 
-constexpr std::array<const char*, 7> kNames{"start", "leave", "kill", "pause", "divide", "links", "fight"};
+constexpr std::array<const char*, 8> kNames{"start", "leave", "kill", "pause", "divide", "links", "fight", "cut"};
 
 /// Of ten events: three starts, and one or two of each other kind.
 constexpr std::array<Kind, 12> kDraw{Kind::kStart, Kind::kStart, Kind::kStart, Kind::kLeave,
@@ -59,6 +59,25 @@ ChaosScript make_script(std::uint64_t seed, Micros length, int most, int least) 
     if (e.kind == Kind::kFight) e.span = micros(rng.uniform(2, 8));
     s.events.push_back(e);
   }
+  return s;
+}
+
+ChaosScript with_cuts(ChaosScript s) {
+  Rng rng(derive_seed(s.seed, 0xC075));
+  for (Micros at = micros(rng.uniform(4, 8)); at < s.length; at += micros(rng.uniform(1, 12))) {
+    ChaosEvent e;
+    e.kind = Kind::kCut;
+    e.pick = rng.next_u64();
+    const bool flaps = rng.chance(0.3);
+    Micros begin = at;
+    for (int left = flaps ? 2 + static_cast<int>(rng.below(8)) : 1; left > 0; --left) {
+      e.at = begin;
+      e.span = micros(flaps ? rng.uniform(0.1, 2.5) : rng.uniform(0.5, 25));
+      if (e.at < s.length) s.events.push_back(e);
+      begin += e.span + micros(rng.uniform(0.05, 2));
+    }
+  }
+  std::stable_sort(s.events.begin(), s.events.end(), [](const auto& a, const auto& b) { return a.at < b.at; });
   return s;
 }
 

@@ -19,6 +19,7 @@ struct ChaosEvent {
     kDivide,  ///< the network falls into two parts for `span`
     kShape,   ///< all links become another
     kFight,   ///< all avatars are drawn to one place for `span`
+    kCut,     ///< what one sends another vanishes for `span`; by the pick, the other way, too
   };
   Kind kind = Kind::kStart;
   Micros at = 0;
@@ -52,6 +53,9 @@ const std::vector<std::string>& chaos_links();
 
 /// At most `most` peers at once, `least` at least, so far as starts and ends are known.
 ChaosScript make_script(std::uint64_t seed, Micros length, int most, int least = 2);
+
+/// The same with links between two peers that fail: in one direction or both, for a while or again and again.
+ChaosScript with_cuts(ChaosScript script);
 
 /// The same with a liar among its peers. `how`: its behaviour; null: drawn by the script's seed.
 ChaosScript with_liar(ChaosScript script, const Behaviour* how);
