@@ -118,7 +118,7 @@ class SecureChannels {
   static constexpr Micros kCarries = 250'000;
   /// A link that does not work is tried after this time, and after twice that, until kTrySlowest.
   static constexpr Micros kTryAgain = 1'000'000;
-  static constexpr Micros kTrySlowest = 8'000'000;
+  static constexpr Micros kTrySlowest = 4'000'000;
   /// To a place that a peer seems to have moved to, at most so many times the bytes that came from there are sent until
   /// it has echoed a nonce.
   static constexpr std::size_t kUnprovenTimes = 3;

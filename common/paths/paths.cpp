@@ -22,7 +22,11 @@ void Paths::on_reach(PeerId from, const wire::Reach& reach, Tick now) {
   w.told_tick = reach.tick;
   w.told_at = now;
   w.hears.clear();
-  for (const wire::Way& h : reach.heard) w.hears[h.slot] = h.delay;
+  w.hears_carried = 0;
+  for (const wire::Way& h : reach.heard) {
+    if (h.carried) w.hears_carried |= only(h.slot);
+    if (!h.carried) w.hears[h.slot] = h.delay;
+  }
 }
 
 // Silence while this peer was held up says nothing.
@@ -51,7 +55,7 @@ std::optional<float> Paths::cost(const Roster& roster, const std::vector<Link>& 
   if (!hears(roster, by) || unanswered(roster, links, by) >= kUnheard) return std::nullopt;
   if (has_told(w, roster.now) && !w.hears.contains(roster.self)) return std::nullopt;
   const auto failed = to.failed.find(by);
-  const float first = links[by].delay + (failed != to.failed.end() && roster.now < failed->second ? kLast : 0);
+  const float first = links[by].delay + (failed != to.failed.end() && roster.now < failed->second.until ? kLast : 0);
   if (!has_told(to, roster.now)) return first;
   const auto second = to.hears.find(by);
   if (second == to.hears.end()) return std::nullopt;
@@ -73,12 +77,21 @@ PeerId Paths::choose(const Roster& roster, const std::vector<Link>& links, PeerI
   return best;
 }
 
-// Who is heard and acknowledges nothing does not get what this member sends. Who is not heard either may well get it,
-// and have chosen a carrier that is of no use itself: the two must not both change theirs at once, again and again.
+// Without word from it, it may well get what this member sends, and have chosen a carrier that is of no use itself: the
+// two must not both change theirs at once, again and again.
 bool Paths::leads_nowhere(const Roster& roster, const std::vector<Link>& links, PeerId p) const {
-  const bool is_heard = roster.silence(p) < kUnanswered;
-  const Tick patience = is_heard ? kUnanswered : (roster.self < p ? 2 : 3) * kUnanswered;
-  return roster.now - ways_[p].since >= patience && unanswered(roster, links, p) >= patience;
+  const Way& w = ways_[p];
+  const Tick lasts = roster.now - w.since;
+  const bool gets_something = w.hears.contains(roster.self) || (w.hears_carried & only(roster.self)) != 0;
+  if (has_told(w, roster.now)) return lasts >= kUnanswered && !gets_something;
+  const Tick patience = (roster.self < p ? 1 : 2) * 2 * kUnanswered;
+  return lasts >= patience && unanswered(roster, links, p) >= patience;
+}
+
+void Paths::Way::fail(Tick now) {
+  Failure& f = failed[by];
+  if (now < f.until) return;
+  f.until = now + (kFailed << std::min(f.times++, kMostDoublings));
 }
 
 void Paths::change(Way& w, PeerId by, Tick now) {
@@ -104,7 +117,7 @@ std::vector<Paths::Change> Paths::advance(const Roster& roster, const std::vecto
   for (PeerId p = 0; p < roster.slots(); ++p) {
     Way& w = ways_[p];
     if (!w.known) continue;
-    if (w.by != kNoPeer && leads_nowhere(roster, links, p)) w.failed[w.by] = roster.now + kFailed;
+    if (w.by != kNoPeer && leads_nowhere(roster, links, p)) w.fail(roster.now);
     const PeerId by = needs_carrier(roster, links, p) ? choose(roster, links, p) : kNoPeer;
     if (by != w.by) change(w, by, roster.now);
     // A carrier is tried for whoever falls silent, and most of those have ended.
@@ -118,24 +131,27 @@ std::vector<Paths::Change> Paths::advance(const Roster& roster, const std::vecto
 
 std::optional<Paths::Telling> Paths::due(const Roster& roster, const std::vector<Link>& links) {
   PeerSet heard = 0;
+  PeerSet carried = 0;
   PeerSet concerned = 0;
   for (PeerId p = 0; p < roster.slots(); ++p) {
     if (!ways_[p].known) continue;
     const bool hears_it = hears(roster, p);
     if (hears_it) heard |= only(p);
+    if (!hears_it && roster.silence(p) < kUnheard) carried |= only(p);
     if (!hears_it || ways_[p].by != kNoPeer) concerned |= only(p);
   }
   if (concerned != 0) left_to_tell_ = kTellAfterwards;
   if (left_to_tell_ == 0) return std::nullopt;
   concerned_ |= concerned;
-  if (heard == heard_ && roster.now - told_ < kTellAgain) return std::nullopt;
+  if (heard == heard_ && carried == carried_ && roster.now - told_ < kTellAgain) return std::nullopt;
   heard_ = heard;
+  carried_ = carried;
   told_ = roster.now;
   Telling telling{{roster.now, {}}, concerned_};
   for (PeerId p = 0; p < roster.slots(); ++p) {
-    if ((heard & only(p)) == 0) continue;
+    if (((heard | carried) & only(p)) == 0) continue;
     const auto delay = static_cast<std::uint32_t>(std::lround(std::max(0.0F, links[p].delay)));
-    telling.reach.heard.push_back({p, std::min(delay, wire::kMostDelay)});
+    telling.reach.heard.push_back({p, std::min(delay, wire::kMostDelay), (carried & only(p)) != 0});
   }
   if (concerned == 0 && --left_to_tell_ == 0) concerned_ = 0;
   return telling;

@@ -52,17 +52,19 @@ class Paths {
   /// A member of which nothing has come directly for this time is not heard directly, ticks. More than the longest
   /// honest interval between two datagrams, of which one may get lost.
   static constexpr Tick kUnheard = 75;
-  /// A member that is heard and acknowledges nothing for this time does not get what is carried for it, ticks. More
-  /// than twice the longest interval between two marks. Of two that do not hear each other, one waits twice as long,
-  /// and the other three times.
+  /// A carrier fails if its member says for this time that it does not hear this one, ticks: longer than until it does
+  /// so and says so. If it says nothing, one of the two waits twice as long for an acknowledgement, and the other four
+  /// times.
   static constexpr Tick kUnanswered = 120;
   /// What a member has told of whom it hears counts for this time, ticks.
   static constexpr Tick kFresh = 3 * kTicksPerSecond;
   /// Between two times of telling it while it lasts, ticks; and so often afterwards.
   static constexpr Tick kTellAgain = 30;
   static constexpr int kTellAfterwards = 4;
-  /// A carrier by which a member did not answer comes after all others for this time, ticks.
-  static constexpr Tick kFailed = 10 * kTicksPerSecond;
+  /// A carrier by which a member did not answer comes after all others for this time, ticks; and for twice that each
+  /// time it happens again, so many times.
+  static constexpr Tick kFailed = 30 * kTicksPerSecond;
+  static constexpr int kMostDoublings = 6;
   /// Another carrier has to save this much, ticks.
   static constexpr float kBetter = 3;
   /// A direct way that fails within kRelapse is left alone for kStay, and for twice that the next time, until kLongest.
@@ -71,6 +73,10 @@ class Paths {
   static constexpr Tick kLongest = 60 * kTicksPerSecond;
 
  private:
+  struct Failure {
+    Tick until = 0;
+    int times = 0;
+  };
   struct Way {
     bool known = false;
     std::uint32_t incarnation = 0;
@@ -82,7 +88,9 @@ class Paths {
     Tick told_at = -kFresh;
     Tick told_tick = -1;                    ///< of the sender
     std::map<PeerId, std::uint32_t> hears;  ///< whom it hears directly, and their delay in ticks
-    std::map<PeerId, Tick> failed;          ///< carriers, until when
+    PeerSet hears_carried = 0;              ///< whom it hears only by others
+    std::map<PeerId, Failure> failed;       ///< by carrier
+    void fail(Tick now);
   };
   bool has_told(const Way& w, Tick now) const { return now - w.told_at < kFresh; }
   static Tick unanswered(const Roster& roster, const std::vector<Link>& links, PeerId p);
@@ -94,7 +102,8 @@ class Paths {
   void change(Way& w, PeerId by, Tick now);
 
   std::array<Way, kMaxPeers> ways_;
-  PeerSet heard_ = 0;      ///< as told last
+  PeerSet heard_ = 0;      ///< directly, as told last
+  PeerSet carried_ = 0;    ///< only by others, as told last
   PeerSet concerned_ = 0;  ///< who is told
   int left_to_tell_ = 0;   ///< times
   Tick told_ = -kTellAgain;

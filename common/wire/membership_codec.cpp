@@ -90,6 +90,7 @@ struct Encoder {
       Membership::Way& way = *out.mutable_reach()->add_heard();
       way.set_slot(w.slot);
       way.set_delay(w.delay);
+      way.set_carried(w.carried);
     }
   }
 };
@@ -172,7 +173,7 @@ Taken take(const Membership::Reach& in) {
   for (const Membership::Way& w : in.heard()) {
     if (w.slot() >= kMaxPeers || w.delay() > kMostDelay) return std::nullopt;
     if (!m.heard.empty() && w.slot() <= m.heard.back().slot) return std::nullopt;
-    m.heard.push_back({static_cast<PeerId>(w.slot()), w.delay()});
+    m.heard.push_back({static_cast<PeerId>(w.slot()), w.delay(), w.carried()});
   }
   return m;
 }

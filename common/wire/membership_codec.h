@@ -91,6 +91,7 @@ struct Probe {
 struct Way {
   PeerId slot = kNoPeer;    ///< below kMaxPeers
   std::uint32_t delay = 0;  ///< one way, ticks, at most kMostDelay
+  bool carried = false;     ///< it is heard only by others
   friend bool operator==(const Way&, const Way&) = default;
 };
 
@@ -98,7 +99,7 @@ inline constexpr std::uint32_t kMostDelay = 0x3FFF;
 
 struct Reach {
   Tick tick = 0;           ///< of the sender
-  std::vector<Way> heard;  ///< whom the sender hears directly; at most kMaxPeers, by ascending slot
+  std::vector<Way> heard;  ///< whom the sender hears; at most kMaxPeers, by ascending slot
   friend bool operator==(const Reach&, const Reach&) = default;
 };
 

@@ -218,7 +218,7 @@ TEST(Carried, TheDirectWayIsTriedNowAndThen) {
     }
   }
   ASSERT_GE(tried.size(), 6U);
-  const std::array<double, 5> between{2, 4, 8, 8, 8};
+  const std::array<double, 5> between{2, 4, 4, 4, 4};
   for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(tried[i + 1] - tried[i], between[i], 0.1) << i;
   t.now += node::SecureChannels::kCarries;
   t.peers[0].send(t.name_of(1), 1, words("again"), t.now);

@@ -270,7 +270,7 @@ wire::MembershipMessage membership(const LieEntry& e, const LiarsKnowledge& with
       return wire::Piece{1U + v[0], v[1] % 4U, 1U + v[2] % 4U, wire::Bytes(1U + v[3], std::byte{v[4]})};
     case 21: {
       wire::Reach reach{tick(with.replica.now(), v[7], v[8]), {}};
-      for (const wire::Seat& s : seats(with, v)) reach.heard.push_back({s.slot, v[6]});
+      for (const wire::Seat& s : seats(with, v)) reach.heard.push_back({s.slot, v[6], s.slot % 2 == v[5] % 2U});
       return reach;
     }
     default:

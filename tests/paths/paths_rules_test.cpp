@@ -49,6 +49,13 @@ struct Scene {
   void tell(PeerId from, std::vector<wire::Way> heard) {
     paths.on_reach(from, {roster.now, std::move(heard)}, roster.now);
   }
+  /// Member 2 says so in every tick.
+  void tell_for(int ticks, const std::vector<wire::Way>& heard) {
+    for (int i = 0; i < ticks; ++i) {
+      tell(2, heard);
+      run(1);
+    }
+  }
   bool listed(PeerId p) const {
     return std::any_of(told.back().heard.begin(), told.back().heard.end(), [p](const auto& w) { return w.slot == p; });
   }
@@ -159,13 +166,21 @@ TEST(PathsRules, WhoIsReachedThroughWhom) {
          s.run(1);
        },
        3},
-      {"it does not answer by its carrier either",
+      {"it says that nothing comes by its carrier",
        [](Scene& s) {
-         s.silent = only(2);
-         s.links[2].unanswered = Paths::kUnanswered;
-         s.run(Paths::kUnheard + Paths::kUnanswered);
+         s.tell_for(Paths::kUnanswered + 1, {{1, 2}, {3, 2}});
        },
        3},
+      {"a tick before",
+       [](Scene& s) {
+         s.tell_for(Paths::kUnanswered, {{1, 2}, {3, 2}});
+       },
+       1},
+      {"it says that what is carried comes",
+       [](Scene& s) {
+         s.tell_for(500, {{0, 2, true}, {1, 2}, {3, 2}});
+       },
+       1},
       {"nothing comes by its carrier either: it may be its own that is of no use",
        [](Scene& s) {
          s.mute = only(2);
@@ -182,11 +197,7 @@ TEST(PathsRules, WhoIsReachedThroughWhom) {
        3},
       {"it does not answer by its carrier either, and nobody else hears it",
        [](Scene& s) {
-         s.links[2].unanswered = Paths::kUnheard;
-         for (int i = 0; i < 2 * Paths::kUnanswered; ++i) {
-           s.tell(2, {{1, 2}});
-           s.run(1);
-         }
+         s.tell_for(2 * Paths::kUnanswered, {{1, 2}});
        },
        1},
       {"another carrier is a little quicker than the present one",
@@ -233,7 +244,7 @@ TEST(PathsRules, WhatIsToldAndWhen) {
   Scene s;
   s.run(200);
   EXPECT_TRUE(s.told.empty()) << "all is well";
-  s.silent = only(2);
+  s.mute = only(2);
   s.run(Paths::kUnheard);
   ASSERT_EQ(s.told.size(), 1U) << "at once";
   EXPECT_FALSE(s.listed(2));
@@ -241,7 +252,7 @@ TEST(PathsRules, WhatIsToldAndWhen) {
   EXPECT_TRUE(s.listed(1) && s.listed(3));
   s.run(10 * Paths::kTellAgain);
   EXPECT_EQ(s.told.size(), 11U) << "as long as it lasts";
-  s.silent = 0;
+  s.mute = 0;
   s.run(1);
   ASSERT_EQ(s.told.size(), 12U) << "that it is over, too";
   EXPECT_EQ(s.told_to, only(2));

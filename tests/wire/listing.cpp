@@ -142,7 +142,7 @@ struct MembershipLister {
   std::string operator()(const wire::Reach& m) const {
     std::string s = line("reach.tick = %d\n", m.tick);
     for (std::size_t i = 0; i < m.heard.size(); ++i)
-      s += line("reach.heard[%zu] = %d %u\n", i, int{m.heard[i].slot}, m.heard[i].delay);
+      s += line("reach.heard[%zu] = %d %u %d\n", i, int{m.heard[i].slot}, m.heard[i].delay, flag(m.heard[i].carried));
     return s;
   }
 };

@@ -67,7 +67,7 @@ TEST(MembershipCodec, BothSidesOfEveryLimit) {
       Probe{0, seats(1), false, 0},
       Probe{~0U, seats(64), true, ~0U},
       Reach{0, {}},
-      Reach{0x7FFFFFFF, {{0, 0}, {63, kMostDelay}}},
+      Reach{0x7FFFFFFF, {{0, 0}, {63, kMostDelay, true}}},
   };
   for (std::size_t i = 0; i < good.size(); ++i) {
     const Bytes bytes = encode_membership(good[i]);

@@ -241,7 +241,8 @@ wire::MembershipMessage any_membership(Rng& rng, std::size_t kind) {
       return wire::Probe{any_count(rng), any_seats(rng), rng.chance(0.5), any_count(rng)};
     default: {
       wire::Reach reach{static_cast<Tick>(any_count(rng) >> 1U), {}};
-      for (const wire::Seat& s : any_seats(rng)) reach.heard.push_back({s.slot, rng.below(wire::kMostDelay + 1)});
+      for (const wire::Seat& s : any_seats(rng))
+        reach.heard.push_back({s.slot, rng.below(wire::kMostDelay + 1), rng.chance(0.3)});
       return reach;
     }
   }

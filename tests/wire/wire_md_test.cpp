@@ -216,7 +216,7 @@ TEST(WireMd, HasTheVectorsOfMembershipDatagrams) {
       Fetch{3, 77, 11},
       fetched,
       Probe{3, {{1, 0, 0}, {2, 3, 0}}, true, 77},
-      Reach{4500, {{0, 3}, {3, 12}}},
+      Reach{4500, {{0, 3}, {1, 9, true}, {3, 12}}},
   };
   for (const MembershipMessage& m : messages)
     expect_in_document(Kind::kMembership, encode_membership(m), test::list(m));

@@ -211,7 +211,7 @@ NODES = {
     ("poll", "lost"): ("lost", ("slot", "incarnation", "have", "heard")),
     ("answer", "lost"): ("lost", ("slot", "incarnation", "have", "heard")),
     ("probe", "member"): ("members", ("slot", "incarnation", "have", "heard")),
-    ("reach", "heard"): ("heard", ("slot", "delay")),
+    ("reach", "heard"): ("heard", ("slot", "delay", "carried")),
     ("tell", "known"): ("known", ("address", "port", "in", "seeks")),
 }
 

@@ -159,6 +159,7 @@ constexpr FieldName kNames[] = {
     {"padr.reach.tick", false},
     {"padr.reach.heard.slot", true},
     {"padr.reach.heard.delay", true},
+    {"padr.reach.heard.carried", true},
 };
 
 }  // namespace

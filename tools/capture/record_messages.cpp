@@ -176,6 +176,7 @@ class MembershipFields {
     for (const wire::Way& w : m.heard) {
       r_.number("padr.reach.heard.slot", w.slot);
       r_.number("padr.reach.heard.delay", w.delay);
+      r_.flag("padr.reach.heard.carried", w.carried);
     }
   }
 

@@ -180,9 +180,10 @@ local LIST = {
   { "padr.probe.newest", "uint32", "Highest incarnation heard of" },
   { "padr.carried.to", "hex32", "Carried for", "the first four bytes of the receiver's public key" },
   { "padr.reach.tick", "uint32", "Tick" },
-  { "padr.reach.heard", "none", "Hears directly" },
+  { "padr.reach.heard", "none", "Hears" },
   { "padr.reach.heard.slot", "uint32", "Slot" },
   { "padr.reach.heard.delay", "uint32", "Delay", "one way, ticks" },
+  { "padr.reach.heard.carried", "bool", "Only by others" },
 
   { "padr.transfer", "none", "Transfer", "the agreed world for a newcomer, put together of its pieces" },
   { "padr.transfer.tick", "uint32", "Tick" },

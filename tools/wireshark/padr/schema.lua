@@ -83,7 +83,7 @@ schema.membership = {
     "probe",
     one = { { "incarnation", "uint32" }, { "members", many = seat }, { "knows_you", "bool" }, { "newest", "uint32" } },
   },
-  { "reach", one = { { "tick", "uint32" }, { "heard", many = { { "slot", "uint32" }, { "delay", "uint32" } } } } },
+  { "reach", one = { { "tick", "uint32" }, { "heard", many = { { "slot", "uint32" }, { "delay", "uint32" }, { "carried", "bool" } } } } },
 }
 
 local contact = {

@@ -75,7 +75,7 @@ local SENTENCES = {
     return ("hands over %s of peer %d"):format(count(#said.updates, "update", "updates"), m.slot.v)
   end,
   probe = function(m) return ("is incarnation %d, hears peer %s"):format(m.incarnation.v, peers(m.members)) end,
-  reach = function(m) return #m.heard == 0 and "hears nobody directly" or "hears directly: peer " .. peers(m.heard) end,
+  reach = function(m) return #m.heard == 0 and "hears nobody" or "hears peer " .. peers(m.heard) end,
 }
 
 local DROPPED = {
