@@ -27,6 +27,7 @@ node::ChannelConfig config(std::uint8_t seed) {
   c.seed.fill(seed);
   c.session.fill(9);
   c.random = random_bytes(seed);
+  c.may_carry = [](const Endpoint&, const Endpoint&, std::size_t) { return true; };
   return c;
 }
 
@@ -85,6 +86,13 @@ wire::Bytes with_right_tag(std::uint8_t what, std::span<const std::byte> bytes, 
   }
 }
 
+/// The same as something that a third one passes on, for this peer or for whoever it names.
+wire::Bytes carried(std::uint8_t what, const wire::Bytes& d, Friend& who, const PublicKey& to) {
+  wire::Bytes plain;
+  wire::encode_carried({what % 4 == 0 ? what : wire::short_id(to), d}, plain);
+  return wire::seal_with(who.both.out(), wire::SealMode::kAuth, wire::short_id(who.key), ++who.number, plain);
+}
+
 }  // namespace
 
 padr::wire::Bytes padr::test::good_input(Rng& rng) {
@@ -114,16 +122,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (what < 32) {
       Endpoint to = from;
       if (what < 16) to.key = known.key;
+      if (what < 4) channels.carry(known.key, what < 2 ? known.key : channels.key(), what % 2 == 0, now);
       channels.send(to, kNoPeer, wire::seal({}, bytes), now);
     } else if (what < 64) {
       channels.receive(from, bytes, now);
     } else {
       wire::Bytes d = with_right_tag(what, bytes, known, now);
       if (what >= 200 && !bytes.empty()) d[std::to_integer<std::size_t>(bytes[0]) % d.size()] ^= std::byte{1};
+      if (what % 5 == 4) d = carried(what, d, known, channels.key());
       channels.receive(from, d, now);
     }
     for (const node::Parcel& p : channels.take_outgoing()) {
-      if (p.bytes.size() > wire::kMaxSealed || p.to.has_key()) __builtin_trap();
+      if (p.bytes.size() > wire::kMaxCarried || p.to.has_key()) __builtin_trap();
       known.hear(p.bytes, now);
     }
   }
