@@ -120,9 +120,10 @@ std::vector<Paths::Change> Paths::advance(const Roster& roster, const std::vecto
     if (w.by != kNoPeer && leads_nowhere(roster, links, p)) w.fail(roster.now);
     const PeerId by = needs_carrier(roster, links, p) ? choose(roster, links, p) : kNoPeer;
     if (by != w.by) change(w, by, roster.now);
-    // A carrier is tried for whoever falls silent, and most of those have ended.
-    const bool works = w.by == kNoPeer || unanswered(roster, links, p) < roster.now - w.since;
-    if (!works || w.by == w.reported) continue;
+    // A carrier is tried for whoever falls silent: most of those have ended, or it was a burst of losses.
+    const Tick lasts = roster.now - w.since;
+    const bool is_news = w.by == kNoPeer || (lasts >= kReported && unanswered(roster, links, p) < lasts);
+    if (!is_news || w.by == w.reported) continue;
     w.reported = w.by;
     changes.push_back({p, w.by});
   }

@@ -13,10 +13,9 @@ namespace padr::node {
 
 /// Decides by which way each member is reached: directly, or through another member that both reach. One hop, no more.
 ///
-/// A link works in one direction and may not in the other. So it is the receiver who says so: a member that does not
-/// hear all others directly, or that others carry for, tells everybody whom it does hear, and how long that takes.
-/// Somebody from whom nothing has been heard of all this is reached through one member after the other until it
-/// answers.
+/// A link works in one direction and may not in the other. So it is the receiver who says so: a member tells those that
+/// it does not hear directly, and those for whom others carry, whom it does hear, and how long that takes. Somebody
+/// from whom nothing has been heard of all this is reached through one member after the other until it answers.
 class Paths {
  public:
   /// What is measured of the link to the member in a slot.
@@ -24,7 +23,7 @@ class Paths {
     Tick unanswered = 0;  ///< since the member last acknowledged something new of ours, by whatever way, ticks
     float delay = 0;      ///< one way, ticks
   };
-  /// `to` is now reached through `by` and has answered; kNoPeer: directly again.
+  /// `to` has been reached through `by` for kReported and has answered; kNoPeer: directly again.
   struct Change {
     PeerId to = kNoPeer;
     PeerId by = kNoPeer;
@@ -65,6 +64,8 @@ class Paths {
   /// time it happens again, so many times.
   static constexpr Tick kFailed = 30 * kTicksPerSecond;
   static constexpr int kMostDoublings = 6;
+  /// A carrier that lasts for so long is worth a word, ticks.
+  static constexpr Tick kReported = 2 * kTicksPerSecond;
   /// Another carrier has to save this much, ticks.
   static constexpr float kBetter = 3;
   /// A direct way that fails within kRelapse is left alone for kStay, and for twice that the next time, until kLongest.

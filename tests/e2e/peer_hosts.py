@@ -77,7 +77,7 @@ class Machines:
             subprocess.run(["ip", "netns", "del", name], check=False, capture_output=True)
 
 
-class ThreeMachines(Case):
+class OnThreeMachines(Case):
     def setUp(self):
         super().setUp()
         self.machines = Machines(3)
@@ -86,6 +86,8 @@ class ThreeMachines(Case):
         super().tearDown()
         self.machines.remove()
 
+
+class ThreeMachines(OnThreeMachines):
     def on(self, machine, *arguments):
         return self.peer("--listen", "0.0.0.0:0", "--insecure", *arguments, preexec_fn=self.machines.enter(machine))
 
@@ -105,16 +107,8 @@ class ThreeMachines(Case):
         self.check_agreement([newcomer, elsewhere, beside], least_common=2)
 
 
-class Apart(Case):
-    """Three machines, of which two do not reach each other."""
-
-    def setUp(self):
-        super().setUp()
-        self.machines = Machines(3)
-
-    def tearDown(self):
-        super().tearDown()
-        self.machines.remove()
+class Apart(OnThreeMachines):
+    """Two of the machines do not reach each other."""
 
     def on(self, machine, *arguments):
         env = {**os.environ, "PADR_KEY": "11" * 32}

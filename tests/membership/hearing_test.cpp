@@ -1,22 +1,10 @@
 // Links that fail while their ends are well: who is heard by somebody is not declared gone.
+#include "tests/membership/cut.h"
 #include "tests/membership/party.h"
 #include "tests/seed.h"
 
 namespace padr::test {
 namespace {
-
-/// Which ways between two persons are cut.
-struct Cut {
-  std::string name;
-  int a;
-  int b;
-  bool there;
-  bool back;
-};
-
-void PrintTo(const Cut& c, std::ostream* out) {
-  *out << c.name;
-}
 
 class Hearing : public testing::TestWithParam<Cut> {};
 
@@ -43,13 +31,7 @@ TEST_P(Hearing, WhoSomebodyHearsStays) {
   EXPECT_EQ(party.judge().violation(), "");
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, Hearing,
-                         testing::Values(Cut{"coordinator_and_another", 0, 2, true, true},
-                                         Cut{"coordinator_and_its_heir", 0, 1, true, true},
-                                         Cut{"from_the_coordinator", 0, 2, true, false},
-                                         Cut{"to_the_coordinator", 0, 2, false, true},
-                                         Cut{"two_others", 1, 2, true, true}, Cut{"one_way", 3, 1, true, false}),
-                         [](const auto& cut) { return cut.param.name; });
+INSTANTIATE_TEST_SUITE_P(Each, Hearing, testing::ValuesIn(kCuts), [](const auto& cut) { return cut.param.name; });
 
 // What two that do not hear one another have told has to be kept until they say that they have it. So the others hold
 // them together for five minutes, and then one of them is declared gone after all.

@@ -1,4 +1,5 @@
 // Members whose own link does not work, in a session with a key: another member carries for them.
+#include "tests/membership/cut.h"
 #include "tests/membership/party.h"
 #include "tests/seed.h"
 
@@ -14,19 +15,6 @@ lab::VirtualNetworkConfig sealed_party(int founders, const std::string& netem, s
 /// Through whom the person `at` reaches the person `of`.
 PeerId carrier(const Party& party, int of, int at) {
   return party.net().peer(at).carrier(party.replica(of).self());
-}
-
-/// Which ways between two persons are cut.
-struct Cut {
-  std::string name;
-  int a;
-  int b;
-  bool there;
-  bool back;
-};
-
-void PrintTo(const Cut& c, std::ostream* out) {
-  *out << c.name;
 }
 
 class Carried : public testing::TestWithParam<Cut> {};
@@ -67,13 +55,7 @@ TEST_P(Carried, PlayGoesOnAsBefore) {
   EXPECT_EQ(party.judge().violation(), "");
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, Carried,
-                         testing::Values(Cut{"coordinator_and_another", 0, 2, true, true},
-                                         Cut{"coordinator_and_its_heir", 0, 1, true, true},
-                                         Cut{"from_the_coordinator", 0, 2, true, false},
-                                         Cut{"to_the_coordinator", 0, 2, false, true},
-                                         Cut{"two_others", 1, 2, true, true}, Cut{"one_way", 3, 1, true, false}),
-                         [](const auto& cut) { return cut.param.name; });
+INSTANTIATE_TEST_SUITE_P(Each, Carried, testing::ValuesIn(kCuts), [](const auto& cut) { return cut.param.name; });
 
 // Without a carrier one of the two would be declared gone after five minutes.
 TEST(CarriedForLong, IsForEver) {
