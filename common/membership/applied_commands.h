@@ -31,10 +31,6 @@ class AppliedCommands final : public Commands {
   void give_up(PeerId p, bool for_good) override { replica_.give_up(p, for_good); }
   void cut_off(PeerId p, const std::string& why) override { replica_.cut_off(p, why); }
   void relay(const wire::Fetched& updates, PeerId by) override { replica_.relay(updates, by); }
-  void carry(PeerId p, PeerId by, bool directly_too) override {
-    const auto& seats = replica_.replica().roster().seats;
-    session_.routes.push_back({seats[p].at, seats[by].at, directly_too});
-  }
   void count_present(int members) override { session_.present = members; }
   void tell(SessionEvent event) override { session_.tell(std::move(event)); }
 

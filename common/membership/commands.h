@@ -37,9 +37,6 @@ class Commands {
   /// Files updates that member `by` relayed.
   virtual void relay(const wire::Fetched& updates, PeerId by) = 0;
 
-  /// What is for member p now goes through member `by`, and directly, too, if so; to be said again in every tick.
-  virtual void carry(PeerId p, PeerId by, bool directly_too) = 0;
-
   /// Sets the number of members present, this one included.
   virtual void count_present(int members) = 0;
   virtual void tell(SessionEvent event) = 0;

@@ -242,8 +242,6 @@ void Membership::find_paths() {
     const auto kind = c.by == kNoPeer ? SessionEvent::Kind::kDirect : SessionEvent::Kind::kCarried;
     commands_.tell({.kind = kind, .peer = c.to, .by = c.by});
   }
-  for (PeerId p = 0; p < roster().slots(); ++p)
-    if (paths_.carrier(p) != kNoPeer) commands_.carry(p, paths_.carrier(p), !paths_.has_told(p, roster().now));
   const auto telling = paths_.due(roster(), links_);
   if (!telling) return;
   for (PeerId p = 0; p < roster().slots(); ++p)

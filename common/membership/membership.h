@@ -51,6 +51,8 @@ class Membership {
   bool may_carry(const Endpoint& from, const Endpoint& to) const;
   /// The member through which p is reached; kNoPeer: it is reached directly.
   PeerId carrier(PeerId p) const { return paths_.carrier(p); }
+  /// Whether it is not known which ways to p work, so that what is carried for it goes directly, too.
+  bool is_unsure_of(PeerId p) const { return !paths_.has_told(p, roster().now); }
   /// The machine at `at` reports that nobody listens there.
   void on_unreachable(const Endpoint& at);
   /// Sends one Probe to `at`, which lists the members of this session.

@@ -49,13 +49,6 @@ struct SessionDatagram {
   wire::Bytes bytes;
 };
 
-/// What is for `to` now goes through `by`, and directly, too, if so.
-struct SessionRoute {
-  Endpoint to;
-  Endpoint by;
-  bool directly_too = false;
-};
-
 /// How often peers repeat themselves, and how long they wait; us.
 struct SessionPace {
   static constexpr Micros kTick = 10'000;      ///< timers are looked at this often
@@ -82,7 +75,6 @@ struct SessionState : SessionView {
   std::string failure;
   Micros born = 0;
   std::vector<SessionDatagram> outgoing;
-  std::vector<SessionRoute> routes;
   std::vector<SessionEvent> events;
 
   void send(const Endpoint& to, const wire::SessionMessage& message) {

@@ -202,6 +202,7 @@ void Participant::after_step(Micros local) {
   current_.membership->advance(local);
   for (const Outgoing& o : current_.replica->outgoing()) post(replica().seat(o.to).at, o.to, o.bytes);
   look_for_way_back(local);
+  use_carriers();
   collect(current_);
   collect(next_);
   if (!config_.steers || std::abs(replica().now() - steered_) < kSteerEvery) return;
@@ -260,10 +261,17 @@ bool Participant::nobody_to_tell() const {
   return true;
 }
 
+// Only for so long as it is said in every tick.
+void Participant::use_carriers() {
+  if (!channels_) return;
+  const Membership& m = *current_.membership;
+  for (PeerId p = 0; p < replica().config().slots; ++p)
+    if (const PeerId by = m.carrier(p); by != kNoPeer)
+      channels_->carry(replica().seat(p).at.key, replica().seat(by).at.key, m.is_unsure_of(p), local_);
+}
+
 void Participant::collect(Incarnation& incarnation) {
   if (!incarnation.session) return;
-  for (const SessionRoute& r : incarnation.session->take_routes())
-    if (channels_) channels_->carry(r.to.key, r.by.key, r.directly_too, local_);
   for (const SessionDatagram& d : incarnation.session->take_outgoing()) post(d.to, kNoPeer, d.bytes);
   for (SessionEvent& e : incarnation.session->take_events()) events_.push_back(std::move(e));
   if (!incarnation.membership) return;

@@ -135,6 +135,7 @@ class Participant {
   void plan_farewell();
   void say_goodbye();
   bool nobody_to_tell() const;
+  void use_carriers();
   void collect(Incarnation& incarnation);
   void take(const SecureChannels::Arrival& arrival, Micros local);
   bool may_carry(const Endpoint& from, const Endpoint& to, std::size_t bytes);

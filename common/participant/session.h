@@ -53,8 +53,6 @@ class Session {
 
   /// What to send, in order; empty afterwards.
   std::vector<SessionDatagram> take_outgoing();
-  /// New routes, in order; empty afterwards.
-  std::vector<SessionRoute> take_routes() { return std::exchange(session_.routes, {}); }
   /// Events to report; empty afterwards.
   std::vector<SessionEvent> take_events();
 
