@@ -69,6 +69,9 @@ struct Technique {
   /// Without replay: an update is moved on by its age when it arrives, as DIS practice has it; off: applied as if true
   /// on arrival (the paper's).
   bool time_stamps = false;
+  /// kbit/s that this peer sends to all others together at most, IP and UDP headers included; every link gets the same
+  /// share. What a link carries bounds it further.
+  float budget = 1000;
   friend bool operator==(const Technique&, const Technique&) = default;
 };
 

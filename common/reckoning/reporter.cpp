@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/model/precision.h"
 #include "common/world/avatar_control.h"
@@ -70,11 +71,13 @@ const Bundle& Reporter::report(const Situation& s) {
     report_bodies(s);
   }
   report_avatar(s);
+  if (!s.may_tell) return tell_nothing(s);
   if (technique_.authority) {
     bound_the_sum(s);
     complete_cluster(s);
   }
   if (avatar_) model_error_.corrected();
+  if (std::exchange(waited_, false)) renew_what_waited(s);
   return finish(s);
 }
 
@@ -214,6 +217,7 @@ void Reporter::report_bodies(const Situation& s) {
                          e.differs,      s.live->world().state(b).awake,
                          at_rest(s, b),  s.everyone_has >= claim_told_[b],
                          chain_.held(b), now - rest_told_[b]};
+    if (!s.may_tell) continue;
     const BodyReason reason = reason_of(body, technique_);
     if (reason.state) tell_state(s, b, *reason.state);
     if (reason.release) entry(b, Cause::kAtRest).release = true;
@@ -291,6 +295,7 @@ OwnAvatar Reporter::own_avatar(const Situation& s, const BodyState& truth) const
 void Reporter::report_avatar(const Situation& s) {
   const BodyState truth = s.live->world().state(s.live->avatar());
   follow_avatar(s, truth);
+  if (!s.may_tell) return;
   const AvatarReason reason = reason_of(own_avatar(s, truth), technique_);
   if (!reason.cause) return;
   tell_avatar(s, *reason.cause);
@@ -334,6 +339,32 @@ void Reporter::complete_cluster(const Situation& s) {
   for (const EntityId b : mine_)
     if ((chain_.member(b) && error_of(s, b).metres > kAlongMetres) || (exact_ && error_of(s, b).differs))
       tell_state(s, b, exact_ ? Cause::kBodyThreshold : avatar_->cause);
+}
+
+const Bundle& Reporter::tell_nothing(const Situation& s) {
+  waited_ = true;
+  told_.peer = self_;
+  told_.tick = s.predicted->tick;
+  told_.avatar.reset();
+  told_.bodies.clear();
+  return told_;
+}
+
+// What the claims rested on may have changed while they waited, and a touch may be over that nobody was told of.
+void Reporter::renew_what_waited(const Situation& s) {
+  std::erase_if(bodies_, [&](BodyUpdate& u) {
+    const Authority& a = s.predicted->authority[u.body];
+    const bool known_as_held = (s.predicted->holds[u.body] & only(self_)) != 0;
+    if (u.has_state && owns(s, u.body)) {
+      u.epoch = a.epoch;
+      u.claimed = a.claimed;
+    } else if (u.has_state && may_claim(s, u.body)) {
+      claim(s, u.body, u.cause);
+    } else {
+      u.has_state = u.release = false;
+    }
+    return !u.has_state && !u.release && chain_.held(u.body) == known_as_held;
+  });
 }
 
 const Bundle& Reporter::finish(const Situation& s) {

@@ -33,6 +33,7 @@ class Reporter {
     Tick round_trip = 0;                   ///< ticks; how long a lost contest keeps this peer from claiming again
     Tick everyone_has = -1;                ///< all peers have this peer's updates up to this tick
     std::vector<EntityId> pushed{};  ///< bodies that have just been pushed: told as if the avatar had touched them
+    bool may_tell = true;            ///< some link takes no more for now: what is due waits, and is told as it is then
   };
   /// Takes in how far off the avatar's model is at this tick; before the look-ahead and `report`.
   void watch_avatar(const Situation& s);
@@ -82,6 +83,8 @@ class Reporter {
   void tell_state(const Situation& s, EntityId b, Cause cause);
   void claim(const Situation& s, EntityId b, Cause cause);
   void tell_avatar(const Situation& s, Cause cause);
+  void renew_what_waited(const Situation& s);
+  const Bundle& tell_nothing(const Situation& s);
   const Bundle& finish(const Situation& s);
 
   PeerId self_;
@@ -112,6 +115,7 @@ class Reporter {
   Tick settled_told_ = -1;  ///< when steady input or a standing avatar was last told exactly
   bool exact_ = false;      ///< this tick tells everything that differs in any bit
   bool holding_ = false;
+  bool waited_ = false;  ///< something that was due last tick was not told
   int contests_lost_ = 0;
 };
 

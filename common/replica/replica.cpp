@@ -20,6 +20,9 @@ constexpr float kCalmLoss = 0.02F;
 constexpr Tick kKept = 15 * kTicksPerSecond;
 // Interval between hashes when updates leave no room for marks; otherwise each hash goes out once, with a mark.
 constexpr Tick kTellCheck = 60;
+// Nothing waits for the link to a peer that has not answered for so long.
+constexpr Tick kGone = 2 * kTicksPerSecond;
+constexpr double kBytesPerKbit = 125;
 // Time without new updates after which marks are less urgent.
 constexpr Tick kQuiet = kTicksPerSecond;
 
@@ -200,6 +203,7 @@ void Replica::report(Vec2 target, Vec2 velocity_before) {
     if (p == config_.self || !seat(p).there()) continue;
     s.round_trip = std::max(s.round_trip, static_cast<Tick>(links_[p].out.round_trip()) + 1);
     everyone = std::min(everyone, links_[p].out.acked());
+    s.may_tell = s.may_tell && (links_[p].out.unanswered(now()) >= kGone || links_[p].out.rate().may_send(now()));
   }
   const bool all = everyone >= own_first_ + own_log_.size();
   s.everyone_has = all ? now() - 1
@@ -305,8 +309,18 @@ std::optional<sync::Signature> Replica::signed_now() const {
   return own_log_.back().signature;
 }
 
+// Every link gets the same share of the budget.
+void Replica::share_budget() {
+  int links = 0;
+  for (PeerId p = 0; p < config_.slots; ++p)
+    if (p != config_.self && seat(p).reachable()) ++links;
+  const double share = config_.technique.budget * kBytesPerKbit / std::max(1, links);
+  for (LinkState& l : links_) l.out.rate().bound(share);
+}
+
 void Replica::send() {
   sent_ = 0;
+  share_budget();
   std::uint32_t everyone = own_end();
   for (PeerId p = 0; p < config_.slots; ++p) {
     LinkState& to = links_[p];
@@ -320,7 +334,8 @@ void Replica::send() {
     const sync::OutLink::Context context{now(), log.have(p), log.have_beyond(p),    to.promised > log.have(p),
                                          calm,  quiet,       config_.self * kPhase, to.repeats};
     sync::StatePacket* packet =
-        to.out.compose(context, own_log_, own_first_, wire::encoded_size, wire::kMaxPayload - wire::kStateOverhead);
+        to.out.compose(context, own_log_, own_first_, wire::encoded_size,
+                       std::min(wire::kMaxPayload - wire::kStateOverhead, to.out.rate().half_second()));
     everyone = std::min(everyone, to.out.acked());
     if (const std::uint32_t acked = std::max(to.out.acked(), own_first_); acked < own_end())
       n.unacknowledged = own_log_[acked - own_first_].tick;
@@ -333,6 +348,7 @@ void Replica::send() {
     wire::seal({wire::Kind::kState, config_.self, config_.session}, encoder_.encode(*packet), o.bytes);
     ++stats_.datagrams_sent;
     stats_.wire_bytes_sent += o.bytes.size() + kIpUdpBytes;
+    to.out.left(o.bytes.size() + kIpUdpBytes, now());
   }
   stats_.repeats = repeats_of_gone_;
   for (const LinkState& l : links_) stats_.repeats += l.out.repeats();

@@ -42,6 +42,9 @@ struct Probing {
 };
 constexpr std::array<Probing, 5> kProbing{{{60, 10}, {90, 4}, {120, 2}, {240, 6}, {360, 15}}};
 
+/// Without an answer for so long, and for two marks, a link is sent little.
+constexpr Tick kNoAnswer = 60;
+
 /// By so many ticks a round trip is longer than usual if an end has stood still.
 constexpr Tick kStandstill = kTicksPerSecond / 2;
 /// So many such round trips in a row are the link's.
@@ -72,7 +75,7 @@ OutLink::Flight& OutLink::flight(std::uint32_t index) {
 bool OutLink::lost(const Flight& f, Tick now) const {
   if (heard_seq_ == 0) return now - f.sent > kUnheard * std::min(f.times, 2);
   const auto slack = static_cast<Tick>(std::ceil(rttvar_));
-  const auto timeout = static_cast<Tick>(std::ceil(srtt_ + 4 * rttvar_)) + interval_ + 1;
+  const auto timeout = static_cast<Tick>(std::ceil(srtt_ + 4 * rttvar_ + rate_.queue())) + interval_ + 1;
   return newest_seen_sent_ > f.sent + slack || now - f.sent > timeout * std::min(f.times, 4);
 }
 
@@ -124,7 +127,9 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
                               const std::function<std::size_t(const Bundle&)>& size_of, std::size_t room) {
   const auto end = first + static_cast<std::uint32_t>(own.size());
   if (answered_at_ == kNever) answered_at_ = c.now;
-  interval_ = interval(c, end);
+  // Marks give way to updates where the link is narrow.
+  rate_.note(static_cast<float>(loss_) / 100, srtt_, unanswered(c.now) >= kNoAnswer + 2 * interval_);
+  interval_ = std::max(interval(c, end), rate_.eighth(mark_bytes_));
   begin_marks(c.now);
   const bool silent = unanswered(c.now) >= kSilent;
   bool urgent = false;
@@ -133,7 +138,7 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
   std::size_t used = 0;
   const auto fits = [&](std::uint32_t i) {
     const std::size_t n = size_of(own[i - first]);
-    if (used + n > room) return false;
+    if (used > 0 && used + n > room) return false;
     used += n;
     return true;
   };
@@ -155,6 +160,7 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
   const bool asks = c.again || missed_ || (gap_since_ >= 0 && c.now - gap_since_ >= kGapPatience);
   const bool ask = asks && c.now - last_sent_ >= kGapPatience;
   if (!urgent && !ask && !mark_is_due(c)) return nullptr;
+  if (!rate_.may_send(c.now)) return nullptr;
 
   for (const std::uint32_t i : repeated_)
     if (fits(i)) chosen_.push_back(i);
@@ -175,8 +181,6 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
     ++f.times;
     p.updates.push_back(pool_.copy(own[i - first]));
   }
-  sent_at_.push_back(c.now);
-  if (sent_at_.size() > kRemembered) sent_at_.pop_front();
   last_sent_ = c.now;
   missed_ = false;
   marked_ = !urgent;
@@ -201,16 +205,22 @@ void OutLink::on_packet(const StatePacket& p, Tick now) {
   newest_seen_ = p.seen_seq;
   answered_at_ = now;
   const std::uint32_t back = seq_ - p.seen_seq;
-  if (back >= sent_at_.size()) return;
-  newest_seen_sent_ = sent_at_[sent_at_.size() - 1 - back];
+  if (back >= rate_.remembered()) return;
+  newest_seen_sent_ = rate_.sent_at(back);
   sample(static_cast<float>(now - newest_seen_sent_) - static_cast<float>(p.seen_age));
+  rate_.arrived(back, p.mark_tick - static_cast<Tick>(p.seen_age), now, srtt_);
+}
+
+void OutLink::left(std::size_t bytes, Tick now) {
+  if (packet_.updates.empty()) mark_bytes_ = bytes;
+  rate_.sent(bytes, now);
 }
 
 // Whether what was sent a round trip ago, and nothing since, has arrived. Whoever speaks meanwhile waits for it.
 bool OutLink::last_were_missed(Tick now) const {
   const std::uint32_t unseen = seq_ - newest_seen_;
-  if (unseen == 0 || unseen > sent_at_.size() || unanswered(now) < 2 * kMarkInterval) return false;
-  return now - sent_at_[sent_at_.size() - unseen] > static_cast<Tick>(std::ceil(srtt_ + 4 * rttvar_)) + 1;
+  if (unseen == 0 || unseen > rate_.remembered() || unanswered(now) < 2 * kMarkInterval) return false;
+  return now - rate_.sent_at(unseen - 1) > static_cast<Tick>(std::ceil(srtt_ + 4 * rttvar_)) + 1;
 }
 
 // RFC 6298, in ticks. Either end may have stood still, which is no delay of the link: taken for one, a single such

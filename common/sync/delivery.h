@@ -6,6 +6,7 @@
 
 #include "common/model/ring.h"
 #include "common/sync/bundle_pool.h"
+#include "common/sync/link_rate.h"
 #include "common/sync/packet.h"
 
 namespace padr::sync {
@@ -37,6 +38,8 @@ class OutLink {
   /// may take in all.
   StatePacket* compose(const Context& c, const Ring<Bundle>& own, std::uint32_t first,
                        const std::function<std::size_t(const Bundle&)>& size_of, std::size_t room);
+  /// What compose() gave left as a datagram of so many bytes, IP and UDP headers included.
+  void left(std::size_t bytes, Tick now);
   /// Takes in what a datagram from the receiver says about ours.
   void on_packet(const StatePacket& p, Tick now);
 
@@ -45,6 +48,9 @@ class OutLink {
   /// Smoothed round trip in ticks, its acknowledgement delay taken out; a guess until the first measurement.
   float round_trip() const { return srtt_; }
   std::uint32_t sent() const { return seq_; }
+  /// How much the link carries.
+  const LinkRate& rate() const { return rate_; }
+  LinkRate& rate() { return rate_; }
   /// Ticks since the receiver last said that something new of ours has arrived.
   Tick unanswered(Tick now) const { return answered_at_ == kNever ? 0 : now - answered_at_; }
   /// Marks on a link that has been unanswered for so long come at most so many ticks after one another.
@@ -55,8 +61,6 @@ class OutLink {
   std::uint64_t repeats() const { return repeats_; }
 
  private:
-  // Datagrams whose time of sending is remembered for round trips: 4 s at one a tick.
-  static constexpr std::size_t kRemembered = 256;
   static constexpr Tick kNever = -1000;
   struct Flight {
     Tick sent = -1;  ///< tick of the last transmission, -1 before the first
@@ -81,7 +85,8 @@ class OutLink {
   std::vector<std::uint32_t> repeated_;  ///< scratch
   std::vector<std::uint32_t> lined_up_;  ///< scratch
   std::vector<std::uint32_t> chosen_;    ///< scratch
-  Ring<Tick> sent_at_{kRemembered + 1};  ///< tick of datagram seq_ - size + 1 + i
+  std::size_t mark_bytes_ = 60;          ///< of the last datagram without updates
+  LinkRate rate_;
   std::uint32_t acked_ = 0;
   std::uint32_t acked_beyond_ = 0;
   bool fresh_ = false;          ///< begun with an admission

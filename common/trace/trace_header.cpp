@@ -9,7 +9,7 @@ void put_technique(const Technique& t, file::Technique& out) {
   // Names every field, so that a new one does not compile until it is told here and in take_technique.
   const auto& [name, authority, replay, model, predictor, law, lead, time_space, high, low, body_threshold, convergence,
                radius, steps, count, pcc_bound, update_every_contact, every_tick, end_update, proxy_update, rest_state,
-               precision, unowned, time_stamps] = t;
+               precision, unowned, time_stamps, budget] = t;
   out.set_name(name);
   out.set_authority(authority);
   out.set_replay(replay);
@@ -34,6 +34,7 @@ void put_technique(const Technique& t, file::Technique& out) {
   out.set_precision(static_cast<std::uint32_t>(precision));
   out.set_unowned(static_cast<std::uint32_t>(unowned));
   out.set_time_stamps(time_stamps);
+  out.set_budget(budget);
 }
 
 bool take_technique(const file::Technique& in, Technique& t) {
@@ -44,7 +45,7 @@ bool take_technique(const file::Technique& in, Technique& t) {
       in.unowned() > static_cast<unsigned>(Unowned::kLive))
     return false;
   for (const float v : {in.lead(), in.time_space(), in.threshold_high(), in.threshold_low(), in.body_threshold(),
-                        in.radius(), in.pcc_bound()})
+                        in.radius(), in.pcc_bound(), in.budget()})
     if (!std::isfinite(v) || v < 0 || v > 1.0e6F) return false;
   if (in.steps() > 100'000 || in.count() > 100'000) return false;
   t.name = in.name();
@@ -71,6 +72,7 @@ bool take_technique(const file::Technique& in, Technique& t) {
   t.precision = static_cast<Precision>(in.precision());
   t.unowned = static_cast<Unowned>(in.unowned());
   t.time_stamps = in.time_stamps();
+  t.budget = in.budget();
   return true;
 }
 

@@ -1,0 +1,165 @@
+#include "common/sync/link_rate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace padr::sync {
+namespace {
+
+// Another rate is taken if what it leaves unexplained of the latest receipts' lateness, ticks, is this part or less of
+// what the present one leaves, and less by at least so much.
+constexpr float kBetter = 0.4F;
+constexpr float kClearly = 6;
+// The estimate grows by this factor while something is held back, and it explains no more than a link without a queue.
+constexpr double kGrowth = 2;
+constexpr Tick kGrowEvery = 6;
+constexpr Tick kSpan = 10 * kTicksPerSecond;
+// Times are whole ticks at both ends.
+constexpr float kResolution = 0.5F;
+// What is sent waits for an empty queue no longer than this, s.
+constexpr double kLongestWait = 10;
+
+constexpr double kLeast = 60;        // bytes/s: a mark a second
+constexpr double kLeastFair = 1000;  // bytes/s: losses alone do not slow a link below this
+// Where nothing comes back: this part of the rate.
+constexpr double kSilentPart = 1.0 / 8;
+constexpr double kSegment = 1460;  // bytes: what TFRC-SP allows small packets to count as
+
+// RFC 5348's throughput equation, for segments of kSegment bytes; p: loss, 0 to 1.
+double tfrc(double p, double round_trip_seconds) {
+  const double root = std::sqrt(2 * p / 3);
+  const double timeouts = 12 * std::sqrt(3 * p / 8) * p * (1 + 32 * p * p);
+  return kSegment / (round_trip_seconds * (root + timeouts));
+}
+
+double seconds(double ticks) {
+  return ticks / kTicksPerSecond;
+}
+
+}  // namespace
+
+double LinkRate::rate() const {
+  return std::min({rate_, most_, fair_});
+}
+
+Tick LinkRate::eighth(std::size_t bytes) const {
+  return static_cast<Tick>(
+      std::min(600.0, std::ceil(static_cast<double>(bytes) * 8 * kTicksPerSecond / std::min(rate_, most_))));
+}
+
+void LinkRate::drain(Tick now) {
+  queued_ = std::max(0.0, queued_ - seconds(std::max(0, now - drained_)) * rate());
+  drained_ = std::max(drained_, now);
+}
+
+bool LinkRate::may_send(Tick now) {
+  drain(now);
+  const bool empty = queued_ <= 0;
+  held_back_ = held_back_ || !empty;
+  return empty;
+}
+
+void LinkRate::sent(std::size_t bytes, Tick now) {
+  drain(now);
+  queued_ += static_cast<double>(bytes);
+  sent_.push_back({now, bytes});
+  if (sent_.size() <= kRemembered) return;
+  sent_.pop_front();
+  ++forgotten_;
+}
+
+void LinkRate::note(float loss, float round_trip, bool silent) {
+  fair_ = kMost;
+  if (loss > 0) fair_ = std::clamp(tfrc(loss, seconds(std::max(1.0F, round_trip))), kLeastFair, kMost);
+  if (silent) fair_ = std::min(fair_, rate_ * kSilentPart);
+}
+
+void LinkRate::note_transit(const Quickest& q, Tick now) {
+  if (now - span_ > kSpan) {
+    was_quickest_ = span_ == kNever ? q : now_quickest_;
+    now_quickest_ = q;
+    span_ = now;
+  }
+  if (q.transit < now_quickest_.transit) now_quickest_ = q;
+}
+
+const LinkRate::Quickest& LinkRate::quickest() const {
+  return was_quickest_.transit < now_quickest_.transit ? was_quickest_ : now_quickest_;
+}
+
+float LinkRate::lateness(const Receipt& r) const {
+  return static_cast<float>(r.transit - quickest().transit);
+}
+
+// The queue began with some datagram before: the rate is what the link carried from then on until this one had left it.
+// Of all datagrams that may have begun it, the one that did makes the rate highest.
+double LinkRate::explains(const Receipt& r) const {
+  const float late = std::max(kResolution, lateness(r));
+  double bytes = -static_cast<double>(quickest().bytes);
+  double rate = 0;
+  const std::size_t last = r.number - forgotten_;
+  for (std::size_t i = last + 1; i-- > 0;) {
+    bytes += static_cast<double>(sent_[i].bytes);
+    rate = std::max(rate, bytes / seconds(static_cast<double>(sent_[last].at - sent_[i].at) + late));
+  }
+  return rate;
+}
+
+// By how many ticks that datagram is later than the quickest, at a rate.
+float LinkRate::predicted(const Receipt& r, double rate) const {
+  double bytes = -static_cast<double>(quickest().bytes);
+  double late = 0;
+  const std::size_t last = r.number - forgotten_;
+  for (std::size_t i = last + 1; i-- > 0;) {
+    bytes += static_cast<double>(sent_[i].bytes);
+    late = std::max(late, bytes / rate * kTicksPerSecond - static_cast<double>(sent_[last].at - sent_[i].at));
+  }
+  return static_cast<float>(late);
+}
+
+float LinkRate::unexplained(double rate) const {
+  float sum = 0;
+  for (std::size_t i = 0; i < receipts_.size(); ++i)
+    if (receipts_[i].number >= forgotten_) sum += std::abs(lateness(receipts_[i]) - predicted(receipts_[i], rate));
+  return sum;
+}
+
+void LinkRate::set_rate(double rate, Tick now) {
+  rate_ = std::clamp(rate, kLeast, kMost);
+  queued_ = 0;
+  double bytes = 0;
+  for (std::size_t i = sent_.size(); i-- > 0;) {
+    bytes += static_cast<double>(sent_[i].bytes);
+    queued_ = std::max(queued_, bytes - seconds(static_cast<double>(now - sent_[i].at)) * this->rate());
+  }
+  queued_ = std::min(queued_, kLongestWait * this->rate());
+  drained_ = now;
+}
+
+void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_trip) {
+  const std::size_t place = sent_.size() - 1 - later;
+  receipts_.push_back({forgotten_ + place, received - sent_[place].at});
+  if (receipts_.size() > kReceipts) receipts_.pop_front();
+  note_transit({receipts_.back().transit, sent_[place].bytes}, now);
+  queue_ = lateness(receipts_.back());
+  const float left = unexplained(rate_);
+  double best = rate_;
+  float least = left;
+  for (const double candidate : {explains(receipts_.back()), explains(receipts_.front())}) {
+    const float leaves = unexplained(candidate);
+    if (leaves >= least) continue;
+    least = leaves;
+    best = candidate;
+  }
+  if (least < kBetter * left && least + kClearly < left) {
+    set_rate(best, now);
+  } else if (held_back_ && left >= kBetter * unexplained(kMost) &&
+             now - grown_ > std::max(static_cast<Tick>(round_trip), kGrowEvery)) {
+    grown_ = now;
+    held_back_ = false;
+    set_rate(rate_ * kGrowth, now);
+  }
+}
+
+}  // namespace padr::sync

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "common/model/ids.h"
+#include "common/model/ring.h"
+
+namespace padr::sync {
+
+/// What a directed link carries, and whether it may be sent something now. The acknowledgements show by how much each
+/// datagram was later than the quickest of late. A queue of what we have sent explains that for exactly one rate of the
+/// link: the estimate. Nothing is sent while that queue, as the estimate has it, is not empty, so what is sent is never
+/// older than the link makes it. While something is held back and no queue shows, the estimate grows. Losses bound the
+/// rate, too, as RFC 4828 has it for small packets (TFRC-SP), so that it is fair to other traffic.
+///
+/// Rates are in bytes per second, IP and UDP headers included.
+class LinkRate {
+ public:
+  /// The rate never exceeds this.
+  void bound(double most) { most_ = most; }
+
+  /// The next datagram, of `bytes`, leaves at `now`.
+  void sent(std::size_t bytes, Tick now);
+  /// Datagrams whose sending is remembered.
+  std::size_t remembered() const { return sent_.size(); }
+  /// When the datagram was sent that was followed by `later` others, less than remembered().
+  Tick sent_at(std::size_t later) const { return sent_[sent_.size() - 1 - later].at; }
+  /// That datagram, the newest so far, has arrived, at `received` by the receiver's session clock.
+  void arrived(std::size_t later, Tick received, Tick now, float round_trip);
+  /// What bounds the rate besides: recent loss (0 to 1) at a round trip in ticks, and silence: no answer comes.
+  void note(float loss, float round_trip, bool silent);
+
+  /// Whether a datagram may be sent now. If not, what was to be sent counts as held back.
+  bool may_send(Tick now);
+  double rate() const;
+  /// Queueing delay that the last acknowledgement showed, ticks.
+  float queue() const { return queue_; }
+  /// Bytes that take half a second.
+  std::size_t half_second() const { return static_cast<std::size_t>(rate() / 2); }
+  /// Ticks between datagrams of `bytes` that take an eighth of the rate.
+  Tick eighth(std::size_t bytes) const;
+
+ private:
+  struct Sent {
+    Tick at = 0;
+    std::size_t bytes = 0;
+  };
+  struct Receipt {
+    std::size_t number = 0;  ///< of the datagram, among all that were sent
+    Tick transit = 0;        ///< by two session clocks
+  };
+  /// Of late, the datagram that was quickest.
+  struct Quickest {
+    Tick transit = 0;
+    std::size_t bytes = 0;
+  };
+  // Datagrams whose time of sending is remembered: 4 s at one a tick.
+  static constexpr std::size_t kRemembered = 256;
+  static constexpr std::size_t kReceipts = 8;
+
+  void drain(Tick now);
+  void note_transit(const Quickest& q, Tick now);
+  const Quickest& quickest() const;
+  float lateness(const Receipt& r) const;
+  double explains(const Receipt& r) const;
+  float predicted(const Receipt& r, double rate) const;
+  float unexplained(double rate) const;
+  void set_rate(double rate, Tick now);
+
+  Ring<Sent> sent_{kRemembered + 1};
+  std::size_t forgotten_ = 0;  ///< datagrams sent before those
+  double rate_ = 1000;         ///< the estimate; low until something is known
+  double most_ = kMost;
+  double fair_ = kMost;    ///< bound by losses and silence
+  double queued_ = 0;      ///< bytes that wait in the link's queue, by the estimate
+  Tick drained_ = 0;       ///< when that was last computed
+  Quickest now_quickest_;  ///< in the span that began at span_, and in the one before
+  Quickest was_quickest_;
+  Tick span_ = kNever;
+  float queue_ = 0;
+  Ring<Receipt> receipts_{kReceipts + 1};  ///< the latest
+  Tick grown_ = kNever;
+  bool held_back_ = false;  ///< since the rate last grew
+
+  static constexpr Tick kNever = -1'000'000;
+  static constexpr double kMost = 1.25e7;  ///< 100 Mbit/s
+};
+
+}  // namespace padr::sync
