@@ -1,80 +1,19 @@
 #!/usr/bin/env python3
 """End to end on three machines, as network namespaces behind a switch of their own.
 
-Nothing of the machine that runs the test is changed: the switch is a bridge in a namespace, so no frame passes the
-machine's own firewall, and all goes with the namespaces. Skipped where they are not permitted.
+Skipped where namespaces are not permitted.
 
 Usage: peer_hosts.py PATH_TO_PADR_PEER [unittest arguments]
 """
 
-import ctypes
 import os
 import re
-import shutil
 import subprocess
-import sys
 
-from peers import PROGRAM, Case, main
+from hosts import Machines, main_unless, why_no_namespaces
+from peers import PROGRAM, Case
 
-SKIPPED = 77  # ctest's SKIP_RETURN_CODE
-CLONE_NEWNET = 0x40000000
 CAPTURE = os.path.join(os.path.dirname(PROGRAM), "padr-capture")
-PREFIX = f"padr{os.getpid()}"
-LIBC = ctypes.CDLL(None, use_errno=True)
-
-
-def ip(*words):
-    subprocess.run(["ip", *words], check=True, capture_output=True, text=True)
-
-
-class Machines:
-    """Namespaces 1 .. n with the addresses 10.99.0.1 .. n, and namespace 0 with the switch between them."""
-
-    def __init__(self, n):
-        self.names = [f"{PREFIX}h{i}" for i in range(n + 1)]
-        try:
-            for name in self.names:
-                ip("netns", "add", name)
-                ip("-n", name, "link", "set", "lo", "up")
-            ip("-n", self.names[0], "link", "add", "switch", "type", "bridge")
-            ip("-n", self.names[0], "link", "set", "switch", "up")
-            for i in range(1, n + 1):
-                self.plug(i)
-        except BaseException:
-            self.remove()
-            raise
-
-    def plug(self, i):
-        switch, name = self.names[0], self.names[i]
-        ip("-n", switch, "link", "add", f"port{i}", "type", "veth", "peer", "name", "eth0", "netns", name)
-        ip("-n", switch, "link", "set", f"port{i}", "master", "switch", "up")
-        ip("-n", name, "addr", "add", f"10.99.0.{i}/24", "dev", "eth0")
-        ip("-n", name, "link", "set", "eth0", "up")
-
-    def keep_apart(self, *machines):
-        """None of these reaches another one of them any more; all others do."""
-        for i in machines:
-            ip("-n", self.names[0], "link", "set", f"port{i}", "type", "bridge_slave", "isolated", "on")
-
-    def together(self, *machines):
-        for i in machines:
-            ip("-n", self.names[0], "link", "set", f"port{i}", "type", "bridge_slave", "isolated", "off")
-
-    def enter(self, i):
-        """For a child process, before it becomes another program."""
-        path = f"/run/netns/{self.names[i]}"
-
-        def setns():
-            fd = os.open(path, os.O_RDONLY)
-            if LIBC.setns(fd, CLONE_NEWNET) != 0:
-                raise OSError(ctypes.get_errno(), "setns")
-            os.close(fd)
-
-        return setns
-
-    def remove(self):
-        for name in self.names:
-            subprocess.run(["ip", "netns", "del", name], check=False, capture_output=True)
 
 
 class OnThreeMachines(Case):
@@ -166,20 +105,5 @@ class Apart(OnThreeMachines):
         self.check_agreement(self.peers, least_common=5)
 
 
-def why_not():
-    """Why there can be no namespaces here; empty if there can."""
-    if shutil.which("ip") is None:
-        return "there is no program 'ip' (Debian: iproute2)"
-    try:
-        Machines(1).remove()
-    except subprocess.CalledProcessError as error:
-        return f"network namespaces are not permitted: '{' '.join(error.cmd)}' says {error.stderr.strip()!r}"
-    return ""
-
-
 if __name__ == "__main__":
-    reason = why_not()
-    if reason:
-        print(f"skipped: {reason}; as root it runs", file=sys.stderr)
-        sys.exit(SKIPPED)
-    main()
+    main_unless(why_no_namespaces())

@@ -1,0 +1,442 @@
+#!/usr/bin/env python3
+"""End to end behind NATs: every pair of kinds plays, by the way that it should.
+
+Each session has an Internet of its own, of network namespaces and nftables: a founder in the open, whom all reach, and two
+members, each of whom is behind a NAT. Before they play, UDP datagrams of the test's own show that each NAT is of its kind;
+afterwards the kernel's counters say what came from one of the two to the other one. Skipped where that is not permitted.
+
+Usage: peer_nats.py PATH_TO_PADR_PEER [--seconds N] [--at-once N] [--only WORD] [unittest arguments]
+  --seconds N   so long each session plays, except the longest, 60 s; 12 if not said
+  --at-once N   so many sessions at once, besides the longest; 5 if not said
+  --only WORD   only sessions in whose name the word is
+"""
+
+import collections
+import dataclasses
+import itertools
+import json
+import os
+import re
+import shutil
+import socket
+import subprocess
+import sys
+from collections.abc import Callable
+
+from hosts import Network, main_unless, why_no_namespaces
+from peers import Case
+
+
+def argument(name, standard):
+    if name not in sys.argv:
+        return standard
+    at = sys.argv.index(name)
+    value = sys.argv[at + 1]
+    del sys.argv[at : at + 2]
+    return type(standard)(value)
+
+
+SECONDS = argument("--seconds", 12)
+AT_ONCE = argument("--at-once", 5)
+ONLY = argument("--only", "")
+HARDEST = ("symmetric", "symmetric")
+LONG = 60  # s
+PLAYS_WITHIN = 3000  # ms from the start of the process
+PATIENCE = 30  # s that a session may end late
+KEY = "11" * 32
+FOUNDER, FOUNDER_TOO = "198.51.100.1", "198.51.100.2"  # one machine
+FOUNDER_V6 = "2001:db8::1"
+
+HEAD = """pair                                  seal         s  plays after ms  confirms after  came directly  carried  lost
+                                                                a      b       a      b      a      b"""
+ROW = "{:37} {:8} {:5} {:8} {:6} {:7} {:6} {:6} {:6} {:8} {:5}"
+
+# What every router does: it lets out what is from inside, and in what answers that. Like routers that are sold, and unlike
+# Linux by itself, it drops the rest without a trace: an answer by the router would keep the port from the machine behind.
+ROUTER = """
+table ip firewall {
+  chain input {
+    type filter hook input priority filter; policy drop;
+  }
+  chain forward {
+    type filter hook forward priority filter; policy drop;
+    iifname "inside" accept
+    ct state established,related accept
+    ct status dnat accept
+  }
+}
+"""
+KEEPS_PORTS = """
+table ip nat {
+  chain out {
+    type nat hook postrouting priority srcnat;
+    oifname "outside" masquerade
+  }
+}
+"""
+LETS_ALL_IN = """
+table ip nat {
+  chain in {
+    type nat hook prerouting priority dstnat;
+    iifname "outside" meta l4proto udp dnat to 192.168.0.2
+  }
+}
+"""
+DRAWS_PORTS = """
+table ip nat {
+  chain out {
+    type nat hook postrouting priority srcnat;
+    oifname "outside" masquerade random,fully-random
+  }
+}
+"""
+# What comes to a member from others than the founder.
+COUNTS = """
+table inet counts {
+  counter direct {
+  }
+  chain input {
+    type filter hook input priority filter;
+    ip saddr { 198.51.100.1, 198.51.100.2 } accept
+    ip6 saddr 2001:db8::1 accept
+    meta l4proto udp counter name direct
+  }
+}
+"""
+
+
+@dataclasses.dataclass(frozen=True)
+class Kind:
+    """A NAT, as RFC 4787 tells them apart."""
+
+    routers: tuple = ()  # their rules, the outermost first
+    one_port: bool = True  # the same outside for all whom a port of the inside sends to
+    lets_in: bool = False  # others than those that were sent something
+
+
+KINDS = {
+    "open": Kind(lets_in=True),
+    "full cone": Kind((KEEPS_PORTS + LETS_ALL_IN,), lets_in=True),
+    "port-restricted": Kind((KEEPS_PORTS,)),
+    "symmetric": Kind((DRAWS_PORTS,), one_port=False),
+    "double": Kind((KEEPS_PORTS, KEEPS_PORTS)),
+}
+
+
+def is_direct(a, b):
+    """Whether two that a third one introduces reach each other: one lets everybody in, or both are known by the port at which
+    the other one will see them."""
+    return a.lets_in or b.lets_in or (a.one_port and b.one_port)
+
+
+def needs_key(a, b):
+    """In a session with a key, a member that comes from another port than was said is known by its key."""
+    return not (a.one_port and b.one_port)
+
+
+class Internet(Network):
+    """A founder in the open, and machines behind routers. Homes have the same addresses, like those of real ones."""
+
+    def __init__(self):
+        super().__init__()
+        self.outside = itertools.count(11)
+        try:
+            self.add("net")
+            self.add_switch("net", "switch")
+            self.on_switch("founder", FOUNDER)
+            self.ip("founder", "addr", "add", f"{FOUNDER_TOO}/24", "dev", "outside")
+            self.ip("founder", "addr", "add", f"{FOUNDER_V6}/64", "dev", "outside", "nodad")
+        except BaseException:
+            self.remove()
+            raise
+
+    def on_switch(self, machine, address):
+        self.add(machine)
+        self.plug(machine, "outside", "net", "switch", machine)
+        if address:
+            self.ip(machine, "addr", "add", f"{address}/24", "dev", "outside")
+
+    def add_router(self, machine, behind, rules):
+        """Behind another router, or none."""
+        if behind is None:
+            self.on_switch(machine, f"198.51.100.{next(self.outside)}")
+        else:
+            self.add(machine)
+            self.plug(machine, "outside", behind, "inside", machine)
+            self.ip(machine, "addr", "add", "100.64.0.2/24", "dev", "outside")
+            self.ip(machine, "route", "add", "default", "via", "100.64.0.1")
+        self.add_switch(machine, "inside")
+        with self.inside(machine), open("/proc/sys/net/ipv4/ip_forward", "w", encoding="ascii") as forward:
+            forward.write("1")
+        self.run(machine, "nft", "-f", "-", text=ROUTER + rules)
+
+    def add_home(self, name, kind, members):
+        """Members behind routers of one kind."""
+        behind = None
+        for i, rules in enumerate(kind.routers):
+            router = f"{name}r{i}"
+            self.add_router(router, behind, rules)
+            last = i + 1 == len(kind.routers)
+            self.ip(router, "addr", "add", "192.168.0.1/24" if last else "100.64.0.1/24", "dev", "inside")
+            behind = router
+        for i, member in enumerate(members):
+            if behind is None:
+                self.on_switch(member, f"198.51.100.{next(self.outside)}")
+            else:
+                self.add(member)
+                self.plug(member, "outside", behind, "inside", member)
+                self.ip(member, "addr", "add", f"192.168.0.{i + 2}/24", "dev", "outside")
+                self.ip(member, "route", "add", "default", "via", "192.168.0.1")
+            self.count(member)
+
+    def count(self, member):
+        self.run(member, "nft", "-f", "-", text=COUNTS)
+
+    def direct(self, member):
+        """Datagrams that have come to the member from others than the founder."""
+        listed = json.loads(self.run(member, "nft", "-j", "list", "counter", "inet", "counts", "direct"))
+        (counter,) = [entry["counter"] for entry in listed["nftables"] if "counter" in entry]
+        return counter["packets"]
+
+    def socket(self, machine, address="", family=socket.AF_INET):
+        with self.inside(machine):
+            s = socket.socket(family, socket.SOCK_DGRAM)
+        s.bind((address, 0))
+        return s
+
+
+COMES, DOES_NOT = 5.0, 0.2  # s until a datagram that should come has, and until one that should not would have
+
+
+def seen(sender, receiver, address, patience=COMES):
+    """Where a datagram comes from that is sent to the address; None if it does not come."""
+    receiver.settimeout(patience)
+    word = os.urandom(8)
+    sender.sendto(word, address)
+    while True:
+        try:
+            got, where = receiver.recvfrom(64)
+        except TimeoutError:
+            return None
+        if got == word:
+            return where
+
+
+@dataclasses.dataclass(frozen=True)
+class Plan:
+    """One session of a founder and members a and b."""
+
+    name: str
+    seal: str  # "": no key
+    direct: bool  # a and b reach each other
+    seconds: int
+    prepare: Callable  # given the Trial: what stands between the members
+    founder: str = "0.0.0.0:0"  # where it listens
+    members: tuple = (("0.0.0.0:0", FOUNDER),) * 2  # where each listens and joins
+
+
+class Trial:
+    """A plan that is carried out."""
+
+    def __init__(self, case, plan):
+        self.case, self.plan = case, plan
+        self.peers = []
+        self.internet = Internet()
+        try:
+            plan.prepare(self)
+            self.came_before = [self.internet.direct(m) for m in "ab"]
+            self.start()
+        except BaseException:
+            self.remove()
+            raise
+
+    def behind(self, *kinds):
+        """Each member has a NAT of its own."""
+        for member, kind in zip("ab", kinds):
+            self.internet.add_home(f"{member}h", kind, [member])
+            self.prove_kind(member, kind)
+
+    def behind_one(self, kind):
+        self.internet.add_home("h", kind, "ab")
+        for member in "ab":
+            self.prove_kind(member, kind)
+        self.prove_no_hairpin("a", "b")
+
+    def of_two_families(self):
+        """a has only IPv6, b only IPv4."""
+        internet = self.internet
+        internet.on_switch("a", None)
+        internet.ip("a", "addr", "add", "2001:db8::a/64", "dev", "outside", "nodad")
+        internet.count("a")
+        internet.add_home("bh", KINDS["open"], "b")
+        for member, family, elsewhere in (("a", socket.AF_INET, FOUNDER), ("b", socket.AF_INET6, FOUNDER_V6)):
+            with internet.socket(member, family=family) as s, self.case.assertRaisesRegex(OSError, "unreachable"):
+                s.sendto(b"", (elsewhere, 9))
+
+    def prove_kind(self, member, kind):
+        """The member's NAT is what it is taken for."""
+        case, internet = self.case, self.internet
+        with (
+            internet.socket(member) as inside,
+            internet.socket("founder", FOUNDER) as first,
+            internet.socket("founder", FOUNDER) as other_port,
+            internet.socket("founder", FOUNDER_TOO) as other_address,
+        ):
+            there = seen(inside, first, first.getsockname())
+            case.assertIsNotNone(there, f"{member} reaches the founder")
+            case.assertIsNotNone(seen(first, inside, there), f"{member} gets an answer")
+            for other in (other_port, other_address):
+                let_in = seen(other, inside, there, COMES if kind.lets_in else DOES_NOT) is not None
+                case.assertEqual(let_in, kind.lets_in, f"{member} gets what {other.getsockname()} sends")
+            for other in (other_port, other_address):
+                case.assertEqual(seen(inside, other, other.getsockname()) == there, kind.one_port, f"{member} has one port")
+            case.assertEqual(there[1] == inside.getsockname()[1], kind.one_port, f"{member} keeps its port")
+
+    def prove_no_hairpin(self, one, other):
+        """Two behind one router reach each other there, and not by their address outside."""
+        with self.internet.socket(one) as a, self.internet.socket(other) as b, self.internet.socket("founder", FOUNDER) as first:
+            a_there, b_there = (seen(s, first, first.getsockname()) for s in (a, b))
+            self.case.assertEqual(a_there[0], b_there[0])
+            for _ in range(2):  # the second time, both have sent something
+                self.case.assertIsNone(seen(a, b, b_there, DOES_NOT))
+                self.case.assertIsNone(seen(b, a, a_there, DOES_NOT))
+            self.case.assertIsNotNone(seen(a, b, ("192.168.0.3", b.getsockname()[1])))
+
+    def start(self):
+        plan = self.plan
+        env = {**os.environ, "PADR_KEY": KEY} if plan.seal else None
+        options = ["--duration", plan.seconds, "--status-interval", 0.2, *(["--seal", plan.seal] if plan.seal else ["--insecure"])]
+
+        def peer(machine, *arguments):
+            self.peers.append(self.case.peer(*arguments, *options, env=env, preexec_fn=self.internet.enter(machine)))
+            return self.peers[-1]
+
+        port = peer("founder", "--wait-peers", 3, "--listen", plan.founder).port()
+        for machine, (listen, founder) in zip("ab", plan.members):
+            peer(machine, "--listen", listen, "--join", f"{founder}:{port}")
+
+    def finish(self):
+        try:
+            self.check()
+        except AssertionError as error:
+            logs = [f"--- log of {p.arguments}, exit {p.process.poll()}\n{p.text()}" for p in self.peers]
+            raise AssertionError("\n".join([str(error), *logs])) from None
+        finally:
+            self.remove()
+
+    def remove(self):
+        for p in self.peers:
+            p.stop()
+            self.case.peers.remove(p)
+        self.internet.remove()
+
+    def check(self):
+        case, plan = self.case, self.plan
+        for p in self.peers:
+            case.assertEqual(p.end(patience=plan.seconds + PATIENCE), 0)
+        summaries = [p.summary() for p in self.peers]
+        plays = [round(s["join_ms"]) for s in summaries[1:]]
+        confirms = [round(confirmed_after(p, s["first_tick"])) for p, s in zip(self.peers[1:], summaries[1:])]
+        came = [self.internet.direct(m) - before for m, before in zip("ab", self.came_before)]
+        carried = summaries[0]["seal"]["carried"] if plan.seal else 0
+        removed = sum(s["others"]["removed"] for s in summaries)
+        print(ROW.format(plan.name, plan.seal or "no key", plan.seconds, *plays, *confirms, *came, carried, removed), flush=True)
+        for p, s in zip(self.peers, summaries):
+            case.assertNotRegex(p.text(), "silent for|is lost|joining anew")
+            case.assertEqual((len(s["lives"]), s["others"]["removed"]), (1, 0))
+        case.assertLessEqual(max(plays + confirms), PLAYS_WITHIN)
+        case.check_agreement(self.peers, least_common=plan.seconds - 3)
+        self.check_way(came, carried)
+
+    def check_way(self, came, carried):
+        case, plan = self.case, self.plan
+        if plan.direct:
+            # A member sends something to each other one at least once a second.
+            case.assertGreaterEqual(min(came), plan.seconds)
+            case.assertEqual(carried, 0)
+            for p in self.peers:
+                case.assertNotRegex(p.text(), "is reached through|carried:")
+            return
+        case.assertEqual(came, [0, 0])
+        case.assertGreaterEqual(carried, 2 * plan.seconds)
+        for p in self.peers[1:]:
+            case.assertRegex(p.text(), "peer [12] is reached through peer 0")
+            case.assertRegex(p.text(), "status: .* carried: [12] by 0")
+
+
+def confirmed_after(peer, tick):
+    """ms from the peer's first line to the status line that says that the tick is confirmed, for which all must have been heard."""
+
+    def time_of(line):
+        hours, minutes, seconds = re.match(r"(\d+):(\d+):([\d.]+)", line).groups()
+        return 3600 * int(hours) + 60 * int(minutes) + float(seconds)
+
+    lines = peer.text().splitlines()
+    for line in lines:
+        found = re.search(r"status: .* confirmed .*@(\d+)", line)
+        if found and int(found[1]) >= tick:
+            return (time_of(line) - time_of(lines[0])) % 86400 * 1000
+    raise AssertionError(f"{peer.arguments} has never confirmed tick {tick}")
+
+
+def plans():
+    """The longest first."""
+    seals = itertools.cycle(("auth", "encrypt"))
+    pairs = sorted(itertools.combinations_with_replacement(KINDS, 2), key=lambda pair: pair != HARDEST)
+    for names in pairs:
+        a, b = kinds = [KINDS[name] for name in names]
+        seconds = max(SECONDS, LONG) if names == HARDEST else SECONDS
+        way = is_direct(a, b)
+        for seal in (next(seals), "") if way and not needs_key(a, b) else (next(seals),):
+            yield Plan(" - ".join(names), seal, way, seconds, lambda trial, kinds=kinds: trial.behind(*kinds))
+    restricted = KINDS["port-restricted"]
+    yield Plan("two behind one, no hairpin", "auth", False, SECONDS, lambda trial: trial.behind_one(restricted))
+    yield Plan("only IPv6 - only IPv4", "encrypt", False, SECONDS, Trial.of_two_families, "[::]:0",
+               (("[::]:0", f"[{FOUNDER_V6}]"), ("0.0.0.0:0", FOUNDER)))  # fmt: skip
+
+
+class Nats(Case):
+    def test_all_pairs_play(self):
+        running = collections.deque()
+
+        def finish_oldest():
+            trial = running.popleft()
+            with self.subTest(trial.plan.name, seal=trial.plan.seal):
+                trial.finish()
+
+        print(HEAD, flush=True)
+        try:
+            for plan in plans():
+                if ONLY not in f"{plan.name}, {plan.seal or 'no key'}":
+                    continue
+                if len(running) > AT_ONCE:
+                    running.rotate(-1 if running[0].plan.seconds > SECONDS else 0)  # the longest ends last
+                    finish_oldest()
+                with self.subTest(plan.name, seal=plan.seal):
+                    running.append(Trial(self, plan))
+            while running:
+                finish_oldest()
+        finally:
+            for trial in running:
+                trial.remove()
+
+
+def why_not():
+    if shutil.which("nft") is None:
+        return "there is no program 'nft' (Debian: nftables)"
+    reason = why_no_namespaces()
+    if reason:
+        return reason
+    network = Network()
+    try:
+        network.add("r")
+        network.run("r", "nft", "-f", "-", text=ROUTER + DRAWS_PORTS + COUNTS)
+    except subprocess.CalledProcessError as error:
+        return f"NAT is not permitted: 'nft' says {error.stderr.strip()!r}"
+    finally:
+        network.remove()
+    return ""
+
+
+if __name__ == "__main__":
+    main_unless(why_not())
