@@ -6,9 +6,9 @@ namespace padr::peer {
 
 std::optional<shell::Udp::endpoint> join_address(boost::asio::io_context& io, const Options& o) {
   if (!o.join) return std::nullopt;
-  std::optional<shell::Udp> family;
-  if (o.listen) family = shell::resolve(io, "--listen", *o.listen).protocol();
-  return shell::resolve(io, "--join", *o.join, family ? &*family : nullptr);
+  if (!o.listen) return shell::resolve(io, "--join", *o.join);
+  const shell::Udp::endpoint own = shell::resolve(io, "--listen", *o.listen);
+  return shell::resolve(io, "--join", *o.join, &own);
 }
 
 shell::Udp::endpoint listen_address(boost::asio::io_context& io, const Options& o,

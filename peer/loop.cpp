@@ -34,8 +34,8 @@ std::vector<std::string> Loop::shape_links() {
     if (n.peer) {
       specs.by_peer[*n.peer] = n.spec;
     } else {
-      const shell::Udp family = socket_->local().protocol();
-      const Endpoint to = shell::to_endpoint(shell::resolve(io_, "--netem-to", *n.address, &family));
+      const shell::Udp::endpoint own = socket_->local();
+      const Endpoint to = shell::to_endpoint(shell::resolve(io_, "--netem-to", *n.address, &own));
       specs.by_address[to] = n.spec;
       where = to_string(to);
     }

@@ -35,18 +35,24 @@ Udp::endpoint to_asio(const Endpoint& e, bool v4) {
   return {asio::ip::address_v6(e.address), e.port};
 }
 
+/// Whether a socket there has to do with IPv4 alone, or IPv6 alone. [::] reaches IPv4 peers, too.
+bool is_of_one_family(const Udp::endpoint& at) {
+  return at.address().is_v4() || !at.address().is_unspecified();
+}
+
 }  // namespace
 
-Udp::endpoint resolve(asio::io_context& io, const std::string& flag, const shell::HostPort& where, const Udp* family) {
+Udp::endpoint resolve(asio::io_context& io, const std::string& flag, const shell::HostPort& where,
+                      const Udp::endpoint* own) {
   Udp::resolver resolver(io);
   error_code error;
   const auto found = resolver.resolve(where.host, std::to_string(where.port), error);
   if (error || found.empty())
     throw UserError(flag + ": cannot resolve '" + where.host + "': " + (error ? error.message() : "no address"));
-  const Udp wanted = family != nullptr ? *family : Udp::v4();
+  const Udp wanted = own != nullptr ? own->protocol() : Udp::v4();
   for (const auto& entry : found)
     if (entry.endpoint().protocol() == wanted) return entry.endpoint();
-  if (family == nullptr) return found.begin()->endpoint();
+  if (own == nullptr || !is_of_one_family(*own)) return found.begin()->endpoint();
   throw UserError(flag + ": '" + where.host + "' has no " + (wanted == Udp::v4() ? "IPv4" : "IPv6") +
                   " address, and the own address, --listen, is of that kind");
 }
@@ -64,8 +70,7 @@ UdpSocket::UdpSocket(asio::io_context& io, const Udp::endpoint& address)
     : socket_(io), v4_(address.address().is_v4()), inbox_(new std::byte[kBatch * kLongest]) {
   error_code error;
   socket_.open(address.protocol(), error);
-  // [::] shall reach IPv4 peers too.
-  if (!error && !v4_) socket_.set_option(asio::ip::v6_only(!address.address().is_unspecified()), error);
+  if (!error && !v4_) socket_.set_option(asio::ip::v6_only(is_of_one_family(address)), error);
   if (!error) socket_.bind(address, error);
   if (!error) socket_.non_blocking(true, error);
   if (error) throw std::system_error(error, "cannot listen on " + to_string(to_endpoint(address)));

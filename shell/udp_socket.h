@@ -21,10 +21,10 @@ namespace padr::shell {
 
 using Udp = boost::asio::ip::udp;
 
-/// The first address of HOST of the wanted family, if a family is wanted; otherwise IPv4 before IPv6.
-/// Throws UserError, which names the flag, if there is none.
+/// The first address of HOST that a socket at `own` can send to, of its family if there is one; without `own`, IPv4
+/// before IPv6. Throws UserError, which names the flag, if there is none.
 Udp::endpoint resolve(boost::asio::io_context& io, const std::string& flag, const shell::HostPort& where,
-                      const Udp* family = nullptr);
+                      const Udp::endpoint* own = nullptr);
 
 Endpoint to_endpoint(const Udp::endpoint& e);
 

@@ -118,11 +118,13 @@ std::vector<Paths::Change> Paths::advance(const Roster& roster, const std::vecto
     Way& w = ways_[p];
     if (!w.known) continue;
     if (w.by != kNoPeer && leads_nowhere(roster, links, p)) w.fail(roster.now);
-    const PeerId by = needs_carrier(roster, links, p) ? choose(roster, links, p) : kNoPeer;
+    const bool needs = needs_carrier(roster, links, p);
+    const PeerId by = needs ? choose(roster, links, p) : kNoPeer;
     if (by != w.by) change(w, by, roster.now);
-    // A carrier is tried for whoever falls silent: most of those have ended, or it was a burst of losses.
+    // A carrier is tried for whoever falls silent: most of those have ended, or it was a burst of losses. Whoever has
+    // lost its carrier and finds no other one is not reached directly for that.
     const Tick lasts = roster.now - w.since;
-    const bool is_news = w.by == kNoPeer || (lasts >= kReported && unanswered(roster, links, p) < lasts);
+    const bool is_news = by == kNoPeer ? !needs : lasts >= kReported && unanswered(roster, links, p) < lasts;
     if (!is_news || w.by == w.reported) continue;
     w.reported = w.by;
     changes.push_back({p, w.by});

@@ -187,10 +187,6 @@ class Internet(Network):
                 self.plug(member, "outside", behind, "inside", member)
                 self.ip(member, "addr", "add", f"192.168.0.{i + 2}/24", "dev", "outside")
                 self.ip(member, "route", "add", "default", "via", "192.168.0.1")
-            self.count(member)
-
-    def count(self, member):
-        self.run(member, "nft", "-f", "-", text=COUNTS)
 
     def direct(self, member):
         """Datagrams that have come to the member from others than the founder."""
@@ -244,7 +240,8 @@ class Trial:
         self.internet = Internet()
         try:
             plan.prepare(self)
-            self.came_before = [self.internet.direct(m) for m in "ab"]
+            for member in "ab":
+                self.internet.run(member, "nft", "-f", "-", text=COUNTS)
             self.start()
         except BaseException:
             self.remove()
@@ -262,16 +259,23 @@ class Trial:
             self.prove_kind(member, kind)
         self.prove_no_hairpin("a", "b")
 
-    def of_two_families(self):
+    def of_two_families(self, kind):
         """a has only IPv6, b only IPv4."""
-        internet = self.internet
-        internet.on_switch("a", None)
-        internet.ip("a", "addr", "add", "2001:db8::a/64", "dev", "outside", "nodad")
-        internet.count("a")
-        internet.add_home("bh", KINDS["open"], "b")
+        self.internet.on_switch("a", None)
+        self.add_v6("a")
+        self.internet.add_home("bh", kind, "b")
+        self.prove_kind("b", kind)
         for member, family, elsewhere in (("a", socket.AF_INET, FOUNDER), ("b", socket.AF_INET6, FOUNDER_V6)):
-            with internet.socket(member, family=family) as s, self.case.assertRaisesRegex(OSError, "unreachable"):
+            with self.internet.socket(member, family=family) as s, self.case.assertRaisesRegex(OSError, "unreachable"):
                 s.sendto(b"", (elsewhere, 9))
+
+    def of_both_families(self, kind):
+        """a has both, b only IPv4."""
+        self.behind(KINDS["open"], kind)
+        self.add_v6("a")
+
+    def add_v6(self, member):
+        self.internet.ip(member, "addr", "add", "2001:db8::a/64", "dev", "outside", "nodad")
 
     def prove_kind(self, member, kind):
         """The member's NAT is what it is taken for."""
@@ -337,7 +341,7 @@ class Trial:
         summaries = [p.summary() for p in self.peers]
         plays = [round(s["join_ms"]) for s in summaries[1:]]
         confirms = [round(confirmed_after(p, s["first_tick"])) for p, s in zip(self.peers[1:], summaries[1:])]
-        came = [self.internet.direct(m) - before for m, before in zip("ab", self.came_before)]
+        came = [self.internet.direct(m) for m in "ab"]
         carried = summaries[0]["seal"]["carried"] if plan.seal else 0
         removed = sum(s["others"]["removed"] for s in summaries)
         print(ROW.format(plan.name, plan.seal or "no key", plan.seconds, *plays, *confirms, *came, carried, removed), flush=True)
@@ -391,8 +395,11 @@ def plans():
             yield Plan(" - ".join(names), seal, way, seconds, lambda trial, kinds=kinds: trial.behind(*kinds))
     restricted = KINDS["port-restricted"]
     yield Plan("two behind one, no hairpin", "auth", False, SECONDS, lambda trial: trial.behind_one(restricted))
-    yield Plan("only IPv6 - only IPv4", "encrypt", False, SECONDS, Trial.of_two_families, "[::]:0",
-               (("[::]:0", f"[{FOUNDER_V6}]"), ("0.0.0.0:0", FOUNDER)))  # fmt: skip
+    v4, by_v4, by_v6 = ("0.0.0.0:0", FOUNDER), ("[::]:0", FOUNDER), ("[::]:0", f"[{FOUNDER_V6}]")
+    yield Plan("IPv6 - open IPv4", "encrypt", False, SECONDS, lambda trial: trial.of_two_families(KINDS["open"]), "[::]:0", (by_v6, v4))
+    yield Plan("both, by IPv6 - open IPv4", "auth", True, SECONDS, lambda trial: trial.of_both_families(KINDS["open"]), "[::]:0", (by_v6, v4))
+    for seal in ("encrypt", ""):
+        yield Plan("both, by IPv4 - port-restricted IPv4", seal, True, SECONDS, lambda trial: trial.of_both_families(restricted), members=(by_v4, v4))
 
 
 class Nats(Case):

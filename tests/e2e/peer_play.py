@@ -214,6 +214,15 @@ class Ipv6(Case):
         self.check_agreement([founder, joiner], least_common=2)
         self.assertTrue(joiner.summary()["links"][0]["endpoint"].startswith("[::1]:"))
 
+    def test_a_peer_of_both_families_joins_by_ipv4(self):
+        founder = self.peer("--wait-peers", 2, "--duration", 2)
+        at = f"127.0.0.1:{founder.port()}"
+        joiner = self.peer("--listen", "[::]:0", "--insecure", "--join", at, "--netem-to", f"{at}=delay 5ms", "--duration", 2)
+        self.assertEqual([founder.end(), joiner.end()], [0, 0])
+        self.check_agreement([founder, joiner], least_common=2)
+        link = joiner.summary()["links"][0]
+        self.assertEqual((link["endpoint"], link["shim"]["netem"]), (at, "delay 5ms"))
+
 
 if __name__ == "__main__":
     main()

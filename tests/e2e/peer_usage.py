@@ -39,6 +39,8 @@ class Usage(Case):
             (["--listen", "[::]:0"], "--listen", "--insecure"),
             (["--join", "192.0.2.1:7000"], "--join", "--listen", "--insecure"),
             (["--join", "192.0.2.1:7000", "--listen", "127.0.0.1:0"], "loopback", "192.0.2.1:7000"),
+            (["--join", "127.0.0.1:7000", "--listen", "[::1]:0"], "--join", "127.0.0.1", "no IPv6", "--listen"),
+            (["--join", "[::1]:7000", "--listen", "127.0.0.1:0"], "--join", "::1", "no IPv4", "--listen"),
             (["--wait-peers", "0"], "--wait-peers", "0", "1 to"),
             (["--wait-peers", "65"], "--wait-peers", "65"),
             (["--wait-peers", "many"], "--wait-peers"),

@@ -298,6 +298,25 @@ TEST(PathsRules, ACarrierIsReportedOnceItsMemberAnswers) {
   EXPECT_EQ(s.changes[1], (Paths::Change{2, kNoPeer}));
 }
 
+TEST(PathsRules, WhoseCarrierHasLeftIsNotReachedDirectlyForThat) {
+  Scene s;
+  s.silent = only(2);
+  s.tell_for(Paths::kUnheard + Paths::kReported + 1, {{1, 2}, {3, 2, true}});
+  ASSERT_EQ(s.changes, (std::vector<Paths::Change>{{2, 1}}));
+  s.roster.seats[1].presence = s.roster.seats[3].presence = node::Presence::kAbsent;
+  for (Tick i = 0; i < 2 * Paths::kFresh; ++i) {
+    ++s.links[2].unanswered;
+    s.run(1);
+    ASSERT_EQ(s.paths.carrier(2), kNoPeer);
+  }
+  EXPECT_EQ(s.changes.size(), 1U);
+  s.silent = 0;
+  s.links[2].unanswered = 0;
+  s.tell(2, {{0, 2}});
+  s.run(1);
+  EXPECT_EQ(s.changes.back(), (Paths::Change{2, kNoPeer}));
+}
+
 TEST(PathsRules, WhatComesLateIsIgnored) {
   Scene s;
   s.paths.on_reach(2, {500, {{0, 2}, {1, 2}, {3, 2}}}, s.roster.now);
