@@ -11,7 +11,7 @@ Installs what is missing of the Debian packages of the named groups (default: bu
   build   compiler, CMake, Ninja and the libraries the programs are built on
   run     what the programs call at run time: gnuplot for plots, rsvg-convert for film strips
   test    GoogleTest, Google Benchmark, RapidCheck, Python; Chromium and Selenium, for the page of padr-monitor; tshark
-          and tcpdump, for the Wireshark plugin and captures; iproute2, for networks that fall apart
+          and tcpdump, for the Wireshark plugin and captures; iproute2 and nftables, for networks that fall apart and NATs
   check   formatting, linting, clang builds, fuzzing, the clean-clone check, Compose and a base image for containers
   docs    mkdocs and its theme, for the documents as a site; pandas, to read the data that the programs write
   package help2man and dpkg-dev, for tools/package.sh
@@ -33,7 +33,7 @@ packages_of() {
       libprotobuf-dev libsodium-dev libspdlog-dev libfmt-dev libcli11-dev nlohmann-json3-dev libjs-dygraphs ;;
     run) echo 'gnuplot-nox|gnuplot-qt|gnuplot-x11' librsvg2-bin ;;
     test) echo libgtest-dev libbenchmark-dev librapidcheck-dev python3 chromium chromium-driver \
-      python3-selenium tshark tcpdump iproute2 ;;
+      python3-selenium tshark tcpdump iproute2 nftables ;;
     check) echo 'clang-14|clang-@' 'clang-format-14|clang-format-@' 'clang-tidy-14|clang-tidy-@' \
       'libclang-rt-14-dev|libclang-rt-@-dev' git shellcheck docker-compose mmdebstrap ;;
     docs) echo mkdocs mkdocs-material python3-pandas ;;

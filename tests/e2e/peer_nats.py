@@ -5,10 +5,11 @@ Each session has an Internet of its own, of network namespaces and nftables: a f
 members, each of whom is behind a NAT. Before they play, UDP datagrams of the test's own show that each NAT is of its kind;
 afterwards the kernel's counters say what came from one of the two to the other one. Skipped where that is not permitted.
 
-Usage: peer_nats.py PATH_TO_PADR_PEER [--seconds N] [--at-once N] [--only WORD] [unittest arguments]
+Usage: peer_nats.py PATH_TO_PADR_PEER [--seconds N] [--at-once N] [--only WORD] [--netem SPEC] [unittest arguments]
   --seconds N   so long each session plays, except the longest, 60 s; 12 if not said
-  --at-once N   so many sessions at once, besides the longest; 5 if not said
+  --at-once N   so many sessions at once, besides the longest; 6 if not said
   --only WORD   only sessions in whose name the word is
+  --netem SPEC  of what all peers send; none if not said
 """
 
 import collections
@@ -37,8 +38,9 @@ def argument(name, standard):
 
 
 SECONDS = argument("--seconds", 12)
-AT_ONCE = argument("--at-once", 5)
+AT_ONCE = argument("--at-once", 6)
 ONLY = argument("--only", "")
+NETEM = argument("--netem", "")
 HARDEST = ("symmetric", "symmetric")
 LONG = 60  # s
 PLAYS_WITHIN = 3000  # ms from the start of the process
@@ -309,7 +311,8 @@ class Trial:
     def start(self):
         plan = self.plan
         env = {**os.environ, "PADR_KEY": KEY} if plan.seal else None
-        options = ["--duration", plan.seconds, "--status-interval", 0.2, *(["--seal", plan.seal] if plan.seal else ["--insecure"])]
+        options = ["--duration", plan.seconds, "--status-interval", 0.2, "--netem", NETEM]
+        options += ["--seal", plan.seal] if plan.seal else ["--insecure"]
 
         def peer(machine, *arguments):
             self.peers.append(self.case.peer(*arguments, *options, env=env, preexec_fn=self.internet.enter(machine)))
@@ -366,6 +369,7 @@ class Trial:
         for p in self.peers[1:]:
             case.assertRegex(p.text(), "peer [12] is reached through peer 0")
             case.assertRegex(p.text(), "status: .* carried: [12] by 0")
+            case.assertNotIn("directly again", p.text())
 
 
 def confirmed_after(peer, tick):
