@@ -78,10 +78,8 @@ struct Raw {
 
 void declare_session(CLI::App& app, Raw& raw, Options& o) {
   const std::string group = "Session";
-  app.add_option(
-         "--listen", raw.listen,
-         "Own address; port 0 means any free port, [::] both IPv6 and IPv4; default: any free port of the loopback "
-         "address")
+  app.add_option("--listen", raw.listen,
+                 "Own address; port 0 means any free port; default: any free port of the loopback address")
       ->type_name("HOST:PORT")
       ->group(group);
   app.add_option("--join", raw.join,

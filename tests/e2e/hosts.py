@@ -66,7 +66,8 @@ class Network:
 
     def plug(self, machine, device, switch_machine, switch, port):
         """A cable from a new device of a machine to a new port of a switch."""
-        self.ip(switch_machine, "link", "add", "name", port, "type", "veth", "peer", "name", device, "netns", self.name(machine))
+        other_end = ("peer", "name", device, "netns", self.name(machine))
+        self.ip(switch_machine, "link", "add", "name", port, "type", "veth", *other_end)
         self.ip(switch_machine, "link", "set", "dev", port, "master", switch, "up")
         self.ip(machine, "link", "set", "dev", device, "up")
 
@@ -92,7 +93,8 @@ class Network:
 
     def run(self, machine, *command, text=None):
         """What a program prints that runs on the machine."""
-        return subprocess.run(command, check=True, capture_output=True, text=True, input=text, preexec_fn=self.enter(machine)).stdout
+        more = {"input": text, "preexec_fn": self.enter(machine)}
+        return subprocess.run(command, check=True, capture_output=True, text=True, **more).stdout
 
     def remove(self):
         for machine in self.names:
