@@ -13,6 +13,7 @@ install(PROGRAMS tools/demo.sh RENAME padr-demo TYPE BIN)
 install(DIRECTORY common/scenarios/paths DESTINATION "${data}" FILES_MATCHING PATTERN "*.csv")
 install(DIRECTORY common/scenarios/ DESTINATION "${data}/scenarios" FILES_MATCHING PATTERN "*.textproto"
   PATTERN paths EXCLUDE)
+install(DIRECTORY shell/link_traces DESTINATION "${data}" FILES_MATCHING PATTERN "*.link")
 install(DIRECTORY tools/wireshark/ DESTINATION "${PADR_WIRESHARK_PLUGINS}" FILES_MATCHING PATTERN "*.lua")
 install(FILES proto/wire.proto DESTINATION "${CMAKE_INSTALL_DATADIR}/wireshark/protobuf")
 install(FILES tools/wireshark/colorfilters DESTINATION "${data}/wireshark")

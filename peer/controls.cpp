@@ -55,7 +55,7 @@ void Controls::follow(const monitor::Knob& k, std::uint32_t order, Micros /*now*
 
 void Controls::follow(const monitor::Netem& n, std::uint32_t order, Micros now) {
   const std::optional<PeerId> to = other(n.to);
-  const link::NetemSpec spec = shell::parse_netem_flag("netem", n.spec, nullptr);
+  const link::NetemSpec spec = shell::parse_netem_field("netem", n.spec, nullptr);
   egress_.impair(to, spec, now);
   const std::string text = shell::to_string(spec);
   player_.remark({"netem", n.to, text});

@@ -360,7 +360,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   Raw raw;
   Options o;
   CLI::App app(kDescription, "padr-peer");
-  app.footer(std::string(kFooter) + shell::kNetemHelp + kFooterEnd);
+  app.footer(std::string(kFooter) + shell::netem_help() + kFooterEnd);
   shell::add_version_flag(app, "padr-peer");
   declare_session(app, raw, o);
   declare_crowd(app, raw);

@@ -11,8 +11,10 @@
 
 namespace padr::shell {
 
-/// parse_netem for the value of a flag: errors and warnings begin with the flag's name.
+/// parse_netem for the value of a flag: errors and warnings begin with the flag's name. It reads files of link traces.
 link::NetemSpec parse_netem_flag(std::string_view flag, std::string_view text, std::vector<std::string>* warnings);
+/// The same for a field of what somebody else has sent, who must not name files here.
+link::NetemSpec parse_netem_field(std::string_view field, std::string_view text, std::vector<std::string>* warnings);
 
 /// For messages: the canonical form in quotes, or "unimpaired".
 std::string describe(const link::NetemSpec& spec);
@@ -34,6 +36,6 @@ class NetemFlags {
 };
 
 /// One paragraph on the grammar, for help texts.
-extern const char* const kNetemHelp;
+std::string netem_help();
 
 }  // namespace padr::shell

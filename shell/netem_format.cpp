@@ -100,6 +100,16 @@ class Writer {
     if (s.bytes != 0) word("bytes").number(s.bytes);
   }
 
+  void trace(const link::TraceSpec& t) {
+    if (!t.opportunities) return;
+    word("trace").word(t.name);
+    if (!t.start) {
+      word("random");
+    } else if (*t.start != 0) {
+      time(*t.start);
+    }
+  }
+
   std::string text() && { return std::move(text_); }
 
  private:
@@ -132,6 +142,7 @@ std::string to_string(const link::NetemSpec& spec) {
   if (spec.gap > 1) w.word("gap").number(spec.gap);
   w.rate(spec.rate);
   w.slot(spec.slot);
+  w.trace(spec.trace);
   if (spec.limit != link::NetemSpec{}.limit) w.word("limit").number(spec.limit);
   if (spec.seed) w.word("seed").word(std::to_string(*spec.seed));
   return std::move(w).text();

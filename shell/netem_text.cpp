@@ -21,13 +21,15 @@ using words::Word;
 /// because tc takes the options in any order.
 class Parser {
  public:
-  Parser(std::string_view text, std::vector<std::string>* warnings) : words_(words::split(text)), warnings_(warnings) {}
+  Parser(std::string_view text, std::vector<std::string>* warnings, const ReadFile& read)
+      : words_(words::split(text)), warnings_(warnings), read_(read) {}
 
   NetemSpec parse() {
     while (next_ < words_.size()) option();
     check_reorder();
     check_distribution();
     check_delay();
+    check_trace();
     return spec_;
   }
 
@@ -38,7 +40,7 @@ class Parser {
   };
 
   // In tc's order, which decides what a prefix means: d is delay, l is limit, r is reorder.
-  static constexpr std::array<Option, 14> options() {
+  static constexpr std::array<Option, 15> options() {
     return {{{"limit", &Parser::limit},
              {"latency", &Parser::delay},
              {"delay", &Parser::delay},
@@ -52,6 +54,7 @@ class Parser {
              {"distribution", &Parser::distribution},
              {"rate", &Parser::rate},
              {"slot", &Parser::slot},
+             {"trace", &Parser::trace},
              {"seed", &Parser::seed}}};
   }
 
@@ -70,7 +73,7 @@ class Parser {
     words::fail(
         keyword,
         "unknown; allowed here: limit, delay, distribution, loss, corrupt, duplicate, reorder, gap, rate, slot, "
-        "seed");
+        "trace, seed");
   }
 
   // ---- words
@@ -284,6 +287,22 @@ class Parser {
       words::fail(jitter, "JITTER must be from 1ns to 2.147483647s");
   }
 
+  void trace(const Word& keyword) {
+    trace_keyword_ = keyword;
+    const Word& name = need(keyword, "a built-in link trace (" + link_trace_names() + ") or a file");
+    try {
+      spec_.trace = {load_link_trace(name.text, read_), std::string(name.text)};
+    } catch (const UserError& e) {
+      words::fail(name, e.what());
+    }
+    if (next_ < words_.size() && words_[next_].text == "random") {
+      ++next_;
+      spec_.trace.start.reset();
+    } else if (number_follows()) {
+      spec_.trace.start = time(words_[next_++], "START");
+    }
+  }
+
   void seed(const Word& keyword) { spec_.seed = words::seed(need(keyword, "a whole number")); }
 
   // ---- rules over the whole line
@@ -311,19 +330,29 @@ class Parser {
     }
   }
 
+  void check_trace() {
+    if (!spec_.trace.opportunities) return;
+    const auto refuse = [this](const std::string& other) {
+      words::fail(trace_keyword_, "not allowed with " + other + ": both say when packets leave; leave one of them out");
+    };
+    if (spec_.rate.bits_per_second != 0) refuse("rate");
+    if (spec_.slot.on) refuse("slot");
+  }
+
   std::vector<Word> words_;
   std::size_t next_ = 0;
   std::vector<std::string>* warnings_;
+  const ReadFile& read_;
   NetemSpec spec_;
   std::set<std::string_view> seen_;
   bool loss_seen_ = false;
-  Word delay_keyword_, reorder_keyword_, gap_keyword_, distribution_keyword_;
+  Word delay_keyword_, reorder_keyword_, gap_keyword_, distribution_keyword_, trace_keyword_;
 };
 
 }  // namespace
 
-NetemSpec parse_netem(std::string_view text, std::vector<std::string>* warnings) {
-  return Parser(text, warnings).parse();
+NetemSpec parse_netem(std::string_view text, std::vector<std::string>* warnings, const ReadFile& read) {
+  return Parser(text, warnings, read).parse();
 }
 
 }  // namespace padr::shell

@@ -122,11 +122,11 @@ std::vector<Word> split(std::string_view text) {
   return words;
 }
 
-std::string describe(const Word& word) {
+std::string quoted(std::string_view text) {
   constexpr std::size_t kShown = 40;
   constexpr std::string_view kHex = "0123456789abcdef";
-  std::string shown;
-  for (const char c : word.text.substr(0, kShown)) {
+  std::string shown = "\"";
+  for (const char c : text.substr(0, kShown)) {
     const auto byte = static_cast<unsigned char>(c);
     if (byte >= 0x20 && byte < 0x7F) {
       shown += c;
@@ -136,8 +136,13 @@ std::string describe(const Word& word) {
       shown += kHex[byte & 15U];
     }
   }
-  if (word.text.size() > kShown) shown += "...";
-  return "word " + std::to_string(word.number) + " \"" + shown + "\" (column " + std::to_string(word.column) + ")";
+  if (text.size() > kShown) shown += "...";
+  return shown + '"';
+}
+
+std::string describe(const Word& word) {
+  return "word " + std::to_string(word.number) + " " + quoted(word.text) + " (column " + std::to_string(word.column) +
+         ")";
 }
 
 void fail(const Word& word, const std::string& message) {

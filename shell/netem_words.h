@@ -8,7 +8,7 @@
 
 #include "common/link/netem_spec.h"
 
-/// The words of a netem specification and the values they spell. Used by netem_text.cpp only.
+/// The words of a netem specification and the values they spell. Used by netem_text.cpp and link_trace.cpp only.
 namespace padr::shell::words {
 
 struct Word {
@@ -20,7 +20,9 @@ struct Word {
 /// Splits at blanks.
 std::vector<Word> split(std::string_view text);
 
-/// `word 3 "20mss" (column 14)`; unprintable bytes are shown as \xNN and long words cut, so it stays one line.
+/// In quotes; unprintable bytes are shown as \xNN and long texts cut, so it stays one line.
+std::string quoted(std::string_view text);
+/// `word 3 "20mss" (column 14)`.
 std::string describe(const Word& word);
 
 /// Throws UserError: `netem: word 3 "20mss" (column 14): MESSAGE`.

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <string>
 #include <variant>
+#include <vector>
 
 namespace padr::link {
 
@@ -13,6 +16,7 @@ inline constexpr Chance kAlways = 0xFFFFFFFFU;
 /// Nanoseconds, netem's own resolution.
 using Nanos = std::int64_t;
 inline constexpr Nanos kNanosPerMicro = 1'000;
+inline constexpr Nanos kNanosPerMilli = 1'000'000;
 inline constexpr Nanos kNanosPerSecond = 1'000'000'000;
 
 /// Ranges that the shim relies on; whoever reads a specification enforces them.
@@ -75,7 +79,26 @@ struct SlotSpec {
   friend bool operator==(const SlotSpec&, const SlotSpec&) = default;
 };
 
-/// What one directed link does to packets: the options of tc-netem(8). Default constructed it is a perfect link.
+/// Bytes that one opportunity of a link trace carries: mahimahi's, a packet of 1,500 and 4 of its tunnel.
+inline constexpr std::int64_t kOpportunityBytes = 1504;
+
+/// `trace NAME|FILE [START|random]`: a recorded link, in the form of mahimahi's traces. Packets that are due wait for
+/// opportunities. Each carries kOpportunityBytes, also of several packets or a part of one; what nobody uses is lost.
+struct TraceSpec {
+  /// Times of the opportunities in ms since the trace began: none is less than the one before, and the last is above 0.
+  /// When that is over, the trace begins again. Null: no trace.
+  std::shared_ptr<const std::vector<std::uint32_t>> opportunities;
+  std::string name;                ///< NAME or FILE
+  std::optional<Nanos> start = 0;  ///< where in the trace the clock's 0 is; nothing: the seed draws it
+  friend bool operator==(const TraceSpec& a, const TraceSpec& b) {
+    const bool same = a.opportunities == b.opportunities ||
+                      (a.opportunities && b.opportunities && *a.opportunities == *b.opportunities);
+    return same && a.name == b.name && a.start == b.start;
+  }
+};
+
+/// What one directed link does to packets: the options of tc-netem(8), and link traces. Default constructed it is a
+/// perfect link.
 struct NetemSpec {
   std::uint32_t limit = 1000;  ///< packets held at most; more are dropped
   DelaySpec delay;
@@ -86,6 +109,7 @@ struct NetemSpec {
   std::uint32_t gap = 0;  ///< 0: no reordering; else every gap-th packet may be sent at once
   RateSpec rate;
   SlotSpec slot;
+  TraceSpec trace;                    ///< with neither rate nor slot, which say when packets leave, too
   std::optional<std::uint64_t> seed;  ///< takes the place of the seed a Shim is given
   friend bool operator==(const NetemSpec&, const NetemSpec&) = default;
 };

@@ -10,6 +10,10 @@
 // drawn when the queue is looked at), so the same two events are replayed here at exactly the times they would have
 // had: run_until(now) fires every watchdog up to now before anything else happens at now. A caller that polls more
 // often therefore changes nothing.
+//
+// A trace holds packets back after their delay, as slots do. The packet that is due first gets the first opportunity
+// that is not before it is due. Until then jitter may bring one that is due earlier still, so nothing is taken from an
+// opportunity before its time.
 
 namespace padr::link {
 
@@ -42,7 +46,8 @@ Shim::Draws::Draws(std::uint64_t seed, const NetemSpec& spec)
       reorder(derive_seed(seed, 4), spec.reorder.correlation),
       delay(derive_seed(seed, 5), spec.delay.correlation),
       bit(derive_seed(seed, 6)),
-      slot(derive_seed(seed, 7)) {}
+      slot(derive_seed(seed, 7)),
+      trace(derive_seed(seed, 8)) {}
 
 void Shim::Draws::set_spec(const NetemSpec& spec) {
   loss.set_model(spec.loss);
@@ -57,7 +62,9 @@ Shim::Shim(const NetemSpec& spec, std::uint64_t seed)
       perfect_(is_perfect(spec)),
       draws_(spec.seed.value_or(seed), spec),
       now_(kBeforeTime),
-      slot_next_(kBeforeTime) {}
+      slot_next_(kBeforeTime) {
+  begin_trace();
+}
 
 void Shim::accept(Micros now, std::span<const std::byte> datagram) {
   run_until(to_nanos(now));
@@ -106,6 +113,7 @@ void Shim::set_spec(Micros now, const NetemSpec& spec) {
   slot_next_ = now_;
   slot_packets_ = spec.slot.packets;
   slot_bytes_ = spec.slot.bytes;
+  begin_trace();
   dequeue();
 }
 
@@ -139,13 +147,18 @@ void Shim::corrupt(Bytes& bytes) {
 }
 
 /// `reorder` first: after gap - 1 delayed packets each may be sent at once. All others are delayed; with a rate, a
-/// packet starts when the last one in the queue has been sent, and what it waits for that counts as delay.
+/// packet starts when the last one in the queue has been sent, and what it waits for that counts as delay. With a trace
+/// a packet that is sent at once is not delayed, but waits for an opportunity.
 void Shim::schedule(Bytes bytes) {
   const bool may_go_at_once = spec_.gap != 0 && since_reorder_ >= spec_.gap - 1;
   if (may_go_at_once && draws_.reorder.chance(spec_.reorder.chance)) {
     since_reorder_ = 0;
     ++stats_.reordered;
-    leave(std::move(bytes));  // past the queue and past slots
+    if (traced()) {
+      queue_.emplace(now_, std::move(bytes));
+    } else {
+      leave(std::move(bytes));  // past the queue and past slots
+    }
     return;
   }
   ++since_reorder_;
@@ -161,6 +174,7 @@ void Shim::schedule(Bytes bytes) {
     }
     delay += transmission_time(bytes.size());
   }
+  if (traced()) delay = std::max<Nanos>(0, delay);  // the head may be on its way already
   queue_.emplace(std::min(from + delay, kEndOfTime), std::move(bytes));
 }
 
@@ -188,6 +202,7 @@ void Shim::run_until(Nanos now) {
 /// When the watchdog is set to fire.
 Nanos Shim::wake_time() const {
   const Nanos head = queue_.begin()->first;
+  if (traced()) return time_of(opportunity_for(head));
   return spec_.slot.on ? std::max(head, slot_next_) : head;
 }
 
@@ -197,6 +212,7 @@ void Shim::dequeue() {
     const auto head = queue_.begin();
     if (spec_.slot.on && slot_next_ < head->first) open_slot();
     if (wake_time() > now_) return;
+    if (traced() && !carry(head->first, head->second.size())) continue;
     Bytes bytes = std::move(head->second);
     queue_.erase(head);
     if (spec_.slot.on) count_in_slot(bytes.size());
@@ -228,6 +244,52 @@ void Shim::open_slot() {
   slot_next_ = now_ + wait;
   slot_packets_ = s.packets;
   slot_bytes_ = s.bytes;
+}
+
+/// From now_ on, with an opportunity that is now. Nothing of the head is on its way.
+void Shim::begin_trace() {
+  carried_ = 0;
+  if (!traced()) return;
+  const std::uint32_t last = spec_.trace.opportunities->back();
+  const Nanos start = spec_.trace.start ? *spec_.trace.start : draws_.trace.below(last) * kNanosPerMilli;
+  trace_began_ = -(start % (last * kNanosPerMilli));
+  next_ = {trace_began_, 0};
+  next_ = opportunity_for(now_);
+  room_ = kOpportunityBytes;
+}
+
+/// The first one with room left that is not before `due`.
+Shim::Opportunity Shim::opportunity_for(Nanos due) const {
+  const auto& times = *spec_.trace.opportunities;
+  const Nanos period = times.back() * kNanosPerMilli;
+  // An end of one repetition and the begin of the next are one time; the end comes first.
+  const Nanos since = due - trace_began_;
+  const Nanos repetition = since > 0 ? (since - 1) / period * period : 0;
+  const auto line = std::partition_point(
+      times.begin(), times.end(), [left = since - repetition](std::uint32_t ms) { return ms * kNanosPerMilli < left; });
+  return std::max(next_, {trace_began_ + repetition, static_cast<std::size_t>(line - times.begin())});
+}
+
+Nanos Shim::time_of(const Opportunity& o) const {
+  return o.repetition + (*spec_.trace.opportunities)[o.line] * kNanosPerMilli;
+}
+
+/// Puts of the head, due then, what has room into the opportunity that is now; true if that is the rest of it.
+bool Shim::carry(Nanos due, std::size_t payload) {
+  const Opportunity now = opportunity_for(due);
+  if (now != next_) room_ = kOpportunityBytes;
+  next_ = now;
+  const auto rest = static_cast<std::int64_t>(payload + kHeaderBytes) - carried_;
+  const std::int64_t taken = std::min(rest, room_);
+  room_ -= taken;
+  carried_ = taken < rest ? carried_ + taken : 0;
+  if (room_ == 0) {
+    room_ = kOpportunityBytes;
+    if (++next_.line == spec_.trace.opportunities->size()) {
+      next_ = {next_.repetition + spec_.trace.opportunities->back() * kNanosPerMilli, 0};
+    }
+  }
+  return taken == rest;
 }
 
 }  // namespace padr::link

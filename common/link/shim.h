@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -16,7 +17,7 @@
 
 namespace padr::link {
 
-/// Bytes that IPv4 and UDP headers add to a payload; `rate` and `slot bytes` count them, as a network would.
+/// Bytes that IPv4 and UDP headers add to a payload; `rate`, `slot bytes` and `trace` count them, as a network would.
 inline constexpr std::size_t kHeaderBytes = 28;
 
 /// What a shim did, in datagrams. At any time
@@ -37,7 +38,7 @@ struct ShimStats {
 /// One directed link that behaves as tc-netem: datagrams go in, and come out later, or not, or twice, or broken.
 ///
 /// Per datagram, in netem's order: duplicate, loss, (the clone goes through all of this first, duplicate off),
-/// corrupt, limit, reorder, delay, rate, slot. See shim.cpp.
+/// corrupt, limit, reorder, delay, rate, slot or trace. See shim.cpp.
 ///
 /// Where it differs from the kernel: only the payload is corrupted, so UDP's checksum does not hide the damage from
 /// the receiver (harsher); each knob draws from a stream of its own, so turning one does not change the others' draws.
@@ -61,11 +62,12 @@ class Shim {
   std::optional<std::vector<std::byte>> release(Micros now);
 
   /// When to call release() next, rounded up to a whole microsecond; may be past. Nothing if no datagram is held.
-  /// With `slot`, a call at that time may yield nothing yet and a later time.
+  /// With `slot`, or of a datagram longer than an opportunity of a trace, a call at that time may yield nothing yet and
+  /// a later time.
   std::optional<Micros> next_due() const;
 
-  /// New rules from `now` on. Datagrams held keep their times; chains, gap count and slots begin anew; random streams
-  /// go on, unless `spec.seed` is set, which restarts them.
+  /// New rules from `now` on. Datagrams held keep their times; chains, gap count and slots begin anew, a trace stays
+  /// where the clock is; random streams go on, unless `spec.seed` is set, which restarts them.
   void set_spec(Micros now, const NetemSpec& spec);
 
   const NetemSpec& spec() const { return spec_; }
@@ -85,7 +87,13 @@ class Shim {
     void set_spec(const NetemSpec& spec);
     LossProcess loss;
     CorrelatedRandom duplicate, corrupt, reorder, delay;
-    Rng bit, slot;
+    Rng bit, slot, trace;
+  };
+  /// One line of the trace, in one of its repetitions.
+  struct Opportunity {
+    Nanos repetition;  ///< when that began
+    std::size_t line;
+    friend auto operator<=>(const Opportunity&, const Opportunity&) = default;
   };
 
   void enter(Bytes bytes, bool may_duplicate);
@@ -97,6 +105,11 @@ class Shim {
   void leave(Bytes bytes);
   void count_in_slot(std::size_t payload);
   void open_slot();
+  bool traced() const { return spec_.trace.opportunities != nullptr; }
+  void begin_trace();
+  Opportunity opportunity_for(Nanos due) const;
+  Nanos time_of(const Opportunity& o) const;
+  bool carry(Nanos due, std::size_t payload);
   Nanos wake_time() const;
 
   NetemSpec spec_;
@@ -110,6 +123,10 @@ class Shim {
   Nanos slot_next_;
   std::int64_t slot_packets_ = 0;
   std::int64_t slot_bytes_ = 0;
+  Nanos trace_began_ = 0;     ///< its first repetition
+  Opportunity next_{};        ///< the first one with room left
+  std::int64_t room_ = 0;     ///< bytes left in it
+  std::int64_t carried_ = 0;  ///< bytes of the queue's head that earlier ones have taken
 };
 
 }  // namespace padr::link

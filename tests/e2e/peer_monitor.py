@@ -151,6 +151,8 @@ class Obeying(MonitorCase):
             self.assertEqual(m.answer(t, m.knob(t, name, value))["kind"], "knob")
         answer = m.answer(t, m.netem(t, 1, "delay 80ms"))
         self.assertEqual((answer["kind"], answer["text"], answer["peer"]), ("netem", "delay 80ms", 0))
+        answer = m.answer(t, m.netem(t, 1, "trace mobile delay 40ms"))
+        self.assertEqual((answer["kind"], answer["text"]), ("netem", "delay 40ms trace mobile"))
         answer = m.answer(t, m.push(t, 7, 2, 1))
         self.assertIn(answer["kind"], ("push", "refused"))
         for order, says in (
@@ -158,6 +160,7 @@ class Obeying(MonitorCase):
             (m.knob(t, "nonsense", "1"), "there is no such knob"),
             (m.knob(t, "technique", "avatar-only"), "another rule of authority"),
             (m.netem(t, 0, "delay"), "netem"),
+            (m.netem(t, 1, "trace /etc/passwd"), "files can be named on a command line only"),
             (m.netem(t, 2, "delay 1ms"), "no other peer"),
             (m.cut(t, 20, 1), "no other peer"),
             (m.push(t, 60000, 1, 1), "there is none"),

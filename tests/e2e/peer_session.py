@@ -37,6 +37,23 @@ class Joining(Case):
         self.assertEqual([p.end() for p in peers], [0, 0])
         self.check_agreement(peers, least_common=1)
 
+    def test_link_trace_of_a_file_holds_datagrams_back(self):
+        spec = "trace " + self.file("my.link", "400\n" * 40)  # 40 packets at once, every 400 ms
+        peers = self.session(2, "--duration", 3, "--netem", spec, "--linger", 5)
+        self.assertEqual([p.end() for p in peers], [0, 0])
+        self.check_agreement(peers, least_common=1)
+        round_trips = 0
+        for p in peers:
+            summary = p.summary()
+            self.assertEqual(summary["netem"], spec)
+            (link,) = summary["links"]
+            self.assertEqual(link["shim"]["netem"], spec)
+            self.assertEqual((link["shim"]["lost"], link["shim"]["overlimit"]), (0, 0))
+            self.assertGreater(link["shim"]["released"], 5)
+            round_trips += link["rtt_ms"]
+        # Each of the two waits 200 ms on average for its own link, and together 400 ms for the other's.
+        self.assertGreater(round_trips, 250)
+
     def test_nobody_comes(self):
         founder = self.peer("--wait-peers", 2, "--join-timeout", 1)
         self.assertEqual(founder.end(), 1)

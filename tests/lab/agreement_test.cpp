@@ -74,6 +74,17 @@ TEST_P(Agreement, ConfirmedWorldsAreIdenticalAndEverythingComesToAgree) {
 
 INSTANTIATE_TEST_SUITE_P(Runs, Agreement, ::testing::Range(0, 8));
 
+TEST(LinkTraces, ConfirmedWorldsAreIdenticalOverRecordedLinks) {
+  for (const char* netem :
+       {"delay 40ms trace mobile random", "trace satellite", "delay 20ms 5ms loss 2% trace uplink 10s"}) {
+    SCOPED_TRACE(netem);
+    test::Session s("arena", 4, technique_by_name("full"), netem, test::seed(3), 20);
+    s.simulation->run();
+    EXPECT_EQ(s.simulation->confirmed_mismatches(), 0U) << "first at " << s.simulation->first_mismatch();
+    EXPECT_GT(s.simulation->confirmed_ticks(), 60U);
+  }
+}
+
 // The paper's techniques keep no replayed world, but what they tell is folded all the same.
 TEST(PaperAgreement, ConfirmedWorldsAreIdenticalWithoutReplayToo) {
   for (const char* name : {"fixed", "adaptive"}) {

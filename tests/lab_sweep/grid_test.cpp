@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <set>
 
 #include "shell/netem_text.h"
@@ -78,6 +80,20 @@ TEST(Grid, ItsIdIsThatOfItsRuns) {
   other = text();
   knob(other, "--replay") = "off";
   EXPECT_NE(Grid(other).id(), id);
+}
+
+TEST(Grid, ItsIdHasWhatIsInAFileOfALinkTrace) {
+  const std::string file = ::testing::TempDir() + "padr-grid-test.link";
+  GridText t = text();
+  t.netem = "trace " + file;
+  const auto id_with = [&](const char* times) {
+    std::ofstream(file) << times;
+    return Grid(t).id();
+  };
+  const std::string id = id_with("5\n");
+  EXPECT_EQ(id_with("5\n"), id);
+  EXPECT_NE(id_with("6\n"), id);
+  std::filesystem::remove(file);
 }
 
 struct Bad {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -62,10 +63,18 @@ inline std::uint32_t number_of(const std::vector<std::byte>& bytes) {
   return n;
 }
 
+/// With link traces: `trace 10,20` has opportunities at 10 and 20 ms.
+inline NetemSpec parse(std::string_view spec) {
+  return shell::parse_netem(spec, nullptr, [](std::string times) {
+    std::replace(times.begin(), times.end(), ',', '\n');
+    return times;
+  });
+}
+
 /// A scripted shim: at a time, send, expect, or expect nothing. A failure prints the steps so far.
 class Script {
  public:
-  explicit Script(std::string_view spec) : shim_(shell::parse_netem(spec), seed()) {
+  explicit Script(std::string_view spec) : shim_(parse(spec), seed()) {
     steps_ << seed_note() << "\nspec: " << spec << '\n';
   }
   Script& at(Micros now) {
@@ -101,7 +110,7 @@ class Script {
   }
   Script& change(std::string_view spec) {
     steps_ << "  at " << now_ << " us: change to " << spec << '\n';
-    shim_.set_spec(now_, shell::parse_netem(spec));
+    shim_.set_spec(now_, parse(spec));
     return *this;
   }
   const ShimStats& stats() const { return shim_.stats(); }

@@ -25,6 +25,18 @@ constexpr const char* kSpecs[] = {
     "slot distribution normal 1ms 6ms packets 1 rate 500kbit",
 };
 
+constexpr const char* kTraceSpecs[] = {
+    "trace 3,3,9,40 limit 7 loss 10%",
+    "trace mobile 30s delay 5ms 9ms distribution normal duplicate 20% limit 20",
+    "trace 1,2,2,50 random delay 4ms 9ms reorder 20% gap 2 loss gemodel 5% 20% corrupt 30%",
+};
+
+template <typename Run>
+void with_each_spec(const Run& run) {
+  for (const char* spec : kSpecs) run(spec);
+  for (const char* spec : kTraceSpecs) run(spec);
+}
+
 struct Arrival {
   Micros at;
   std::vector<std::byte> bytes;
@@ -51,7 +63,7 @@ struct Outcome {
 /// Feeds `arrivals`; before each, `poll(from, to)` may collect whenever it likes.
 Outcome run(const char* spec, std::uint64_t seed, const std::vector<Arrival>& arrivals,
             const std::function<void(Shim&, Micros, Micros, std::vector<Bytes>&)>& poll) {
-  Shim shim(shell::parse_netem(spec), seed);
+  Shim shim(testing::parse(spec), seed);
   Outcome o;
   Micros before = 0;
   for (const Arrival& a : arrivals) {
@@ -73,7 +85,7 @@ void drain(Shim& shim, Micros now, std::vector<Bytes>& out) {
 TEST(ShimDeterminism, PollingDoesNotMatter) {
   const auto seed = testing::seed();
   const auto in = arrivals(seed);
-  for (const char* spec : kSpecs) {
+  with_each_spec([&](const char* spec) {
     SCOPED_TRACE(std::string(spec) + "; " + testing::seed_note());
     const Outcome never = run(spec, seed, in, [](Shim&, Micros, Micros, std::vector<Bytes>&) {});
     const Outcome when_due = run(spec, seed, in, [](Shim& shim, Micros, Micros to, std::vector<Bytes>& out) {
@@ -89,20 +101,20 @@ TEST(ShimDeterminism, PollingDoesNotMatter) {
     EXPECT_TRUE(never == when_due);
     EXPECT_TRUE(never == often);
     EXPECT_TRUE(never == now_and_then);
-  }
+  });
 }
 
 TEST(ShimDeterminism, SameSeedSameOutcomeOtherSeedOther) {
   const auto in = arrivals(testing::seed());
   const auto nothing = [](Shim&, Micros, Micros, std::vector<Bytes>&) {};
-  for (const char* spec : kSpecs) {
+  with_each_spec([&](const char* spec) {
     SCOPED_TRACE(spec);
     const Outcome a = run(spec, 5, in, nothing);
     EXPECT_TRUE(a == run(spec, 5, in, nothing));
     if (*spec != '\0' && std::string_view(spec).find("slot distribution normal") == std::string_view::npos) {
       EXPECT_FALSE(a == run(spec, 6, in, nothing));
     }
-  }
+  });
 }
 
 TEST(ShimDeterminism, SeedInTheSpecificationWins) {
@@ -125,23 +137,28 @@ TEST(ShimDeterminism, OneKnobDoesNotDisturbAnother) {
   const auto plain = survivors("loss 10%");
   EXPECT_EQ(plain, survivors("loss 10% delay 50ms 40ms reorder 10%"));
   EXPECT_EQ(plain, survivors("loss 10% rate 10mbit slot 5ms 9ms"));
+  EXPECT_EQ(plain, survivors("loss 10% trace uplink random limit 10000"));
 }
 
 /// The outcome of one known case to the bit: the same for every compiler, at every optimisation, on every machine.
 /// It changes when netem's rules, the streams or the tables do, and then says so here.
 TEST(ShimDeterminism, GoldenOutcome) {
-  Hasher hash;
   const auto in = arrivals(1);
-  for (const char* spec : kSpecs) {
-    const Outcome o = run(spec, 1, in, [](Shim&, Micros, Micros, std::vector<Bytes>&) {});
-    for (const Bytes& b : o.out) {
-      hash.add(std::uint64_t{b.size()});
-      for (const std::byte x : b) hash.add(std::uint64_t{std::to_integer<std::uint8_t>(x)});
+  const auto hash_of = [&](std::span<const char* const> specs) {
+    Hasher hash;
+    for (const char* spec : specs) {
+      const Outcome o = run(spec, 1, in, [](Shim&, Micros, Micros, std::vector<Bytes>&) {});
+      for (const Bytes& b : o.out) {
+        hash.add(std::uint64_t{b.size()});
+        for (const std::byte x : b) hash.add(std::uint64_t{std::to_integer<std::uint8_t>(x)});
+      }
+      hash.add(o.stats.lost);
+      hash.add(o.stats.reordered);
     }
-    hash.add(o.stats.lost);
-    hash.add(o.stats.reordered);
-  }
-  EXPECT_EQ(hash.value(), 11217957826035319199ULL);
+    return hash.value();
+  };
+  EXPECT_EQ(hash_of(kSpecs), 11217957826035319199ULL);
+  EXPECT_EQ(hash_of(kTraceSpecs), 17260305480393978371ULL);
 }
 
 }  // namespace

@@ -42,6 +42,8 @@ TEST(Request, WhatAPageMaySay) {
   EXPECT_EQ(command(R"({"type":"netem","peer":1,"to":"all","spec":"delay 100ms 20ms loss 5%"})"),
             (Command{1, Netem{kNoPeer, "delay 100ms 20ms loss 5%"}}));
   EXPECT_EQ(command(R"({"type":"netem","peer":"all","to":3,"spec":""})"), (Command{kNoPeer, Netem{3, ""}}));
+  EXPECT_EQ(command(R"({"type":"netem","peer":1,"to":3,"spec":"trace mobile"})"),
+            (Command{1, Netem{3, "trace mobile"}}));
   EXPECT_EQ(command(R"({"type":"cut","peer":3,"with":"all","seconds":5})"), (Command{3, Cut{kNoPeer, 5}}));
   EXPECT_EQ(command(R"({"type":"pause","peer":2,"on":true})"), (Command{2, Pause{600}}));
   EXPECT_EQ(command(R"({"type":"pause","peer":"all","on":false})"), (Command{kNoPeer, Pause{0}}));
@@ -80,6 +82,8 @@ TEST(Request, WhatItMayNotIsAnsweredWithTheFieldThatIsWrong) {
       {R"({"type":"knob","peer":1,"name":"technique","value":"none"})", "--technique"},
       {R"({"type":"knob","peer":1,"name":"model","value":"a\nb"})", "value: has control characters"},
       {R"({"type":"netem","peer":1,"to":"all","spec":"delay -3ms"})", "spec: "},
+      {R"({"type":"netem","peer":1,"to":"all","spec":"trace /etc/passwd"})",
+       "spec: netem: word 2 \"/etc/passwd\" (column 7): not one of mobile, satellite, uplink; files can be named on a"},
       {R"({"type":"netem","peer":1,"to":1.5,"spec":""})", "to: is not a whole number"},
       {R"({"type":"cut","peer":3,"with":3,"seconds":5})", "with: is the peer itself"},
       {R"({"type":"cut","peer":3,"with":1,"seconds":601})", "seconds: "},

@@ -6,11 +6,13 @@ Usage: netem_e2e.py PATH_TO_PADR_NETEM [unittest arguments]
 Times are checked from below only, as a loaded machine may be late but never early; everything that waits has a bound.
 """
 
+import os
 import re
 import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import time
 import unittest
 
@@ -229,6 +231,23 @@ class Impairments(Case):
         for i, (_, _, at) in enumerate(got):
             self.assertGreaterEqual(at - start, 0.008 * (i + 1))
 
+    def test_link_trace_has_packets_wait_for_opportunities(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "my.link")
+            with open(path, "w", encoding="ascii") as f:
+                f.write("".join(f"{ms}\n" for ms in range(20, 401, 20)))
+            with self.relay("--netem", f"trace {path}", "--netem-back", "trace satellite random") as relay:
+                time.sleep(0.1)  # opportunities that nobody uses
+                start = time.monotonic()
+                for i in range(40):
+                    self.send(relay, (b"%d" % i).ljust(724))  # 752 bytes with headers: two in an opportunity
+                got = drain(self.target, 40)
+                relay.end()
+        self.assertEqual([int(d) for d, _, _ in got], list(range(40)))
+        # The first may come at once, every other pair 20 ms after the one before.
+        for i, (_, _, at) in enumerate(got):
+            self.assertGreaterEqual(at - start, 0.020 * (i // 2) - 0.020)
+
     def test_one_link_may_differ(self):
         port = self.target.getsockname()[1]
         with udp() as spare:
@@ -271,6 +290,8 @@ class Process(Case):
             (("--link", "127.0.0.1:0=no-such-host.invalid:9"), 'cannot resolve "no-such-host.invalid"'),
             ((*link, "--netem", "delay 5parsecs"), 'word 2 "5parsecs"'),
             ((*link, "--netem-back", "loss 101"), "--netem-back: netem: word 2"),
+            ((*link, "--netem", "trace no/such/file"), "not one of mobile, satellite, uplink; as a file: cannot read 'no/such/file'"),
+            ((*link, "--netem-back", "trace mobile rate 1mbit"), "--netem-back: netem: word 1"),
             ((*link, "--netem-for", "127.0.0.1:5=loss 1%"), "no --link listens"),
             ((*link, "--seed", "x"), "--seed"),
             ((*link, "--bogus"), "--bogus"),

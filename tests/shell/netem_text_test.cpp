@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "common/link/shim.h"
@@ -130,6 +131,13 @@ constexpr Accepted kAccepted[] = {
     {"seed 5", "seed 5"},
     {"seed 18446744073709551615", "seed 18446744073709551615"},
     {"loss .5", "loss 0.5%"},
+    {"trace mobile", "trace mobile"},
+    {"trace mobile 0", "trace mobile"},
+    {"tr uplink 1.5s", "trace uplink 1500ms"},
+    {"trace satellite random", "trace satellite random"},
+    {"trace mobile delay 40ms loss 1% limit 50", "delay 40ms loss 1% trace mobile limit 50"},
+    {"rate 0 slot 0 trace mobile", "trace mobile"},
+    {"trace uplink 5s trace mobile", "trace mobile"},
 };
 
 TEST(NetemText, AcceptsWhatTcAccepts) {
@@ -214,6 +222,15 @@ constexpr Rejected kRejected[] = {
     {"rate 1mbit foo", "word 3 \"foo\"", "unknown"},
     {"seed x", "word 2 \"x\"", "whole number"},
     {"seed -1", "word 2 \"-1\"", "whole number"},
+    {"trace", "word 1 \"trace\" (column 1)", "a built-in link trace (mobile, satellite, uplink) or a file must follow"},
+    {"trace mobil", "word 2 \"mobil\" (column 7)",
+     "not one of mobile, satellite, uplink; files can be named on a command"},
+    {"trace /etc/passwd", "word 2 \"/etc/passwd\" (column 7)", "files can be named on a command line only"},
+    {"trace mobile 5parsecs", "word 3 \"5parsecs\"", "not a valid START; allowed: 0 to 4294s"},
+    {"trace mobile rand", "word 3 \"rand\"", "unknown"},
+    {"trace mobile 5s random", "word 4 \"random\"", "unknown"},
+    {"rate 1mbit trace mobile", "word 3 \"trace\"", "not allowed with rate: both say when packets leave"},
+    {"trace mobile slot 10ms", "word 1 \"trace\"", "not allowed with slot"},
     {"delay \x01\xff", "word 2 \"\\x01\\xff\"", "s, ms, us or ns"},
 };
 
@@ -224,6 +241,67 @@ TEST(NetemText, RejectsAndNamesTheWord) {
     EXPECT_EQ(message.rfind("netem: word ", 0), 0U) << message;
     EXPECT_NE(message.find(r.where), std::string::npos) << message;
     EXPECT_NE(message.find(r.says), std::string::npos) << message;
+  }
+}
+
+NetemSpec with_file(const std::string& text, const std::string& netem = "trace my.link") {
+  return parse_netem(netem, nullptr, [&text](const std::string& file) {
+    if (file != "my.link") throw UserError("as a file: cannot read '" + file + "': No such file or directory");
+    return text;
+  });
+}
+
+TEST(NetemText, LinkTracesFromFiles) {
+  using Times = std::vector<std::uint32_t>;
+  EXPECT_EQ(*with_file("0\n0\n7\n4294967295\n").trace.opportunities, (Times{0, 0, 7, 4294967295}));
+  EXPECT_EQ(*with_file("5").trace.opportunities, Times{5});
+  EXPECT_EQ(*with_file("5\r\n6\r\n").trace.opportunities, (Times{5, 6}));
+
+  const NetemSpec spec = with_file("5\n6", "delay 1ms trace my.link 2s");
+  EXPECT_EQ(to_string(spec), "delay 1ms trace my.link 2s");
+  EXPECT_EQ(with_file("5\n6", to_string(spec)), spec);
+  EXPECT_NE(with_file("5\n7", to_string(spec)), spec);
+  EXPECT_NE(with_file("5\n6", "delay 1ms"), spec);
+  EXPECT_EQ(with_file("5", "trace mobile"), parse_netem("trace mobile"));  // what is built in comes first
+}
+
+TEST(NetemText, WhatIsWrongWithALinkTraceIsNamedByLine) {
+  const auto error_of_file = [](const std::string& text, const char* netem = "trace my.link") -> std::string {
+    try {
+      with_file(text, netem);
+    } catch (const UserError& e) {
+      return e.what();
+    }
+    ADD_FAILURE() << "accepted: " << text;
+    return {};
+  };
+  const std::string begin = "netem: word 2 \"my.link\" (column 7): my.link:";
+  const std::string allowed = " is no time, allowed: a whole number of milliseconds, 0 to 4294967295";
+  EXPECT_EQ(error_of_file(""), begin + "1: the file is empty, allowed: lines with a time in milliseconds each");
+  EXPECT_EQ(error_of_file("0\n0\n"), begin + "2: the last time is 0, allowed: 1 or later, as the trace is so long");
+  EXPECT_EQ(error_of_file("5\n4\n"), begin + "2: 4 after 5, allowed: the time of the line before, or later");
+  EXPECT_EQ(error_of_file("5\n\n6\n"), begin + "2: \"\"" + allowed);
+  EXPECT_EQ(error_of_file("# mine\n5\n"), begin + "1: \"# mine\"" + allowed);
+  EXPECT_EQ(error_of_file("5\n-6\n"), begin + "2: \"-6\"" + allowed);
+  EXPECT_EQ(error_of_file("5\n6.5\n"), begin + "2: \"6.5\"" + allowed);
+  EXPECT_EQ(error_of_file("5\n4294967296\n"), begin + "2: \"4294967296\"" + allowed);
+  EXPECT_EQ(error_of_file("5 \n"), begin + "1: \"5 \"" + allowed);
+  EXPECT_EQ(error_of_file("\x01\xff\n"), begin + "1: \"\\x01\\xff\"" + allowed);
+  EXPECT_EQ(
+      error_of_file("5", "trace mobil"),
+      "netem: word 2 \"mobil\" (column 7): not one of mobile, satellite, uplink; as a file: cannot read 'mobil': No "
+      "such file or directory");
+}
+
+/// They last as long as the recipes say, and carry what these say.
+TEST(NetemText, BuiltInLinkTraces) {
+  for (const auto& [name, seconds, kbit] :
+       {std::tuple{"mobile", 120.0, 757.0}, {"satellite", 60.0, 1197.0}, {"uplink", 60.0, 557.0}}) {
+    SCOPED_TRACE(name);
+    const NetemSpec spec = parse_netem(std::string("trace ") + name);
+    const std::vector<std::uint32_t>& times = *spec.trace.opportunities;
+    EXPECT_EQ(times.back(), seconds * 1'000);
+    EXPECT_NEAR(static_cast<double>(times.size() * link::kOpportunityBytes * 8) / seconds / 1e3, kbit, 1);
   }
 }
 
@@ -243,7 +321,7 @@ TEST(NetemText, WarnsOfWhatIsRarelyMeant) {
         Case{"loss 5% 25%", "gemodel"}, Case{"delay 10ms 5ms 25%", "hardly"}, Case{"rate 10kbps", "BYTES"},
         Case{"rate 1mbit 20 -48", "without a CELL"}, Case{"limit 0", "every packet"},
         Case{"delay 5us delay 6us", "given twice"}, Case{"delay 5s 3s", "2.147483647s"},
-        Case{"delay 5ms 6ms", "below 0"}}) {
+        Case{"delay 5ms 6ms", "below 0"}, Case{"trace mobile 5", "5ms if milliseconds"}}) {
     SCOPED_TRACE(c.text);
     const auto warnings = warnings_of(c.text);
     ASSERT_EQ(warnings.size(), 1U);
@@ -258,11 +336,12 @@ TEST(NetemText, WarnsOfWhatIsRarelyMeant) {
 /// Words of the grammar and noise, in any order: a specification that reads back as itself and that a shim can run,
 /// or one printable line.
 TEST(NetemText, SurvivesGarbage) {
-  const char* const kWords[] = {
-      "limit",   "delay", "latency",   "loss",         "drop",   "random", "state",   "gemodel", "ecn",  "reorder",
-      "corrupt", "gap",   "duplicate", "distribution", "normal", "pareto", "uniform", "rate",    "slot", "packets",
-      "bytes",   "seed",  "1ms",       "20ms",         "5%",     "100%",   "25",      "0",       "-3",   "1mbit",
-      "8kbps",   "9e99",  ".",         "1.2.3",        "0x10",   "%",      "1e",      "d",       "r",    "\xC3\xA4"};
+  const char* const kWords[] = {"limit",   "delay",  "latency", "loss",    "drop",  "random",    "state",
+                                "gemodel", "ecn",    "reorder", "corrupt", "gap",   "duplicate", "distribution",
+                                "normal",  "pareto", "uniform", "rate",    "slot",  "packets",   "bytes",
+                                "seed",    "1ms",    "20ms",    "5%",      "100%",  "25",        "0",
+                                "-3",      "1mbit",  "trace",   "uplink",  "8kbps", "9e99",      ".",
+                                "1.2.3",   "0x10",   "%",       "1e",      "d",     "r",         "\xC3\xA4"};
   Rng rng(link::testing::seed());
   int accepted = 0;
   for (std::uint32_t i = 0; i < 50'000; ++i) {

@@ -127,7 +127,7 @@ Request knob(const Fields& f) {
 Request netem(const Fields& f) {
   Netem n{f.peer("to", "all"), f.text("spec", kMostText)};
   std::vector<std::string> doubts;
-  if (!n.spec.empty()) shell::parse_netem_flag("spec", n.spec, &doubts);
+  if (!n.spec.empty()) shell::parse_netem_field("spec", n.spec, &doubts);
   return Command{f.peer("peer", "all"), n};
 }
 

@@ -242,7 +242,7 @@ std::string hello_text(const HelloWords& h) {
   for (const std::string_view name : technique_names()) j.value(name);
   j.end_array().key("causes").begin_array();
   for (const std::string_view name : sync::kCauseNames) j.value(name);
-  j.end_array().field("netem_help", shell::kNetemHelp).end_object();
+  j.end_array().field("netem_help", shell::netem_help()).end_object();
   return j.text();
 }
 

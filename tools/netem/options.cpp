@@ -19,17 +19,12 @@ constexpr const char* kDescription =
     "Each client and each direction has its own queue and random stream.";
 
 constexpr const char* kFooter =
-    "LISTEN and TARGET are HOST:PORT, HOST a name, an IPv4 address or an IPv6 address in brackets.\n"
-    "SPEC is what follows `netem` in `tc qdisc add ... netem SPEC`, see tc-netem(8), in one argument:\n"
-    "  limit PACKETS\n"
-    "  delay TIME [JITTER [CORRELATION]] [distribution uniform|normal|pareto|paretonormal]\n"
-    "  loss PERCENT [CORRELATION] | loss state P13 [P31 [P32 [P23 [P14]]]] | loss gemodel P [R [1-H [1-K]]]\n"
-    "  corrupt PERCENT [CORRELATION]    duplicate PERCENT [CORRELATION]\n"
-    "  reorder PERCENT [CORRELATION] [gap N]    rate RATE [OVERHEAD [CELL [CELLOVERHEAD]]]\n"
-    "  slot MIN [MAX] [packets N] [bytes B] | slot distribution NAME DELAY JITTER [packets N] [bytes B]\n"
-    "  seed N\n"
-    "TIME is in s, ms, us or ns. With jitter datagrams overtake each other, unless there is a rate. corrupt flips one\n"
-    "bit of the payload; the relay sends the datagram with a valid checksum, so the receiver gets it.\n"
+    "LISTEN and TARGET are HOST:PORT, HOST a name, an IPv4 address or an IPv6 address in brackets.\n";
+
+constexpr const char* kFooterEnd =
+    "\n"
+    "With jitter datagrams overtake each other, unless there is a rate. corrupt flips one bit of the payload; the\n"
+    "relay sends the datagram with a valid checksum, so the receiver gets it.\n"
     "\n"
     "Example: 100 ms +- 20 ms and bursts of losses towards a peer on port 7001, 50 ms back, for one minute:\n"
     "  padr-netem --link 127.0.0.1:6001=127.0.0.1:7001 --netem 'delay 100ms 20ms loss gemodel 1% 30%' \\\n"
@@ -69,7 +64,7 @@ void override_specs(const std::vector<std::string>& overrides, const std::string
 }
 
 void declare(CLI::App& app, RawOptions& raw, Options& options) {
-  app.footer(kFooter);
+  app.footer(kFooter + shell::netem_help() + kFooterEnd);
   shell::add_version_flag(app, "padr-netem");
   app.add_option("--link", raw.links, "Relay from LISTEN to TARGET; required, may be repeated")
       ->type_name("LISTEN=TARGET")

@@ -171,6 +171,8 @@ std::string Grid::identify() const {
   numbers(jitter_ms_);
   numbers(loss_percent_);
   h.add(std::string_view(netem_));
+  if (const auto trace = point(0).netem.trace.opportunities)
+    for (const std::uint32_t ms : *trace) h.add(std::uint64_t{ms});
   for (const std::string& name : techniques_) h.add(std::string_view(shell::describe(shell::technique_of(name))));
   for (std::size_t k = 0; k < knobs_.size(); ++k) {
     h.add(std::string_view(knob_columns_[k]));
