@@ -22,7 +22,10 @@ constexpr double kLongestWait = 10;
 
 constexpr double kLeast = 60;        // bytes/s: a mark a second
 constexpr double kLeastFair = 1000;  // bytes/s: losses alone do not slow a link below this
-// Where nothing comes back: this part of the rate.
+// Until so many acknowledgements have come, no more datagrams than this are under way at once, but for one a second.
+constexpr std::size_t kTried = 4;
+constexpr std::size_t kUnderWay = 4;
+// Where nothing comes back any more: this part of the rate.
 constexpr double kSilentPart = 1.0 / 8;
 constexpr double kSegment = 1460;  // bytes: what TFRC-SP allows small packets to count as
 
@@ -55,9 +58,11 @@ void LinkRate::drain(Tick now) {
 
 bool LinkRate::may_send(Tick now) {
   drain(now);
-  const bool empty = queued_ <= 0;
-  held_back_ = held_back_ || !empty;
-  return empty;
+  const std::size_t under_way = forgotten_ + sent_.size() - (receipts_.empty() ? 0 : receipts_.back().number + 1);
+  const bool waits = receipts_.size() < kTried && under_way >= kUnderWay && now - sent_.back().at < kTicksPerSecond;
+  const bool may = queued_ <= 0 && !waits;
+  held_back_ = held_back_ || !may;
+  return may;
 }
 
 void LinkRate::sent(std::size_t bytes, Tick now) {
