@@ -76,6 +76,7 @@ class Trial {
     persons_.resize(liars_.size());
     for (int p = 0; p < founders; ++p) persons_[party_.replica(p).self()] = p;
     of_person(person(liar)).learn_session(session());
+    liar_incarnation_ = incarnation(liar);
     party_.judge_too().expect_lies_of(person(liar));
   }
 
@@ -117,7 +118,15 @@ class Trial {
     }
     expect_confirmed(who);
   }
-  /// The honest have declared the liar gone.
+  /// The honest have declared the liar gone, as who it was when the trial began; it may have come back since.
+  bool liar_was_out() const {
+    const auto all = honest();
+    return std::none_of(all.begin(), all.end(), [this](PeerId p) {
+      const node::Seat& seat = replica(p).seat(liar_slot_);
+      return seat.there() && seat.incarnation == liar_incarnation_;
+    });
+  }
+  /// The honest have declared the liar gone, and it is not back.
   bool liar_is_out() const {
     const auto all = honest();
     return std::none_of(all.begin(), all.end(), [this](PeerId p) { return replica(p).seat(liar_slot_).there(); });
@@ -136,6 +145,7 @@ class Trial {
   PeerId liar_slot_;
   std::vector<Liar> liars_;   ///< by person; only one ever begins
   std::vector<int> persons_;  ///< by slot
+  std::uint32_t liar_incarnation_ = 0;
   Party party_;
 };
 

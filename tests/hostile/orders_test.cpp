@@ -38,6 +38,8 @@ TEST(Orders, RemovalOfTheCoordinator) {
 TEST(Orders, RemovalByTheCoordinatorThatAskedNobody) {
   Trial t(4, 0, wire::SealMode::kAuth, 203);
   give(t, [&t](sync::Bundle& b) { b.removals = {{2, t.incarnation(2), 5}}; });
+  t.party().run(1);
+  t.party().net().attract(Vec2{4, 4});  // the first update may have gone out before the lie
   t.party().run(18);
   EXPECT_GT(t.dropped(1, DropReason::kRight), 0U) << t.party().story();
   EXPECT_TRUE(t.liar_is_out()) << t.party().story();
