@@ -125,8 +125,10 @@ constexpr std::array<Knob, kKnobCount> kKnobs{{
      named<&Technique::unowned, kUnowned>},
     {"--time-stamps", "on|off", "Without replay: extrapolate an update by its age on arrival; off: apply it unchanged",
      named<&Technique::time_stamps, kSwitch>},
-    {"--budget", "KBIT", "Send at most so many kbit/s to all other peers together, IP and UDP headers included",
-     [](Technique& t, Text flag, Text v) { t.budget = in_range(flag, v, 1.0F, 100'000.0F, "kbit/s"); }},
+    {"--budget", "KBIT|off", "Send at most so many kbit/s to all other peers together, IP and UDP headers included",
+     [](Technique& t, Text flag, Text v) {
+       t.budget = v == "off" ? 0 : in_range(flag, v, 1.0F, 100'000.0F, "kbit/s, or off");
+     }},
     {"--radius", "M", "Predictors look at bodies up to this distance, metres",
      [](Technique& t, Text flag, Text v) { t.radius = in_range(flag, v, 0.1F, 100.0F, "metres"); }},
     {"--steps", "N", "Ticks that predictors look ahead",
@@ -182,7 +184,7 @@ std::string describe(const Technique& t) {
   if (!t.rest_state) s += " --rest-state off";
   s += " --precision " + name_of(t.precision, kPrecisions) + " --unowned " + name_of(t.unowned, kUnowned);
   if (t.time_stamps) s += " --time-stamps on";
-  s += " --budget " + number(t.budget);
+  if (t.budget > 0) s += " --budget " + number(t.budget);
   s += " --steps " + number(t.steps) + " --count " + number(t.count) + " --pcc-bound " + number(t.pcc_bound);
   return s;
 }

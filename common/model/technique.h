@@ -70,8 +70,8 @@ struct Technique {
   /// on arrival (the paper's).
   bool time_stamps = false;
   /// kbit/s that this peer sends to all others together at most, IP and UDP headers included; every link gets the same
-  /// share. What a link carries bounds it further.
-  float budget = 1000;
+  /// share. 0: no limit but what links carry.
+  float budget = 0;
   friend bool operator==(const Technique&, const Technique&) = default;
 };
 

@@ -350,7 +350,8 @@ const Bundle& Reporter::tell_nothing(const Situation& s) {
   return told_;
 }
 
-// What the claims rested on may have changed while they waited, and a touch may be over that nobody was told of.
+// What the claims rested on may have changed while they waited, and a touch may be over that nobody was told of: then
+// the body has gone on as predicted. What is still touched has been claimed anew.
 void Reporter::renew_what_waited(const Situation& s) {
   std::erase_if(bodies_, [&](BodyUpdate& u) {
     const Authority& a = s.predicted->authority[u.body];
@@ -358,9 +359,7 @@ void Reporter::renew_what_waited(const Situation& s) {
     if (u.has_state && owns(s, u.body)) {
       u.epoch = a.epoch;
       u.claimed = a.claimed;
-    } else if (u.has_state && may_claim(s, u.body)) {
-      claim(s, u.body, u.cause);
-    } else {
+    } else if (!u.has_state || !may_claim(s, u.body) || !chain_.touching_now(u.body, s.predicted->tick)) {
       u.has_state = u.release = false;
     }
     return !u.has_state && !u.release && chain_.held(u.body) == known_as_held;

@@ -22,6 +22,8 @@ constexpr Tick kKept = 15 * kTicksPerSecond;
 constexpr Tick kTellCheck = 60;
 // Nothing waits for the link to a peer that has not answered for so long.
 constexpr Tick kGone = 2 * kTicksPerSecond;
+// And for a full one no longer than this: its receiver may be lying.
+constexpr Tick kHeldBack = kTicksPerSecond;
 constexpr double kBytesPerKbit = 125;
 // Time without new updates after which marks are less urgent.
 constexpr Tick kQuiet = kTicksPerSecond;
@@ -199,12 +201,15 @@ void Replica::report(Vec2 target, Vec2 velocity_before) {
   look_ahead(target);
   s.threshold = threshold();
   std::uint32_t everyone = own_end();
+  bool full = false;
   for (PeerId p = 0; p < config_.slots; ++p) {
     if (p == config_.self || !seat(p).there()) continue;
     s.round_trip = std::max(s.round_trip, static_cast<Tick>(links_[p].out.round_trip()) + 1);
     everyone = std::min(everyone, links_[p].out.acked());
-    s.may_tell = s.may_tell && (links_[p].out.unanswered(now()) >= kGone || links_[p].out.rate().may_send(now()));
+    full = full || (links_[p].out.unanswered(now()) < kGone && !links_[p].out.rate().may_send(now()));
   }
+  s.may_tell = !full || now() - told_in_full_ >= kHeldBack;
+  if (s.may_tell) told_in_full_ = now();
   const bool all = everyone >= own_first_ + own_log_.size();
   s.everyone_has = all ? now() - 1
                        : (everyone > own_first_ ? own_log_[everyone - own_first_ - 1].tick
@@ -311,6 +316,10 @@ std::optional<sync::Signature> Replica::signed_now() const {
 
 // Every link gets the same share of the budget.
 void Replica::share_budget() {
+  if (config_.technique.budget <= 0) {
+    for (LinkState& l : links_) l.out.rate().bound(sync::LinkRate::kMost);
+    return;
+  }
   int links = 0;
   for (PeerId p = 0; p < config_.slots; ++p)
     if (p != config_.self && seat(p).reachable()) ++links;

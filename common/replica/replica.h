@@ -285,6 +285,7 @@ class Replica {
   bool gone_ = false;
   Tick news_ = 0;  ///< when the last new update arrived or was made
   Tick through_ticks_ = 0;
+  Tick told_in_full_ = 0;  ///< when what was due last did not have to wait
 };
 
 /// The same hash over the entity states of an agreed world.

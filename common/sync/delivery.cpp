@@ -42,9 +42,6 @@ struct Probing {
 };
 constexpr std::array<Probing, 5> kProbing{{{60, 10}, {90, 4}, {120, 2}, {240, 6}, {360, 15}}};
 
-/// Without an answer for so long, and for two marks, a link is sent little.
-constexpr Tick kNoAnswer = 60;
-
 /// By so many ticks a round trip is longer than usual if an end has stood still.
 constexpr Tick kStandstill = kTicksPerSecond / 2;
 /// So many such round trips in a row are the link's.
@@ -128,7 +125,6 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
   const auto end = first + static_cast<std::uint32_t>(own.size());
   if (answered_at_ == kNever) answered_at_ = c.now;
   // Marks give way to updates where the link is narrow.
-  rate_.note(static_cast<float>(loss_) / 100, srtt_, unanswered(c.now) >= kNoAnswer + 2 * interval_);
   interval_ = std::max(interval(c, end), rate_.eighth(mark_bytes_));
   begin_marks(c.now);
   const bool silent = unanswered(c.now) >= kSilent;

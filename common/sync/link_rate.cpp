@@ -9,32 +9,22 @@ namespace {
 
 // Another rate is taken if what it leaves unexplained of the latest receipts' lateness, ticks, is this part or less of
 // what the present one leaves, and less by at least so much.
-constexpr float kBetter = 0.4F;
-constexpr float kClearly = 6;
+constexpr float kBetter = 0.25F;
+constexpr float kClearly = 20;
 // The estimate grows by this factor while something is held back, and it explains no more than a link without a queue.
-constexpr double kGrowth = 2;
+constexpr double kGrowth = 1.25;
 constexpr Tick kGrowEvery = 6;
+// A queue is taken to have begun no more than this many datagrams ago.
+constexpr std::size_t kQueued = 64;
+// What came through is measured over no less than this.
+constexpr Tick kMeasured = 6;
 constexpr Tick kSpan = 10 * kTicksPerSecond;
 // Times are whole ticks at both ends.
 constexpr float kResolution = 0.5F;
 // What is sent waits for an empty queue no longer than this, s.
-constexpr double kLongestWait = 10;
+constexpr double kLongestWait = 4;
 
-constexpr double kLeast = 60;        // bytes/s: a mark a second
-constexpr double kLeastFair = 1000;  // bytes/s: losses alone do not slow a link below this
-// Until so many acknowledgements have come, no more datagrams than this are under way at once, but for one a second.
-constexpr std::size_t kTried = 4;
-constexpr std::size_t kUnderWay = 4;
-// Where nothing comes back any more: this part of the rate.
-constexpr double kSilentPart = 1.0 / 8;
-constexpr double kSegment = 1460;  // bytes: what TFRC-SP allows small packets to count as
-
-// RFC 5348's throughput equation, for segments of kSegment bytes; p: loss, 0 to 1.
-double tfrc(double p, double round_trip_seconds) {
-  const double root = std::sqrt(2 * p / 3);
-  const double timeouts = 12 * std::sqrt(3 * p / 8) * p * (1 + 32 * p * p);
-  return kSegment / (round_trip_seconds * (root + timeouts));
-}
+constexpr double kLeast = 60;  // bytes/s: a mark a second
 
 double seconds(double ticks) {
   return ticks / kTicksPerSecond;
@@ -43,12 +33,11 @@ double seconds(double ticks) {
 }  // namespace
 
 double LinkRate::rate() const {
-  return std::min({rate_, most_, fair_});
+  return std::min(rate_, most_);
 }
 
 Tick LinkRate::eighth(std::size_t bytes) const {
-  return static_cast<Tick>(
-      std::min(600.0, std::ceil(static_cast<double>(bytes) * 8 * kTicksPerSecond / std::min(rate_, most_))));
+  return static_cast<Tick>(std::min(60.0, std::ceil(static_cast<double>(bytes) * 8 * kTicksPerSecond / rate())));
 }
 
 void LinkRate::drain(Tick now) {
@@ -58,9 +47,7 @@ void LinkRate::drain(Tick now) {
 
 bool LinkRate::may_send(Tick now) {
   drain(now);
-  const std::size_t under_way = forgotten_ + sent_.size() - (receipts_.empty() ? 0 : receipts_.back().number + 1);
-  const bool waits = receipts_.size() < kTried && under_way >= kUnderWay && now - sent_.back().at < kTicksPerSecond;
-  const bool may = queued_ <= 0 && !waits;
+  const bool may = queued_ <= 0;
   held_back_ = held_back_ || !may;
   return may;
 }
@@ -72,12 +59,6 @@ void LinkRate::sent(std::size_t bytes, Tick now) {
   if (sent_.size() <= kRemembered) return;
   sent_.pop_front();
   ++forgotten_;
-}
-
-void LinkRate::note(float loss, float round_trip, bool silent) {
-  fair_ = kMost;
-  if (loss > 0) fair_ = std::clamp(tfrc(loss, seconds(std::max(1.0F, round_trip))), kLeastFair, kMost);
-  if (silent) fair_ = std::min(fair_, rate_ * kSilentPart);
 }
 
 void LinkRate::note_transit(const Quickest& q, Tick now) {
@@ -97,6 +78,11 @@ float LinkRate::lateness(const Receipt& r) const {
   return static_cast<float>(r.transit - quickest().transit);
 }
 
+// Of the datagrams that count, as a queue may have begun with them.
+std::size_t LinkRate::first_before(std::size_t last) {
+  return last < kQueued ? 0 : last - kQueued;
+}
+
 // The queue began with some datagram before: the rate is what the link carried from then on until this one had left it.
 // Of all datagrams that may have begun it, the one that did makes the rate highest.
 double LinkRate::explains(const Receipt& r) const {
@@ -104,7 +90,7 @@ double LinkRate::explains(const Receipt& r) const {
   double bytes = -static_cast<double>(quickest().bytes);
   double rate = 0;
   const std::size_t last = r.number - forgotten_;
-  for (std::size_t i = last + 1; i-- > 0;) {
+  for (std::size_t i = last + 1; i-- > first_before(last);) {
     bytes += static_cast<double>(sent_[i].bytes);
     rate = std::max(rate, bytes / seconds(static_cast<double>(sent_[last].at - sent_[i].at) + late));
   }
@@ -115,12 +101,27 @@ double LinkRate::explains(const Receipt& r) const {
 float LinkRate::predicted(const Receipt& r, double rate) const {
   double bytes = -static_cast<double>(quickest().bytes);
   double late = 0;
+  const double ticks_per_byte = kTicksPerSecond / rate;
   const std::size_t last = r.number - forgotten_;
-  for (std::size_t i = last + 1; i-- > 0;) {
+  for (std::size_t i = last + 1; i-- > first_before(last);) {
     bytes += static_cast<double>(sent_[i].bytes);
-    late = std::max(late, bytes / rate * kTicksPerSecond - static_cast<double>(sent_[last].at - sent_[i].at));
+    const double by_it = bytes * ticks_per_byte - static_cast<double>(sent_[last].at - sent_[i].at);
+    if (by_it < late - kTicksPerSecond) break;  // the link was idle in between
+    late = std::max(late, by_it);
   }
   return static_cast<float>(late);
+}
+
+// Bytes per second that have come through between the oldest and the newest of the receipts, 0 if they are too close.
+double LinkRate::came_through() const {
+  const Receipt& from = receipts_.front();
+  const Receipt& to = receipts_.back();
+  if (from.number < forgotten_) return 0;
+  const Tick ticks = to.transit + sent_[to.number - forgotten_].at - from.transit - sent_[from.number - forgotten_].at;
+  if (ticks < kMeasured) return 0;
+  double bytes = 0;
+  for (std::size_t i = from.number + 1; i <= to.number; ++i) bytes += static_cast<double>(sent_[i - forgotten_].bytes);
+  return bytes / seconds(static_cast<double>(ticks));
 }
 
 float LinkRate::unexplained(double rate) const {
@@ -151,7 +152,9 @@ void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_t
   const float left = unexplained(rate_);
   double best = rate_;
   float least = left;
-  for (const double candidate : {explains(receipts_.back()), explains(receipts_.front())}) {
+  for (const Receipt& r : {receipts_.back(), receipts_.front()}) {
+    if (left <= kClearly) break;
+    const double candidate = std::max(explains(r), came_through());
     const float leaves = unexplained(candidate);
     if (leaves >= least) continue;
     least = leaves;

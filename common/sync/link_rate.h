@@ -12,12 +12,13 @@ namespace padr::sync {
 /// What a directed link carries, and whether it may be sent something now. The acknowledgements show by how much each
 /// datagram was later than the quickest of late. A queue of what we have sent explains that for exactly one rate of the
 /// link: the estimate. Nothing is sent while that queue, as the estimate has it, is not empty, so what is sent is never
-/// older than the link makes it. While something is held back and no queue shows, the estimate grows. Losses bound the
-/// rate, too, as RFC 4828 has it for small packets (TFRC-SP), so that it is fair to other traffic.
+/// older than the link makes it. While something is held back and no queue shows, the estimate grows.
 ///
 /// Rates are in bytes per second, IP and UDP headers included.
 class LinkRate {
  public:
+  /// No limit: 100 Mbit/s.
+  static constexpr double kMost = 1.25e7;
   /// The rate never exceeds this.
   void bound(double most) { most_ = most; }
 
@@ -29,14 +30,11 @@ class LinkRate {
   Tick sent_at(std::size_t later) const { return sent_[sent_.size() - 1 - later].at; }
   /// That datagram, the newest so far, has arrived, at `received` by the receiver's session clock.
   void arrived(std::size_t later, Tick received, Tick now, float round_trip);
-  /// What bounds the rate besides: recent loss (0 to 1) at a round trip in ticks, and silence: no answer comes.
-  void note(float loss, float round_trip, bool silent);
-
   /// Whether a datagram may be sent now. If not, what was to be sent counts as held back.
   bool may_send(Tick now);
   double rate() const;
-  /// Queueing delay that the last acknowledgement showed, ticks.
-  float queue() const { return queue_; }
+  /// Queueing delay that the last acknowledgement showed, ticks; 0 on a link without limit.
+  float queue() const { return rate_ < kMost ? queue_ : 0; }
   /// Bytes that take half a second.
   std::size_t half_second() const { return static_cast<std::size_t>(rate() / 2); }
   /// Ticks between datagrams of `bytes` that take an eighth of the rate.
@@ -64,16 +62,17 @@ class LinkRate {
   void note_transit(const Quickest& q, Tick now);
   const Quickest& quickest() const;
   float lateness(const Receipt& r) const;
+  static std::size_t first_before(std::size_t last);
   double explains(const Receipt& r) const;
   float predicted(const Receipt& r, double rate) const;
+  double came_through() const;
   float unexplained(double rate) const;
   void set_rate(double rate, Tick now);
 
   Ring<Sent> sent_{kRemembered + 1};
   std::size_t forgotten_ = 0;  ///< datagrams sent before those
-  double rate_ = 1000;         ///< the estimate; low until something is known
+  double rate_ = kMost;        ///< the estimate; no limit until a queue shows
   double most_ = kMost;
-  double fair_ = kMost;    ///< bound by losses and silence
   double queued_ = 0;      ///< bytes that wait in the link's queue, by the estimate
   Tick drained_ = 0;       ///< when that was last computed
   Quickest now_quickest_;  ///< in the span that began at span_, and in the one before
@@ -85,7 +84,6 @@ class LinkRate {
   bool held_back_ = false;  ///< since the rate last grew
 
   static constexpr Tick kNever = -1'000'000;
-  static constexpr double kMost = 1.25e7;  ///< 100 Mbit/s
 };
 
 }  // namespace padr::sync

@@ -9,7 +9,7 @@ STANDS_FOR = {
     "CAUSE": "(threshold|contact_begin|contact_end|proxy|body_threshold|at_rest|leave)",
     "REASON": "(seal|foreign|malformed|duplicate|tick|order|entity|value|signature|right|cut_off)",
     "KNOB": "(threshold|body-threshold|model|lead|time-space|predictor|threshold-law|convergence|replay|end-update|proxy-update|"
-            "rest-state|precision|unowned|time-stamps|radius|steps|count|pcc-bound)",
+            "rest-state|precision|unowned|time-stamps|budget|radius|steps|count|pcc-bound)",
     "PREDICTOR": "(lookahead|density|path-density|pcc)",
     "SETTING": r"(avatar-only|fixed|adaptive|full)-[\w.-]+",
     "KIND": "(recorded|wander|rest)",

@@ -1,4 +1,7 @@
 // A member that lies about what it sees: what nobody can compute with, what is not its to say, and what is not yet.
+#include <iterator>
+#include <map>
+
 #include "tests/hostile/liar.h"
 
 namespace padr::test {
@@ -150,6 +153,29 @@ TEST(Lying, AHashThatIsNoneMakesNobodyBeginAnew) {
 }
 
 // Once, the others dropped what it rested on such claims as nonsense, and barred it for good.
+// Its link seems to carry next to nothing: what the others have to say waits for it, but for a second at most.
+TEST(Lying, WhoSaysThatAllComesLateHoldsNobodyBackForLong) {
+  Trial t(4, 2, wire::SealMode::kAuth, 130);
+  const Tick since = t.replica(2).now();
+  std::map<PeerId, std::map<Tick, std::uint32_t>> seen;
+  t.liar().begin([&](sync::StatePacket& p, PeerId to) {
+    auto& by_tick = seen[to];
+    by_tick[p.mark_tick] = p.seen_seq;
+    const auto then = by_tick.upper_bound(since + (p.mark_tick - since) / 4);
+    if (then == by_tick.begin()) return;
+    p.seen_seq = std::prev(then)->second;
+    p.seen_age = 0;
+  });
+  t.party().run(10);
+  const std::uint64_t before = t.replica(1).stats().bundles;
+  for (int i = 0; i < 20; ++i) {
+    t.party().net().attract(i % 2 == 0 ? Vec2{4, 4} : Vec2{15, 10});
+    t.party().run(1);
+  }
+  EXPECT_GE(t.replica(1).stats().bundles - before, 15U);
+  t.expect_no_harm();
+}
+
 TEST(Lying, WhoIsLedToBelieveInHighEpochsIsNotCutOff) {
   Trial t(4, 2, wire::SealMode::kAuth, 125);
   t.party().net().attract(Vec2{10, 7});

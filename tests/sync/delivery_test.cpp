@@ -29,8 +29,14 @@ struct Script {
     own.push_back(b);
   }
   std::optional<StatePacket> at(Tick t, bool gap = false, std::size_t room = 1000) {
-    const StatePacket* p = link.compose({t, 0, 0, gap}, own, 0, forty, room);
+    const StatePacket* p = send({t, 0, 0, gap}, room);
     return p == nullptr ? std::nullopt : std::optional(*p);
+  }
+  /// What goes out, if anything does; on a link wide enough for all of it.
+  const StatePacket* send(const OutLink::Context& c, std::size_t room = 1000) {
+    const StatePacket* p = link.compose(c, own, 0, forty, room);
+    if (p != nullptr) link.left(1, c.now);
+    return p;
   }
   /// Whether the first update goes out then, after another one if `news`.
   bool tells_first(Tick t, bool news) {
@@ -81,7 +87,7 @@ TEST(Delivery, NothingToSayIsAMarkFourTimesASecond) {
 
 TEST(Delivery, OnACalmLinkThreeMarksInFourCanBeSaved) {
   Script s;
-  const auto calm = [&s](Tick t) { return s.link.compose({t, 0, 0, false, true}, s.own, 0, forty, 1000) != nullptr; };
+  const auto calm = [&s](Tick t) { return s.send({t, 0, 0, false, true}) != nullptr; };
   ASSERT_TRUE(calm(0));
   for (Tick t = 1; t < 45; ++t) EXPECT_FALSE(calm(t)) << t;
   EXPECT_TRUE(calm(45));
@@ -93,9 +99,7 @@ TEST(Delivery, OnACalmLinkThreeMarksInFourCanBeSaved) {
 TEST(Delivery, WhereNothingHappensMarksAreFewerUntilSomethingDoes) {
   Script s;
   bool quiet = true;
-  const auto at = [&](Tick t) {
-    return s.link.compose({t, 0, 0, false, false, quiet}, s.own, 0, forty, 1000) != nullptr;
-  };
+  const auto at = [&](Tick t) { return s.send({t, 0, 0, false, false, quiet}) != nullptr; };
   s.loses(4);
   ASSERT_TRUE(at(0));
   for (Tick t = 1; t < 36; ++t) EXPECT_FALSE(at(t)) << t;
@@ -116,9 +120,7 @@ TEST(Delivery, WhereNothingHappensMarksAreFewerUntilSomethingDoes) {
 
 TEST(Delivery, WhoIsSentSomethingAgainAnswersSoon) {
   Script s;
-  const auto at = [&s](Tick t, bool again) {
-    return s.link.compose({t, 0, 0, false, true, true, 0, again}, s.own, 0, forty, 1000) != nullptr;
-  };
+  const auto at = [&s](Tick t, bool again) { return s.send({t, 0, 0, false, true, true, 0, again}) != nullptr; };
   ASSERT_TRUE(at(0, false));
   EXPECT_FALSE(at(1, true)) << "the answer may have crossed it";
   EXPECT_FALSE(at(2, true));
@@ -130,7 +132,7 @@ TEST(Delivery, ALinkThatFallsSilentIsProbedFasterAndFasterAndThenLess) {
   Script s;
   std::vector<Tick> sent;
   for (Tick t = 0; t <= 600; ++t)
-    if (s.link.compose({t, 0, 0, false, true, true}, s.own, 0, forty, 1000) != nullptr) sent.push_back(t);
+    if (s.send({t, 0, 0, false, true, true}) != nullptr) sent.push_back(t);
   const auto between = [&sent](Tick from, Tick to) {
     return std::count_if(sent.begin(), sent.end(), [from, to](Tick t) { return t > from && t <= to; });
   };
@@ -139,7 +141,7 @@ TEST(Delivery, ALinkThatFallsSilentIsProbedFasterAndFasterAndThenLess) {
   EXPECT_GE(between(0, 180), 35) << "so many must get lost in a row before it counts as silent";
   EXPECT_EQ(between(360, 600), 16) << "bounded, however long it lasts";
   s.hear(601, 1, 0, s.link.sent());
-  EXPECT_FALSE(s.link.compose({602, 0, 0, false, true, true}, s.own, 0, forty, 1000) != nullptr) << "calm again";
+  EXPECT_FALSE(s.send({602, 0, 0, false, true, true}) != nullptr) << "calm again";
 }
 
 TEST(Delivery, OnALinkThatHasBeenSilentForThreeSecondsNothingIsRepeatedUntilItAnswers) {
@@ -166,9 +168,7 @@ TEST(Delivery, OnALinkThatHasBeenSilentForThreeSecondsNothingIsRepeatedUntilItAn
 // The other end goes on speaking and does not know of our last mark: it waits for it, perhaps for an answer.
 TEST(Delivery, AMarkThatGotLostIsSentAgainWhenTheOtherEndSpeaks) {
   Script s;
-  const auto at = [&s](Tick t) {
-    return s.link.compose({t, 0, 0, false, true, true}, s.own, 0, forty, 1000) != nullptr;
-  };
+  const auto at = [&s](Tick t) { return s.send({t, 0, 0, false, true, true}) != nullptr; };
   ASSERT_TRUE(at(0));
   s.hear(4, 1, 0, 1);
   for (Tick t = 1; t < 45; ++t) EXPECT_FALSE(at(t)) << t;
@@ -186,7 +186,7 @@ TEST(Delivery, MarksComeInThePeersPhaseFromTheFirstOn) {
     Script s;
     std::vector<Tick> sent;
     for (Tick t = 0; t <= 300; ++t) {
-      if (s.link.compose({t, 0, 0, false, true, false, phase}, s.own, 0, forty, 1000) != nullptr) sent.push_back(t);
+      if (s.send({t, 0, 0, false, true, false, phase}) != nullptr) sent.push_back(t);
       s.answers(t);
     }
     ASSERT_GE(sent.size(), 6U);
@@ -200,7 +200,7 @@ TEST(Delivery, AfterAnUpdateTheNextMarkButOneIsInPhaseAgain) {
   std::vector<Tick> sent;
   for (Tick t = 0; t <= 300; ++t) {
     if (t == 100) s.update(t);
-    if (s.link.compose({t, 0, 0, false, true, false, 11}, s.own, 0, forty, 1000) != nullptr) sent.push_back(t);
+    if (s.send({t, 0, 0, false, true, false, 11}) != nullptr) sent.push_back(t);
     if (t == 110) s.hear(t, 1, 1, s.link.sent());
     s.answers(t);
   }
@@ -237,9 +237,7 @@ TEST(Delivery, NoFirstWordIsToldWithoutEnd) {
 TEST(Delivery, WhereMarksGetLostTheyAreNotSaved) {
   Script s;
   s.loses(5);
-  const auto at = [&s](Tick t) {
-    return s.link.compose({t, 0, 0, false, false, true}, s.own, 0, forty, 1000) != nullptr;
-  };
+  const auto at = [&s](Tick t) { return s.send({t, 0, 0, false, false, true}) != nullptr; };
   ASSERT_TRUE(at(0));
   EXPECT_FALSE(at(14));
   EXPECT_TRUE(at(15));
@@ -435,6 +433,7 @@ struct BurstyLink {
       const StatePacket* p =
           e.link.compose({t, 0, 0, false, true, true, static_cast<Tick>(11 * i)}, e.own, 0, forty, 1000);
       if (p == nullptr) continue;
+      e.link.left(60, t);
       ++e.sent;
       e.bad = e.bad ? !rng.chance(0.3) : rng.chance(0.01);  // gemodel 1% 30%
       if (!e.bad) ends[1 - i].arrives.emplace_back(t + 5, *p);

@@ -84,7 +84,7 @@ std::string_view word(Detail d) {
 /// "--threshold 0.8:0.3 ..." as an object.
 void knobs(Json& j, std::string_view settings) {
   std::map<std::string, std::string> told{
-      {"end-update", "on"}, {"proxy-update", "on"}, {"rest-state", "on"}, {"time-stamps", "off"}};
+      {"end-update", "on"}, {"proxy-update", "on"}, {"rest-state", "on"}, {"time-stamps", "off"}, {"budget", "off"}};
   while (true) {
     const auto flag = settings.find("--");
     if (flag == std::string_view::npos) break;

@@ -1,0 +1,101 @@
+#include "common/sync/link_rate.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <deque>
+
+#include "common/model/rng.h"
+#include "tests/seed.h"
+
+namespace padr::sync {
+namespace {
+
+/// A link of `rate` bytes per second with a queue and a delay of three ticks, whose receiver answers now and then. The
+/// sender has something to say whenever it may.
+struct Link {
+  LinkRate measured;
+  double rate = 0;  ///< 0: no limit
+  Tick jitter = 0;
+  Rng rng{test::seed(1)};
+  double busy_until = 0;  ///< ticks
+  Tick now = 0;
+  float longest_queue = 0;  ///< ticks
+  int sent = 0;
+  struct OnItsWay {
+    Tick received, told;
+    int number;
+  };
+  std::deque<OnItsWay> on_its_way;
+
+  void run(Tick ticks, Tick every = 1) {
+    for (const Tick end = now + ticks; now < end; ++now) {
+      if (now % every == 0 && measured.may_send(now)) send(40 + static_cast<std::size_t>(rng.below(80)));
+      while (!on_its_way.empty() && on_its_way.front().told <= now) {
+        const OnItsWay o = on_its_way.front();
+        on_its_way.pop_front();
+        const auto later = static_cast<std::size_t>(sent - 1 - o.number);
+        if (later < measured.remembered()) measured.arrived(later, o.received, now, 20);
+      }
+    }
+  }
+  void send(std::size_t bytes) {
+    const double begins = std::max(busy_until, static_cast<double>(now));
+    longest_queue = std::max(longest_queue, static_cast<float>(begins - now));
+    if (rate > 0) busy_until = begins + static_cast<double>(bytes) / rate * kTicksPerSecond;
+    const auto leaves = static_cast<Tick>(rate > 0 ? busy_until : now);
+    const Tick received = leaves + 3 + (jitter > 0 ? static_cast<Tick>(rng.below(static_cast<unsigned>(jitter))) : 0);
+    measured.sent(bytes, now);
+    // The newest one that has come is told with the receiver's next datagram.
+    if (sent % 3 == 0) on_its_way.push_back({received, received + 8, sent});
+    ++sent;
+  }
+};
+
+TEST(LinkRate, IsThatOfANarrowLinkWhoseQueueStaysShort) {
+  for (const double rate : {250.0, 500.0, 1000.0, 2000.0}) {
+    Link l;
+    l.rate = rate;
+    l.run(60 * kTicksPerSecond, 8);
+    l.longest_queue = 0;
+    l.run(60 * kTicksPerSecond);
+    EXPECT_NEAR(l.measured.rate(), rate, rate * 0.5) << "of " << rate;
+    EXPECT_LT(l.longest_queue, kTicksPerSecond) << rate;
+  }
+}
+
+TEST(LinkRate, HasNoLimitWhereNoQueueShows) {
+  Link l;
+  l.run(60 * kTicksPerSecond);
+  EXPECT_EQ(l.sent, 60 * kTicksPerSecond);
+  EXPECT_EQ(l.measured.queue(), 0);
+}
+
+TEST(LinkRate, JitterIsNoQueue) {
+  Link l;
+  l.jitter = 7;
+  l.run(60 * kTicksPerSecond, 10);
+  EXPECT_GT(l.sent, 60 * 6 * 95 / 100) << "of six a second";
+}
+
+TEST(LinkRate, GrowsWhenTheLinkDoes) {
+  Link l;
+  l.rate = 250;
+  l.run(30 * kTicksPerSecond, 8);
+  l.run(30 * kTicksPerSecond);
+  ASSERT_LT(l.measured.rate(), 300);
+  l.rate = 0;
+  l.busy_until = 0;
+  l.run(20 * kTicksPerSecond);
+  EXPECT_GT(l.measured.rate(), 4000);
+}
+
+TEST(LinkRate, IsNeverAboveItsBound) {
+  Link l;
+  l.measured.bound(1000);
+  l.run(60 * kTicksPerSecond);
+  EXPECT_NEAR(l.sent * 80.0 / 60, 1000, 100) << "bytes a second";
+}
+
+}  // namespace
+}  // namespace padr::sync
