@@ -45,7 +45,7 @@ void SecureChannels::take(const Endpoint& place, const wire::Cookie& cookie, Mic
   }
   ++stats_.handshakes;
   c->nonce = 0;
-  if (same_place(c->at, place)) c->answers = true;
+  answered(*c, place);
   c->cookie = cookie.cookie;
   c->baked = local;
   c->greeted = local;
@@ -108,7 +108,7 @@ void SecureChannels::take(const Endpoint& place, const wire::Introduction& in, s
     c = &keep(*fresh);
   }
   heard(*c, &place, in.number, datagram.size(), local);
-  if (same_place(c->at, place)) c->answers = true;  // the cookie in it was sent there
+  answered(*c, place);  // the cookie in it was sent there
   ++stats_.handshakes;
   // Either shows that the introduction has come.
   const auto rekey = c->answers ? c->keys.due(local, config_.random) : std::nullopt;

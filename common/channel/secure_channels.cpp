@@ -122,6 +122,7 @@ void SecureChannels::send(const Endpoint& to, PeerId state_to, std::span<const s
     if (c == nullptr) c = make(to.key, to, local);
     if (c == nullptr) return;
     c->name = to;
+    if (state_to != kNoPeer) c->hearsay = false;  // the address of a member does not change
     if (!c->met) c->at = c->home = to.place();
   } else {
     c = lately_at(to, local);
@@ -197,6 +198,22 @@ void SecureChannels::carry(const PublicKey& to, const PublicKey& by, bool direct
   c->directly_too = directly_too;
 }
 
+void SecureChannels::expect(const Endpoint& somebody, Micros since, Micros local) {
+  local_ = local;
+  Channel* c = known(somebody.key);
+  if (c == nullptr && has_room(local)) {
+    c = make(somebody.key, somebody, local);
+    if (c != nullptr) c->hearsay = true;
+  }
+  if (c != nullptr && !c->met && local - since <= kKnocks) greet(c->at, c->nonce, c->greeted, kKnockAgain, local);
+}
+
+SecureChannels::Came SecureChannels::came(const PublicKey& of, Micros local) const {
+  for (const Channel& c : channels_)
+    if (c.key == of) return {c.mutual && local - c.direct <= kQuiet, local - c.carried <= kQuiet};
+  return {};
+}
+
 void SecureChannels::transmit(Channel& to, PeerId state_to, std::span<const std::byte> sealed) {
   Channel* by = is_carried(to) ? known(to.carrier) : nullptr;
   if (by == nullptr) return transmit_directly(to, state_to, sealed);
@@ -265,11 +282,12 @@ std::optional<SecureChannels::Arrival> SecureChannels::take_carried(const Channe
   return open(nullptr, carried_);
 }
 
-// As it came, and only to who is heard: a peer that has lost its link to somebody can be of no use there.
+// As it came, and only to who is heard: a peer that has lost its link to somebody can be of no use there. One that does
+// not know whether it has may be.
 void SecureChannels::pass_on(const Channel& by, std::uint32_t to) {
   for (Channel& c : channels_) {
     if (c.id != to || &c == &by) continue;
-    const bool reached = !is_carried(c) && local_ - c.direct <= kQuiet;
+    const bool reached = (!is_carried(c) || c.directly_too) && local_ - c.direct <= kQuiet;
     if (!reached || !config_.may_carry || !config_.may_carry(by.name, c.name, unsealed_.size())) {
       ++stats_.declined;
       continue;
@@ -316,6 +334,8 @@ void SecureChannels::heard(Channel& c, const Endpoint* place, std::uint64_t numb
     note_place(c, *place, newest, bytes, local);
     if (local - c.direct > kQuiet) c.try_again = kTryAgain;  // what works again one way may do so both ways
     c.direct = local;
+  } else {
+    c.carried = local;
   }
   c.met = true;
 }
@@ -326,6 +346,7 @@ void SecureChannels::note_place(Channel& c, const Endpoint& place, bool newest, 
     if (c.met) ++stats_.moves;
     c.at = place.place();
     c.here = 0;
+    c.mutual = false;
     c.answers = same_place(c.home, place);  // where it has answered before, or where we were told that it is
     c.credit = 0;
     c.nonce = 0;
@@ -340,6 +361,16 @@ void SecureChannels::note_place(Channel& c, const Endpoint& place, bool newest, 
 void SecureChannels::challenge(Channel& c, Micros local) {
   if (local - c.greeted >= kGreetAgain && may_send_there(c, wire::kHandshakeBytes))
     greet(c.at, c.nonce, c.greeted, kGreetAgain, local);
+}
+
+// It has echoed what was sent there.
+void SecureChannels::answered(Channel& c, const Endpoint& place) {
+  if (!same_place(c.at, place)) return;
+  c.answers = c.mutual = true;
+  if (std::exchange(c.hearsay, false)) {
+    c.name.address = place.address;
+    c.name.port = place.port;
+  }
 }
 
 bool SecureChannels::may_send_there(Channel& c, std::size_t bytes) {

@@ -100,6 +100,15 @@ class SecureChannels {
   /// What is for one peer goes through another one for the next kCarries. Meanwhile a state datagram now and then goes
   /// directly, too, so that both can see whether their link works again; or all datagrams, if `directly_too`.
   void carry(const PublicKey& to, const PublicKey& by, bool directly_too, Micros local);
+  /// Another peer says that somebody with this key is at this place since so long ago: sends a few Hellos there, and
+  /// opens what comes of it.
+  void expect(const Endpoint& somebody, Micros since, Micros local);
+  /// By which ways something of a peer has come lately.
+  struct Came {
+    bool directly = false;  ///< and what is sent to it comes there
+    bool carried = false;
+  };
+  Came came(const PublicKey& of, Micros local) const;
   /// What to send, by place, in order, since the last time; until the next call of anything.
   std::span<const Parcel> take_outgoing() { return outgoing_.take(); }
 
@@ -119,6 +128,9 @@ class SecureChannels {
   /// A link that does not work is tried after this time, and after twice that, until kTrySlowest.
   static constexpr Micros kTryAgain = 1'000'000;
   static constexpr Micros kTrySlowest = 4'000'000;
+  /// Hellos to somebody who is expected: between two of them, and until the last.
+  static constexpr Micros kKnockAgain = 300'000;
+  static constexpr Micros kKnocks = 700'000;
   /// To a place that a peer seems to have moved to, at most so many times the bytes that came from there are sent until
   /// it has echoed a nonce.
   static constexpr std::size_t kUnprovenTimes = 3;
@@ -138,12 +150,15 @@ class SecureChannels {
     int here = 0;   ///< of its newest datagrams in a row, how many came from there; counted to kSettled
     /// It answers at `at`: it has echoed a nonce that was sent there, or `at` is where we were told that it is.
     bool answers = true;
+    bool mutual = false;     ///< an echo has shown that what either sends comes directly to the other, which is at `at`
     std::size_t credit = 0;  ///< until then: bytes that may be sent there
     NumberWindow<4096> window;
     bool met = false;               ///< something of it has come
     bool readable = false;          ///< something readable of it has come to a peer that encrypts
     Micros heard = 0;               ///< when, or when we began
     Micros direct = kNever;         ///< when something came that nobody had carried
+    Micros carried = kNever;        ///< when something came that somebody had
+    bool hearsay = false;           ///< only others have said where it is
     PublicKey carrier{};            ///< who carries what is for it
     Micros carried_until = kNever;  ///< until then
     bool directly_too = false;      ///< and it is sent there, too
@@ -201,6 +216,7 @@ class SecureChannels {
   void heard(Channel& c, const Endpoint* place, std::uint64_t number, std::size_t bytes, Micros local);
   void note_place(Channel& c, const Endpoint& place, bool newest, std::size_t bytes, Micros local);
   void challenge(Channel& c, Micros local);
+  void answered(Channel& c, const Endpoint& place);
   bool may_send_there(Channel& c, std::size_t bytes);
   void note_mode(Channel& c, wire::SealMode mode);
   wire::Tag cookie_for(const Endpoint& place, const PublicKey& key, std::int64_t age) const;

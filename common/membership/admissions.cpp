@@ -20,10 +20,17 @@ constexpr Tick kMayBeGone = kTicksPerSecond;
 
 }  // namespace
 
+// A member may have said where a joiner is that has proven another address since: it is known by its key.
+bool Admissions::is_of(const Guest& g, const Endpoint& where) {
+  return where.has_key() ? g.at.key == where.key : g.at == where;
+}
+
 Admissions::Guest* Admissions::guest_at(const Endpoint& where, std::uint64_t nonce) {
   const auto it =
-      std::find_if(guests_.begin(), guests_.end(), [&](const Guest& g) { return g.at == where && g.nonce == nonce; });
-  return it == guests_.end() ? nullptr : &*it;
+      std::find_if(guests_.begin(), guests_.end(), [&](const Guest& g) { return is_of(g, where) && g.nonce == nonce; });
+  if (it == guests_.end()) return nullptr;
+  it->at = where;
+  return &*it;
 }
 
 // Not 0.
@@ -140,7 +147,7 @@ bool Admissions::may_come_free(const View& view) const {
 }
 
 void Admissions::on_ping(const Endpoint& from, const wire::Ping& ping, Micros local, Commands& out) {
-  const bool known = std::any_of(guests_.begin(), guests_.end(), [&](const Guest& g) { return g.at == from; });
+  const bool known = std::any_of(guests_.begin(), guests_.end(), [&](const Guest& g) { return is_of(g, from); });
   if (known) out.send(from, wire::Pong{ping.sent, session_.clock.now(local)});
 }
 

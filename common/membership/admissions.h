@@ -57,6 +57,7 @@ class Admissions {
     bool ordered = false;
   };
   std::uint32_t incarnation_for(std::uint64_t nonce, const View& view) const;
+  static bool is_of(const Guest& g, const Endpoint& where);
   Guest* guest_at(const Endpoint& where, std::uint64_t nonce);
   std::uint64_t cookie_for(const Endpoint& where, std::uint64_t nonce) const;
   bool is_free(PeerId p, const View& view) const;

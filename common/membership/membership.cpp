@@ -31,6 +31,7 @@ Membership::Membership(SessionState& session, RecordedReplica& replica)
       replica_(replica),
       commands_(session, replica),
       admissions_(session),
+      introductions_(session),
       evictions_(session),
       relay_(session),
       misbehaviour_(session),
@@ -59,7 +60,7 @@ void Membership::on_join(const Endpoint& from, const wire::Join& join, Micros lo
     return;
   }
   if (c == session_.self) return admissions_.on_join(from, join, view, local, commands_);
-  if (commands_.may_answer(local)) commands_.send(from, wire::Redirect{join.nonce, view.roster.seats[c].at});
+  introductions_.redirect(from, join, view.roster.seats[c].at, local, commands_);
 }
 
 void Membership::receive(const Endpoint& from, const wire::Header& header, const wire::MembershipMessage& message,
@@ -97,11 +98,20 @@ void Membership::receive_of_member(PeerId member, const wire::MembershipMessage&
     relay_.on_fetch(member, *fetch, view, commands_);
   }
   if (const auto* reach = std::get_if<wire::Reach>(&message)) paths_.on_reach(member, *reach, view.roster.now);
+  if (const auto* newcomer = std::get_if<wire::Newcomer>(&message)) on_newcomer(member, *newcomer, local);
   if (const auto* fetched = std::get_if<wire::Fetched>(&message)) {
     testimony_.on_updates(member, *fetched, view);
     evictions_.on_fetched(member, *fetched, view, misbehaviour_, commands_);
     relay_.on_fetched(member, *fetched, view, commands_);
   }
+}
+
+void Membership::on_newcomer(PeerId by, const wire::Newcomer& newcomer, Micros local) {
+  const Endpoint& at = newcomer.at;
+  if (coordinator() != session_.self || bars(at.key)) return;
+  for (const Seat& s : roster().seats)
+    if (s.reachable() && (at.has_key() ? s.at.key == at.key : same_place(s.at, at))) return;
+  introductions_.on_newcomer(roster().seats[by].at, newcomer, local, commands_);
 }
 
 bool Membership::doubts() const {
@@ -217,6 +227,7 @@ void Membership::advance(Micros local) {
   merge_.advance(view, commands_);
   watch_confirmed();
   admissions_.advance(local);
+  introductions_.advance(local);
   count_present();
 }
 

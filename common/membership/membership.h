@@ -7,6 +7,7 @@
 #include "common/membership/admissions.h"
 #include "common/membership/applied_commands.h"
 #include "common/membership/evictions.h"
+#include "common/membership/introductions.h"
 #include "common/membership/misbehaviour_policy.h"
 #include "common/membership/partition_merge.h"
 #include "common/membership/relay.h"
@@ -49,6 +50,12 @@ class Membership {
   void note_direct(PeerId p) { paths_.note_direct(p, roster().now); }
   /// Whether datagrams of one of the two are to be passed on to the other: both are members whose datagrams are taken.
   bool may_carry(const Endpoint& from, const Endpoint& to) const;
+  /// Whether one of the two is a newcomer, and the other one the coordinator that it was told to ask by this peer.
+  bool may_introduce(const Endpoint& from, const Endpoint& to) const {
+    return roster().member && introductions_.may_carry(from, to);
+  }
+  /// At the coordinator: newcomers that other members have told to ask it, and those members.
+  const std::vector<Introductions::Introduction>& introduced() const { return introductions_.introduced(); }
   /// The member through which p is reached; kNoPeer: it is reached directly.
   PeerId carrier(PeerId p) const { return paths_.carrier(p); }
   /// Whether it is not known which ways to p work, so that what is carried for it goes directly, too.
@@ -82,6 +89,7 @@ class Membership {
   View view() const { return view_of(replica_.replica()); }
   sync::Transfer transfer() const;
   void receive_of_member(PeerId member, const wire::MembershipMessage& message, Micros local);
+  void on_newcomer(PeerId by, const wire::Newcomer& newcomer, Micros local);
   sync::DropReason judge(const sync::StatePacket& packet, PeerId relayed_by);
   void follow_testimony();
   /// The most senior living member but this peer and whoever has misled it; kNoPeer if there is none.
@@ -101,6 +109,7 @@ class Membership {
   RecordedReplica& replica_;
   AppliedCommands commands_;
   Admissions admissions_;
+  Introductions introductions_;
   Evictions evictions_;
   Relay relay_;
   MisbehaviourPolicy misbehaviour_;

@@ -54,6 +54,8 @@ struct SessionPace {
   static constexpr Micros kTick = 10'000;      ///< timers are looked at this often
   static constexpr Micros kJoin = 200'000;     ///< between two Joins
   static constexpr Micros kUnheard = 700'000;  ///< after a redirect, until it asks the first address again
+  /// After a redirect, until a newcomer that has heard nothing asks through the member that has redirected it, too.
+  static constexpr Micros kDirectly = 300'000;
 };
 
 /// The session as this peer knows it: all that the membership rules see of it.

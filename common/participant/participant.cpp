@@ -22,6 +22,9 @@ constexpr int kFarewells = 4;
 /// Datagrams of others are passed on at this rate at least, bytes/s, and so many bytes at once.
 constexpr double kCarriedAtLeast = 8'000;
 constexpr double kCarriedAtOnce = 64'000;
+/// The same for newcomers, between which and the coordinator this peer carries; they take nothing from members.
+constexpr double kIntroducedAtLeast = 16'000;
+constexpr double kIntroducedAtOnce = 64'000;
 /// Interval between two events about datagrams that do not fit the session's key.
 constexpr Micros kWarnAgain = 10 * kMicrosPerSecond;
 
@@ -44,7 +47,8 @@ Participant::Participant(const Scene& scene, ParticipantConfig config, Micros lo
       local_(local),
       warned_(local - kWarnAgain),
       began_(local),
-      carried_at_(local) {
+      for_members_(kCarriedAtLeast, kCarriedAtOnce, 0, local),
+      for_newcomers_(kIntroducedAtLeast, kIntroducedAtOnce, kIntroducedAtOnce, local) {
   if (config_.channels) {
     auto& may = config_.channels->may_carry;
     if (!may) may = [this](const auto& from, const auto& to, auto bytes) { return may_carry(from, to, bytes); };
@@ -99,20 +103,16 @@ void Participant::post(const Endpoint& to, PeerId state_to, std::span<const std:
 }
 
 void Participant::hand_over(const Endpoint& to, PeerId state_to, std::span<const std::byte> bytes) {
-  may_carry_ = std::min(kCarriedAtOnce, may_carry_ + static_cast<double>(bytes.size()));
+  for_members_.add(bytes.size());
   if (channels_) return channels_->send(to, state_to, bytes, local_);
   outgoing_.add(to, state_to, bytes);
 }
 
 // Half of what this peer sends may be what it carries, and some more, so that quiet peers can carry, too.
 bool Participant::may_carry(const Endpoint& from, const Endpoint& to, std::size_t bytes) {
-  if (!current_.membership || !current_.membership->may_carry(from, to)) return false;
-  const double more = static_cast<double>(local_ - carried_at_) / kMicrosPerSecond * kCarriedAtLeast;
-  carried_at_ = local_;
-  may_carry_ = std::min(kCarriedAtOnce, may_carry_ + more);
-  if (may_carry_ < static_cast<double>(bytes)) return false;
-  may_carry_ -= static_cast<double>(bytes);
-  return true;
+  if (!current_.membership) return false;
+  if (current_.membership->may_carry(from, to)) return for_members_.take(bytes, local_);
+  return current_.membership->may_introduce(from, to) && for_newcomers_.take(bytes, local_);
 }
 
 void Participant::take(const SecureChannels::Arrival& arrival, Micros local) {
@@ -156,6 +156,7 @@ void Participant::advance(Micros local) {
     if (incarnation->session && local >= incarnation->session->next_due()) incarnation->session->advance(local);
   if (next_.session) bring_in_next(local);
   if (playing()) give_up_waiting(local);
+  use_carriers();
   collect(current_);
   collect(next_);
 }
@@ -261,9 +262,27 @@ bool Participant::nobody_to_tell() const {
   return true;
 }
 
-// Only for so long as it is said in every tick.
+// A newcomer asks through whoever has redirected it until something comes directly. The coordinator answers by the way
+// that the newcomer comes: it may take the one and not the other.
+void Participant::use_introductions() {
+  for (const Incarnation* incarnation : {&current_, &next_}) {
+    if (!incarnation->session) continue;
+    const auto i = incarnation->session->introduction(local_);
+    if (i && !channels_->came(i->to.key, local_).directly) channels_->carry(i->to.key, i->by.key, true, local_);
+  }
+  if (!current_.membership) return;
+  for (const Introductions::Introduction& i : current_.membership->introduced()) {
+    channels_->expect(i.newcomer, i.since, local_);
+    const auto came = channels_->came(i.newcomer.key, local_);
+    if (came.carried) channels_->carry(i.newcomer.key, i.other.key, came.directly, local_);
+  }
+}
+
+// Only for so long as it is said again and again.
 void Participant::use_carriers() {
   if (!channels_) return;
+  use_introductions();
+  if (!current_.membership) return;
   const Membership& m = *current_.membership;
   for (PeerId p = 0; p < replica().config().slots; ++p)
     if (const PeerId by = m.carrier(p); by != kNoPeer)

@@ -10,6 +10,7 @@
 
 #include "common/channel/outbox.h"
 #include "common/channel/secure_channels.h"
+#include "common/participant/allowance.h"
 #include "common/participant/session.h"
 
 namespace padr::node {
@@ -135,6 +136,7 @@ class Participant {
   void plan_farewell();
   void say_goodbye();
   bool nobody_to_tell() const;
+  void use_introductions();
   void use_carriers();
   void collect(Incarnation& incarnation);
   void take(const SecureChannels::Arrival& arrival, Micros local);
@@ -167,8 +169,8 @@ class Participant {
   bool stays_ = false;
   Micros try_again_ = 0;
   std::uint64_t tries_ = 0;
-  double may_carry_ = 0;  ///< bytes that may be passed on now
-  Micros carried_at_;     ///< when that was counted last
+  Allowance for_members_;    ///< what this peer may carry
+  Allowance for_newcomers_;  ///< what it may carry between them and the coordinator
   Outbox outgoing_;
   std::vector<SessionEvent> events_;
   std::vector<MemberChange> changes_;

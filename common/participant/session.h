@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,11 +11,10 @@
 #include "common/membership/session_state.h"
 #include "common/model/endpoint.h"
 #include "common/model/ids.h"
+#include "common/participant/session_joiner.h"
 #include "common/participant/transfer_pull.h"
 
 namespace padr::node {
-
-class Joiner;
 
 /// Datagrams that arrived for a session, by outcome.
 struct SessionStats {
@@ -85,6 +85,10 @@ class Session {
   void admitted() { session_.phase = SessionPhase::kMember; }
   /// Play has begun: from now on the clock is no longer stepped, only steered.
   void settle_clock() { settled_ = true; }
+  /// Whom to ask through whom, if nothing comes directly; nothing unless this peer was redirected lately.
+  std::optional<Joiner::Introduction> introduction(Micros local) const {
+    return joiner_ ? joiner_->introduction(local) : std::nullopt;
+  }
   std::uint32_t incarnation() const { return session_.incarnation; }
   /// Once a member, or entering with may_enter(): `membership` handles the members from now on.
   void hand_over_to(Membership* membership) { membership_ = membership; }

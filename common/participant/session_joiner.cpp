@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/membership/introductions.h"
 #include "common/membership/session_objection.h"
 #include "common/model/observed_address.h"
 #include "common/model/rng.h"
@@ -78,6 +79,8 @@ void Joiner::on_redirect(const Endpoint& from, const wire::Redirect& redirect, M
     return session_.fail("too many redirects from member to member, the last by " + to_string(from));
   redirected_ = local;
   target_ = as_seen_from(redirect.to, from);
+  if (!introduction_ || introduction_->to != target_ || introduction_->by != from)
+    introduction_ = {target_, from, local + SessionPace::kDirectly};
   session_.tell({.kind = SessionEvent::Kind::kPassedOn, .at = from, .to = target_});
   ask(local);
 }
@@ -98,6 +101,11 @@ void Joiner::advance(Micros local) {
   if (session_.phase == SessionPhase::kFailed) return;
   start_over_if_unheard(local);
   if (local - asked_ >= SessionPace::kJoin) ask(local);
+}
+
+std::optional<Joiner::Introduction> Joiner::introduction(Micros local) const {
+  const bool lasts = introduction_ && local >= introduction_->from && local - redirected_ < Introductions::kLease;
+  return lasts ? introduction_ : std::nullopt;
 }
 
 void Joiner::give_up_if_late(Micros local) {

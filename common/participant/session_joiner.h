@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "common/membership/session_state.h"
 
 namespace padr::node {
@@ -21,6 +23,14 @@ class Joiner {
   void on_unreachable(const Endpoint& at, Micros local);
   void advance(Micros local);
 
+  /// A member that has redirected this peer carries between it and the coordinator.
+  struct Introduction {
+    Endpoint to;      ///< the coordinator
+    Endpoint by;      ///< the member
+    Micros from = 0;  ///< local time before which the coordinator is only asked directly
+  };
+  std::optional<Introduction> introduction(Micros local) const;
+
  private:
   void ask(Micros local);
   bool is_target(const Endpoint& from);
@@ -29,7 +39,8 @@ class Joiner {
 
   SessionState& session_;
   std::uint64_t nonce_;
-  Endpoint target_;  ///< the peer that we ask
+  Endpoint target_;                           ///< the peer that we ask
+  std::optional<Introduction> introduction_;  ///< the last one
   int redirects_ = 0;
   Micros redirected_ = 0;
   Micros asked_ = 0;

@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "common/wire/codec.h"
+#include "common/wire/endpoint_codec.h"
 #include "common/wire/update_codec.h"
 #include "proto/wire.pb.h"
 
@@ -93,6 +94,7 @@ struct Encoder {
       way.set_carried(w.carried);
     }
   }
+  void operator()(const Newcomer& m) const { put_endpoint(m.at, *out.mutable_newcomer()); }
 };
 
 constexpr std::uint32_t kMaxTick = 0x7FFFFFFF;
@@ -178,6 +180,12 @@ Taken take(const Membership::Reach& in) {
   return m;
 }
 
+Taken take(const Membership::Newcomer& in) {
+  Newcomer m;
+  if (!take_endpoint(in, m.at)) return std::nullopt;
+  return m;
+}
+
 }  // namespace
 
 Bytes encode_membership(const MembershipMessage& message) {
@@ -210,6 +218,8 @@ std::optional<MembershipMessage> decode_membership(std::span<const std::byte> pa
       return take(in.probe());
     case Membership::kReach:
       return take(in.reach());
+    case Membership::kNewcomer:
+      return take(in.newcomer());
     case Membership::KIND_NOT_SET:
       break;
   }

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "common/model/endpoint.h"
 #include "common/sync/updates.h"
 #include "common/wire/seal.h"
 
@@ -103,7 +104,12 @@ struct Reach {
   friend bool operator==(const Reach&, const Reach&) = default;
 };
 
-using MembershipMessage = std::variant<Pull, Piece, Enter, Poll, Answer, Fetch, Fetched, Probe, Reach>;
+struct Newcomer {
+  Endpoint at;  ///< set
+  friend bool operator==(const Newcomer&, const Newcomer&) = default;
+};
+
+using MembershipMessage = std::variant<Pull, Piece, Enter, Poll, Answer, Fetch, Fetched, Probe, Reach, Newcomer>;
 
 inline constexpr std::uint32_t kMaxPieces = 2048;
 inline constexpr std::size_t kPieceBytes = kMaxPayload - 40;

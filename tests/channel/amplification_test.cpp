@@ -99,6 +99,7 @@ TEST(Amplification, WithoutAKeyNothingUnprovenGetsBackMoreThanItSentEither) {
       {"Enter", membership(wire::Enter{kNonce})},
       {"Probe", membership(wire::Probe{99, {{kElsewhere, 99, 0}}, false, 99})},
       {"Poll", membership(wire::Poll{{{1, party.replica(1).config().incarnation, 0}}})},
+      {"Newcomer", membership(wire::Newcomer{stranger})},
       {"Fetch", membership(wire::Fetch{1, party.replica(1).config().incarnation, 0})},
       {"state", wire::seal({wire::Kind::kState, kElsewhere, number}, wire::Bytes(30))}};
   std::printf("  %-20s %6s %6s %6s\n", "from anywhere", "in", "out", "factor");
@@ -113,6 +114,16 @@ TEST(Amplification, WithoutAKeyNothingUnprovenGetsBackMoreThanItSentEither) {
     std::printf("  %-20s %6.0f %6.0f %6.2f\n", name, in, out, out / in);
     EXPECT_LE(out, in) << name;
   }
+  // In a member's name, to the coordinator.
+  out = 0;
+  const wire::Bytes newcomer =
+      wire::seal({wire::Kind::kMembership, 1, number}, wire::encode_membership(wire::Newcomer{stranger}));
+  for (int i = 0; i < 20; ++i) {
+    party.net().inject(party.net().place_of(1), 0, newcomer);
+    party.run(0.05);
+  }
+  EXPECT_GT(out, 0) << "or nothing has been tested";
+  EXPECT_LE(out, 20 * (static_cast<double>(newcomer.size()) + kHeaders));
   EXPECT_TRUE(party.united()) << party.story();
 }
 

@@ -1,6 +1,6 @@
 """Who is there: section 9."""
 from protobuf import Single, message, one_of
-from rules import ascends, require
+from rules import ascends, require, require_place
 from updates import MOST_PEERS, MOST_TICK, UPDATE_FIELDS, decode_update
 
 MOST_PIECES, MOST_PIECE = 2048, 1150
@@ -21,6 +21,7 @@ MEMBERSHIP_MESSAGES = {
     7: ("fetched", {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("updates", Single(TOLD_FIELDS))}),
     8: ("probe", {1: ("incarnation", "uint32"), 2: ("member", SEAT_FIELDS), 3: ("knows_you", "bool"), 4: ("newest", "uint32")}),
     9: ("reach", {1: ("tick", "uint32"), 2: ("heard", {1: ("slot", "uint32"), 2: ("delay", "uint32"), 3: ("carried", "bool")})}),
+    10: ("newcomer", {1: ("address", "bytes"), 2: ("port", "uint32")}),
 }
 
 
@@ -36,6 +37,8 @@ def decode_membership(payload):
         slots = [way["slot"] for way in out["heard"]]
         require(len(slots) <= MOST_PEERS and all(slot < MOST_PEERS for slot in slots) and ascends(slots), "ways that are none")
         require(all(way["delay"] <= MOST_DELAY for way in out["heard"]), "a delay that is none")
+    if name == "newcomer":
+        require_place(out)
     require(out.get("tick", 0) <= MOST_TICK + 1, "a tick that is none")
     require(out.get("number", 0) <= MOST_POLL_NUMBER, "a number that is none")
     if name == "pull":

@@ -61,8 +61,8 @@ def main(program):
             kinds.update({line.split(".")[0].split("[")[0] for line in lines if "." in line.split(" = ")[0]})
             kinds.update(order for order in ("admission", "removal", "passed_on") if any(f".{order}" in line for line in lines))
     print(f"read alike: {dict(counts)}; of these with {dict(kinds)}")
-    every = {"update", "pull", "piece", "enter", "poll", "answer", "fetch", "fetched", "probe", "reach", "transfer", "admission",
-             "removal", "passed_on", "ask", "tell"}  # fmt: skip
+    every = {"update", "pull", "piece", "enter", "poll", "answer", "fetch", "fetched", "probe", "reach", "newcomer",
+             "transfer", "admission", "removal", "passed_on", "ask", "tell"}  # fmt: skip
     assert all(kinds[kind] >= 10 for kind in every), kinds
     assert counts["datagram", "malformed"] >= COUNT / 20 and counts["transfer", "refused"] >= COUNT / 20, counts
 

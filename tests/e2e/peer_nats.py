@@ -19,13 +19,14 @@ import json
 import os
 import re
 import shutil
+import signal
 import socket
 import subprocess
 import sys
 from collections.abc import Callable
 
 from hosts import Network, main_unless, why_no_namespaces
-from peers import Case
+from peers import PLAYING, Case
 
 
 def argument(name, standard):
@@ -43,6 +44,7 @@ ONLY = argument("--only", "")
 NETEM = argument("--netem", "")
 HARDEST = ("symmetric", "symmetric")
 LONG = 60  # s
+STAYS = 10  # s that the members play longer which a newcomer comes to
 PLAYS_WITHIN = 3000  # ms from the start of the process
 PATIENCE = 30  # s that a session may end late
 KEY = "11" * 32
@@ -308,19 +310,19 @@ class Trial:
                 self.case.assertIsNone(seen(b, a, a_there, DOES_NOT))
             self.case.assertIsNotNone(seen(a, b, ("192.168.0.3", b.getsockname()[1])))
 
-    def start(self):
+    def peer(self, machine, *arguments, longer=0):
         plan = self.plan
         env = {**os.environ, "PADR_KEY": KEY} if plan.seal else None
-        options = ["--duration", plan.seconds, "--status-interval", 0.2, "--netem", NETEM]
+        options = ["--duration", plan.seconds + longer, "--status-interval", 0.2, "--netem", NETEM]
         options += ["--seal", plan.seal] if plan.seal else ["--insecure"]
 
-        def peer(machine, *arguments):
-            self.peers.append(self.case.peer(*arguments, *options, env=env, preexec_fn=self.internet.enter(machine)))
-            return self.peers[-1]
+        self.peers.append(self.case.peer(*arguments, *options, env=env, preexec_fn=self.internet.enter(machine)))
+        return self.peers[-1]
 
-        port = peer("founder", "--wait-peers", 3, "--listen", plan.founder).port()
-        for machine, (listen, founder) in zip("ab", plan.members):
-            peer(machine, "--listen", listen, "--join", f"{founder}:{port}")
+    def start(self):
+        port = self.peer("founder", "--wait-peers", 3, "--listen", self.plan.founder).port()
+        for machine, (listen, founder) in zip("ab", self.plan.members):
+            self.peer(machine, "--listen", listen, "--join", f"{founder}:{port}")
 
     def finish(self):
         try:
@@ -375,6 +377,49 @@ class Trial:
             case.assertNotIn("directly again", p.text())
 
 
+class HiddenCoordinator(Trial):
+    """The founder leaves, and a, behind its NAT, is the coordinator. Then b joins by a member in the open."""
+
+    def start(self):
+        (listen_a, founder), (listen_b, asked) = self.plan.members
+        port = self.peer("founder", "--wait-peers", 3, "--listen", self.plan.founder, longer=STAYS).port()
+        self.peer("a", "--listen", listen_a, "--join", f"{founder}:{port}", longer=STAYS).wait_for("admitted at tick")
+        member = self.peer("founder", "--listen", self.plan.founder, "--join", f"{founder}:{port}", longer=STAYS)
+        for p in self.peers:
+            p.wait_for(PLAYING)
+        leaver = self.peers.pop(0)
+        leaver.process.send_signal(signal.SIGINT)
+        self.case.assertEqual(leaver.end(), 0)
+        leaver.stop()
+        self.case.peers.remove(leaver)
+        self.peer("b", "--listen", listen_b, "--join", f"{asked}:{member.port()}")
+
+    def check(self):
+        case, plan = self.case, self.plan
+        coordinator, member, newcomer = self.peers
+        for p in self.peers:
+            case.assertEqual(p.end(patience=plan.seconds + STAYS + PATIENCE), 0)
+        summaries = [p.summary() for p in self.peers]
+        plays = round(summaries[2]["join_ms"])
+        confirms = round(confirmed_after(newcomer, summaries[2]["first_tick"]))
+        came = [self.internet.direct(m) for m in "ab"]
+        carried = summaries[1]["seal"]["carried"] if plan.seal else 0
+        what = (plan.name, plan.seal or "no key", plan.seconds)
+        print(ROW.format(*what, "", plays, "", confirms, *came, carried, ""), flush=True)
+        case.assertRegex(newcomer.text(), "passes us on to")
+        for p, s in zip(self.peers, summaries):
+            case.assertNotRegex(p.text(), "silent for|is lost|joining anew")
+            case.assertEqual((len(s["lives"]), s["others"]["removed"]), (1, 0))
+        case.assertLessEqual(max(plays, confirms), PLAYS_WITHIN)
+        case.check_agreement(self.peers, least_common=plan.seconds - 3)
+        if plan.direct:
+            case.assertGreaterEqual(min(came), plan.seconds)
+            case.assertEqual(carried, 0)
+            return
+        case.assertEqual(came, [0, 0])
+        case.assertGreaterEqual(carried, 2 * plan.seconds)
+
+
 def confirmed_after(peer, tick):
     """ms from the peer's first line to the status line by which the tick is confirmed: all must have been heard for that."""
 
@@ -413,8 +458,35 @@ def plans():
         yield Plan(name, seal, way, SECONDS, prepare, "[::]:0" if by_v6 in members else "0.0.0.0:0", members)
 
 
+def plans_of_hidden_coordinators():
+    v4, by_v6 = ("0.0.0.0:0", FOUNDER), ("[::]:0", f"[{FOUNDER_V6}]")
+    for a, b, seal in (
+        ("port-restricted", "open", ""),
+        ("port-restricted", "open", "auth"),
+        ("port-restricted", "port-restricted", ""),
+        ("double", "port-restricted", "encrypt"),
+        ("open", "open", "auth"),
+        ("symmetric", "open", "encrypt"),
+        ("symmetric", "port-restricted", "auth"),
+        ("port-restricted", "symmetric", "encrypt"),
+        ("symmetric", "symmetric", "auth"),
+    ):
+        kinds = KINDS[a], KINDS[b]
+        name = f"{b} asks, {a} lets in"
+        yield Plan(name, seal, is_direct(*kinds), SECONDS, lambda trial, kinds=kinds: trial.behind(*kinds))
+    restricted = KINDS["port-restricted"]
+    name = "restricted IPv4 asks, IPv6 lets in"
+    yield Plan(name, "auth", False, SECONDS, lambda trial: trial.of_two_families(restricted), "[::]:0", (by_v6, v4))
+
+
 class Nats(Case):
     def test_all_pairs_play(self):
+        self.play_all(plans(), Trial)
+
+    def test_a_newcomer_gets_through_to_a_hidden_coordinator(self):
+        self.play_all(plans_of_hidden_coordinators(), HiddenCoordinator)
+
+    def play_all(self, all_plans, trial):
         running = collections.deque()
 
         def finish_oldest():
@@ -424,14 +496,14 @@ class Nats(Case):
 
         print(HEAD, flush=True)
         try:
-            for plan in plans():
+            for plan in all_plans:
                 if ONLY not in f"{plan.name}, {plan.seal or 'no key'}":
                     continue
                 if len(running) > AT_ONCE:
                     running.rotate(-1 if running[0].plan.seconds > SECONDS else 0)  # the longest ends last
                     finish_oldest()
                 with self.subTest(plan.name, seal=plan.seal):
-                    running.append(Trial(self, plan))
+                    running.append(trial(self, plan))
             while running:
                 finish_oldest()
         finally:

@@ -274,6 +274,7 @@ wire::MembershipMessage membership(const LieEntry& e, const LiarsKnowledge& with
       return reach;
     }
     default:
+      if (v[1] % 2 == 0) return wire::Newcomer{place(with, v[2])};
       return wire::Enter{1U + v[0]};
   }
 }

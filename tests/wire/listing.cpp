@@ -145,6 +145,9 @@ struct MembershipLister {
       s += line("reach.heard[%zu] = %d %u %d\n", i, int{m.heard[i].slot}, m.heard[i].delay, flag(m.heard[i].carried));
     return s;
   }
+  std::string operator()(const wire::Newcomer& m) const {
+    return "newcomer.address = " + address_of(m.at) + line("\nnewcomer.port = %d\n", int{m.at.port});
+  }
 };
 
 struct SessionLister {

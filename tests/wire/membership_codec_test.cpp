@@ -48,6 +48,8 @@ TEST(MembershipCodec, BothSidesOfEveryLimit) {
   const Bytes one(1);
   const Bytes most(kPieceBytes);
   constexpr std::uint64_t kNonce = ~0ULL;
+  Endpoint keyed = ipv4({1, 2, 3, 4}, 0xFFFF);
+  keyed.key.fill(1);
   const std::vector<MembershipMessage> good{
       Pull{1, 0, 0, 1},
       Pull{kNonce, kMaxPieces - 1, ~0ULL, ~0ULL},
@@ -68,6 +70,8 @@ TEST(MembershipCodec, BothSidesOfEveryLimit) {
       Probe{~0U, seats(64), true, ~0U},
       Reach{0, {}},
       Reach{0x7FFFFFFF, {{0, 0}, {63, kMostDelay, true}}},
+      Newcomer{ipv4({1, 2, 3, 4}, 1)},
+      Newcomer{keyed},
   };
   for (std::size_t i = 0; i < good.size(); ++i) {
     const Bytes bytes = encode_membership(good[i]);
@@ -112,6 +116,8 @@ TEST(MembershipCodec, BothSidesOfEveryLimit) {
       Reach{0, {{0, kMostDelay + 1}}},
       Reach{0, {{2, 0}, {2, 0}}},
       Reach{0, {{2, 0}, {1, 0}}},
+      Newcomer{},
+      Newcomer{ipv4({1, 2, 3, 4}, 0)},
   };
   for (std::size_t i = 0; i < wrong.size(); ++i) EXPECT_FALSE(decode_membership(encode_membership(wrong[i]))) << i;
   EXPECT_FALSE(decode_membership({}));
@@ -208,6 +214,7 @@ struct Range {
         return false;
     return m.tick >= 0;
   }
+  bool operator()(const Newcomer& m) const { return m.at.is_set(); }
 };
 
 TEST(MembershipCodec, DamageNeverCrashesAndNothingOutOfRangeGetsIn) {

@@ -239,11 +239,16 @@ wire::MembershipMessage any_membership(Rng& rng, std::size_t kind) {
       return any_fetched(rng);
     case 7:
       return wire::Probe{any_count(rng), any_seats(rng), rng.chance(0.5), any_count(rng)};
-    default: {
+    case 8: {
       wire::Reach reach{static_cast<Tick>(any_count(rng) >> 1U), {}};
       for (const wire::Seat& s : any_seats(rng))
         reach.heard.push_back({s.slot, rng.below(wire::kMostDelay + 1), rng.chance(0.3)});
       return reach;
+    }
+    default: {
+      Endpoint at = padr::ipv4({10, 0, 0, static_cast<std::uint8_t>(slot)}, static_cast<std::uint16_t>(1 + slot));
+      if (rng.chance(0.5)) at.key.fill(static_cast<std::uint8_t>(1 + slot));
+      return wire::Newcomer{at};
     }
   }
 }

@@ -13,6 +13,7 @@
 #include "common/channel/channel_keys.h"
 #include "common/channel/secure_channels.h"
 #include "common/membership/admissions.h"
+#include "common/membership/introductions.h"
 #include "common/membership/partition_merge.h"
 #include "common/membership/relay.h"
 #include "common/membership/session_state.h"
@@ -217,6 +218,7 @@ TEST(WireMd, HasTheVectorsOfMembershipDatagrams) {
       fetched,
       Probe{3, {{1, 0, 0}, {2, 3, 0}}, true, 77},
       Reach{4500, {{0, 3}, {1, 9, true}, {3, 12}}},
+      Newcomer{ipv4({203, 0, 113, 7}, 4242)},
   };
   for (const MembershipMessage& m : messages)
     expect_in_document(Kind::kMembership, encode_membership(m), test::list(m));
@@ -353,6 +355,9 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("unproven_us", node::Admissions::kUnproven);
   add("at_once", node::Admissions::kAtOnce);
   add("turn_us", node::Admissions::kTurn);
+  add("directly_us", node::SessionPace::kDirectly);
+  add("introduced_us", node::Introductions::kLease);
+  add("knock_us", node::SecureChannels::kKnockAgain);
   add("unheard_us", Pace::kUnheard);
   add("start_lead", sync::kStartLead);
   add("doubt", node::kDoubt);

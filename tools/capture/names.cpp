@@ -22,7 +22,7 @@ std::string_view name_of(const wire::SessionMessage& message) {
 
 std::string_view name_of(const wire::MembershipMessage& message) {
   constexpr std::array<std::string_view, std::variant_size_v<wire::MembershipMessage>> kNames{
-      "pull", "piece", "enter", "poll", "answer", "fetch", "fetched", "probe", "reach"};
+      "pull", "piece", "enter", "poll", "answer", "fetch", "fetched", "probe", "reach", "newcomer"};
   return kNames[message.index()];
 }
 

@@ -179,6 +179,10 @@ class MembershipFields {
       r_.flag("padr.reach.heard.carried", w.carried);
     }
   }
+  void operator()(const wire::Newcomer& m) const {
+    r_.address("padr.newcomer.address", m.at);
+    r_.number("padr.newcomer.port", m.at.port);
+  }
 
  private:
   void seats(const std::vector<wire::Seat>& all, const SeatNames& names) const {

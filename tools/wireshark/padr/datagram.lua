@@ -189,6 +189,7 @@ local function decode_membership(data, at, stop)
   if m.lost then check_seats(m.lost, 62) end
   if m.members then check_seats(m.members, 64) end
   if name == "reach" then check_ways(m.heard) end
+  if name == "newcomer" then updates.require_place(m) end
   if name == "poll" or name == "answer" then require_that(m.number.v <= 0x3FFF, "a number that is none") end
   if name == "answer" or name == "reach" then require_that(m.tick.v <= 0x7FFFFFFF, "a tick that is none") end
   local out = { name = name, spec = spec, message = m }

@@ -184,6 +184,8 @@ local LIST = {
   { "padr.reach.heard.slot", "uint32", "Slot" },
   { "padr.reach.heard.delay", "uint32", "Delay", "one way, ticks" },
   { "padr.reach.heard.carried", "bool", "Only by others" },
+  { "padr.newcomer.address", "ipv6", "Address" },
+  { "padr.newcomer.port", "uint32", "Port" },
 
   { "padr.transfer", "none", "Transfer", "the agreed world for a newcomer, put together of its pieces" },
   { "padr.transfer.tick", "uint32", "Tick" },

@@ -84,6 +84,7 @@ schema.membership = {
     one = { { "incarnation", "uint32" }, { "members", many = seat }, { "knows_you", "bool" }, { "newest", "uint32" } },
   },
   { "reach", one = { { "tick", "uint32" }, { "heard", many = { { "slot", "uint32" }, { "delay", "uint32" }, { "carried", "bool" } } } } },
+  { "newcomer", one = { { "address", "bytes" }, { "port", "uint32" } } },
 }
 
 local contact = {

@@ -76,6 +76,7 @@ local SENTENCES = {
   end,
   probe = function(m) return ("is incarnation %d, hears peer %s"):format(m.incarnation.v, peers(m.members)) end,
   reach = function(m) return #m.heard == 0 and "hears nobody" or "hears peer " .. peers(m.heard) end,
+  newcomer = function(m) return ("a newcomer is at port %d"):format(m.port.v) end,
 }
 
 local DROPPED = {
