@@ -1,8 +1,38 @@
 #include "peer/addresses.h"
 
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <netinet/in.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <memory>
+
+#include "common/model/own_address.h"
 #include "common/model/user_error.h"
 
 namespace padr::peer {
+namespace {
+
+bool is_zero(std::uint8_t b) {
+  return b == 0;
+}
+
+std::optional<Endpoint> endpoint_of(const sockaddr& address, std::uint16_t port) {
+  Endpoint e;
+  if (address.sa_family == AF_INET) {
+    std::array<std::uint8_t, 4> bytes{};
+    std::memcpy(bytes.data(), &reinterpret_cast<const sockaddr_in&>(address).sin_addr, bytes.size());
+    return ipv4(bytes, port);
+  }
+  if (address.sa_family != AF_INET6) return std::nullopt;
+  std::memcpy(e.address.data(), &reinterpret_cast<const sockaddr_in6&>(address).sin6_addr, e.address.size());
+  e.port = port;
+  return e;
+}
+
+}  // namespace
 
 std::optional<shell::Udp::endpoint> join_address(boost::asio::io_context& io, const Options& o) {
   if (!o.join) return std::nullopt;
@@ -31,6 +61,25 @@ shell::Udp::endpoint listen_address(boost::asio::io_context& io, const Options& 
     throw UserError("--listen: " + o.listen->text + " is a loopback address, which cannot reach --join " +
                     o.join->text);
   return listen;
+}
+
+std::vector<Endpoint> own_addresses(const Endpoint& local) {
+  const bool any_v4 = local.is_v4() && std::all_of(local.address.begin() + 12, local.address.end(), is_zero);
+  const bool any_v6 = local.address == Endpoint{}.address;
+  if (!any_v4 && !any_v6) return is_of_one_host(local) ? std::vector{local.place()} : std::vector<Endpoint>{};
+  ifaddrs* found = nullptr;
+  if (getifaddrs(&found) != 0) return {};
+  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> all(found, &freeifaddrs);
+  std::vector<Endpoint> own;
+  for (const ifaddrs* i = all.get(); i != nullptr; i = i->ifa_next) {
+    if (i->ifa_addr == nullptr || (i->ifa_flags & IFF_UP) == 0) continue;
+    const auto e = endpoint_of(*i->ifa_addr, local.port);
+    if (e && is_of_one_host(*e) && (any_v6 || e->is_v4())) own.push_back(*e);
+  }
+  // Two peers behind one NAT have IPv4 in common; by IPv6 most reach each other anyway.
+  std::stable_partition(own.begin(), own.end(), [](const Endpoint& e) { return e.is_v4(); });
+  if (own.size() > kMostOwnAddresses) own.resize(kMostOwnAddresses);
+  return own;
 }
 
 }  // namespace padr::peer

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
+#include "common/model/endpoint.h"
 #include "peer/options.h"
 #include "shell/udp_socket.h"
 
@@ -12,5 +14,9 @@ std::optional<shell::Udp::endpoint> join_address(boost::asio::io_context& io, co
 /// Where to listen, given where the others are. Throws UserError if that cannot be, or must not.
 shell::Udp::endpoint listen_address(boost::asio::io_context& io, const Options& options,
                                     const std::optional<shell::Udp::endpoint>& join);
+
+/// Where a peer that listens there can be reached, as far as this machine knows: of each network interface that is up,
+/// addresses of one host, or `local` alone if it names one; kMostOwnAddresses at most, those of IPv4 first.
+std::vector<Endpoint> own_addresses(const Endpoint& local);
 
 }  // namespace padr::peer

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/model/user_error.h"
+#include "peer/addresses.h"
 #include "peer/summary.h"
 #include "shell/run_main.h"
 #include "shell/unpredictable.h"
@@ -10,7 +11,7 @@
 namespace padr::peer {
 namespace {
 
-node::SessionConfig session_config(const Options& o, const std::optional<Endpoint>& join) {
+node::SessionConfig session_config(const Options& o, const std::optional<Endpoint>& join, const Endpoint& local) {
   node::SessionConfig c;
   c.join = join;
   c.wanted = o.wait_peers;
@@ -19,6 +20,7 @@ node::SessionConfig session_config(const Options& o, const std::optional<Endpoin
   c.seed = shell::unpredictable();
   c.secret = shell::unpredictable();
   c.patience = in_micros(o.join_timeout);
+  c.own_addresses = own_addresses(local);
   return c;
 }
 
@@ -28,8 +30,9 @@ EventLoop::EventLoop(const Options& options, Log& log, const shell::Clock& clock
   const std::vector<std::string> links = shape_links();
   open_all_files();
   if (options.monitor) telemetry_ = std::make_unique<Telemetry>(io_, options, log, clock);
-  player_ = std::make_unique<Player>(options, session_config(options, join_), gate_config(options, keylog_.get()), log,
-                                     *recordings_, telemetry_.get(), clock_.now());
+  player_ =
+      std::make_unique<Player>(options, session_config(options, join_, local_), gate_config(options, keylog_.get()),
+                               log, *recordings_, telemetry_.get(), clock_.now());
   if (telemetry_) controls_ = std::make_unique<Controls>(*player_, *egress_, cuts_, *telemetry_, log);
   say_where(links);
   if (join_) log_.session->info("joining {} ({})", options.join->text, to_string(*join_));

@@ -45,6 +45,12 @@ void SecureChannels::take(const Endpoint& place, const wire::Cookie& cookie, Mic
   }
   ++stats_.handshakes;
   c->nonce = 0;
+  // It answers where it has said that it is: the link there works, the one to `at` does not.
+  if (is_carried(*c) &&
+      std::any_of(c->elsewhere.begin(), c->elsewhere.end(), [&](const Endpoint& e) { return same_place(e, place); })) {
+    c->at = place.place();
+    c->here = 0;
+  }
   answered(*c, place);
   c->cookie = cookie.cookie;
   c->baked = local;

@@ -181,12 +181,17 @@ void SecureChannels::try_directly(Channel& to, PeerId state_to, std::span<const 
     if (state_to == kNoPeer || local_ - to.tried < to.try_again) return;
     to.tried = local_;
     to.try_again = std::min(2 * to.try_again, kTrySlowest);
+    for (const Endpoint& place : to.elsewhere) {
+      Micros never = kNever;
+      if (!same_place(place, to.at)) greet(place, to.nonce, never, kGreetAgain, local_);
+    }
   }
   wire::seal_with(to.keys.out(), config_.mode, id_, ++number_, datagram, sealed_);
   transmit_directly(to, state_to, sealed_);
 }
 
-void SecureChannels::carry(const PublicKey& to, const PublicKey& by, bool directly_too, Micros local) {
+void SecureChannels::carry(const PublicKey& to, const PublicKey& by, bool directly_too, Micros local,
+                           std::span<const Endpoint> elsewhere) {
   Channel* c = known(to);
   if (c == nullptr) return;
   if (local >= c->carried_until) {
@@ -196,6 +201,7 @@ void SecureChannels::carry(const PublicKey& to, const PublicKey& by, bool direct
   c->carrier = by;
   c->carried_until = local + kCarries;
   c->directly_too = directly_too;
+  c->elsewhere.assign(elsewhere.begin(), elsewhere.end());
 }
 
 void SecureChannels::expect(const Endpoint& somebody, Micros since, Micros local) {

@@ -98,8 +98,10 @@ class SecureChannels {
   /// `state_to`: as in Parcel.
   void send(const Endpoint& to, PeerId state_to, std::span<const std::byte> datagram, Micros local);
   /// What is for one peer goes through another one for the next kCarries. Meanwhile a state datagram now and then goes
-  /// directly, too, so that both can see whether their link works again; or all datagrams, if `directly_too`.
-  void carry(const PublicKey& to, const PublicKey& by, bool directly_too, Micros local);
+  /// directly, too, so that both can see whether their link works again; or all datagrams, if `directly_too`. With each
+  /// of the former, a Hello goes to every one of `elsewhere`, where the peer says that it is.
+  void carry(const PublicKey& to, const PublicKey& by, bool directly_too, Micros local,
+             std::span<const Endpoint> elsewhere = {});
   /// Another peer says that somebody with this key is at this place since so long ago: sends a few Hellos there, and
   /// opens what comes of it.
   void expect(const Endpoint& somebody, Micros since, Micros local);
@@ -153,17 +155,18 @@ class SecureChannels {
     bool mutual = false;     ///< an echo has shown that what either sends comes directly to the other, which is at `at`
     std::size_t credit = 0;  ///< until then: bytes that may be sent there
     NumberWindow<4096> window;
-    bool met = false;               ///< something of it has come
-    bool readable = false;          ///< something readable of it has come to a peer that encrypts
-    Micros heard = 0;               ///< when, or when we began
-    Micros direct = kNever;         ///< when something came that nobody had carried
-    Micros carried = kNever;        ///< when something came that somebody had
-    bool hearsay = false;           ///< only others have said where it is
-    PublicKey carrier{};            ///< who carries what is for it
-    Micros carried_until = kNever;  ///< until then
-    bool directly_too = false;      ///< and it is sent there, too
-    Micros tried = kNever;          ///< then: when something was sent directly all the same
-    Micros try_again = kTryAgain;   ///< after so long
+    bool met = false;                 ///< something of it has come
+    bool readable = false;            ///< something readable of it has come to a peer that encrypts
+    Micros heard = 0;                 ///< when, or when we began
+    Micros direct = kNever;           ///< when something came that nobody had carried
+    Micros carried = kNever;          ///< when something came that somebody had
+    bool hearsay = false;             ///< only others have said where it is
+    PublicKey carrier{};              ///< who carries what is for it
+    Micros carried_until = kNever;    ///< until then
+    bool directly_too = false;        ///< and it is sent there, too
+    std::vector<Endpoint> elsewhere;  ///< where it says that it is, too
+    Micros tried = kNever;            ///< then: when something was sent directly all the same
+    Micros try_again = kTryAgain;     ///< after so long
     Micros greeted = kNever;
     std::uint64_t nonce = 0;  ///< of the last Hello; 0: none is out
     std::optional<wire::Tag> cookie;

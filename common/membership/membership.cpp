@@ -253,8 +253,9 @@ void Membership::find_paths() {
     const auto kind = c.by == kNoPeer ? SessionEvent::Kind::kDirect : SessionEvent::Kind::kCarried;
     commands_.tell({.kind = kind, .peer = c.to, .by = c.by});
   }
-  const auto telling = paths_.due(roster(), links_);
+  auto telling = paths_.due(roster(), links_);
   if (!telling) return;
+  telling->reach.at = session_.config.own_addresses;
   for (PeerId p = 0; p < roster().slots(); ++p)
     if ((telling->to & only(p)) != 0 && roster().seats[p].reachable())
       commands_.send(roster().seats[p].at, telling->reach);

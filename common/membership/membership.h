@@ -58,6 +58,8 @@ class Membership {
   const std::vector<Introductions::Introduction>& introduced() const { return introductions_.introduced(); }
   /// The member through which p is reached; kNoPeer: it is reached directly.
   PeerId carrier(PeerId p) const { return paths_.carrier(p); }
+  /// Where p says that it is itself.
+  const std::vector<Endpoint>& own_addresses(PeerId p) const { return paths_.own_addresses(p); }
   /// Whether it is not known which ways to p work, so that what is carried for it goes directly, too.
   bool is_unsure_of(PeerId p) const { return !paths_.has_told(p, roster().now); }
   /// The machine at `at` reports that nobody listens there.

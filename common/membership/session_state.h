@@ -32,7 +32,10 @@ struct SessionConfig {
   /// Founds a region of a crowd, alone and at once; the session time is this (us) now.
   std::optional<Micros> begins_at{};
   bool sealed = false;  ///< the session has a key
-  SessionId id{};       ///< of a session with a key; a joiner is told it
+  /// Where this peer can be reached, as far as its own machine knows: on its LAN, or by IPv6. Told to members that it
+  /// does not reach directly; see is_of_one_host.
+  std::vector<Endpoint> own_addresses{};
+  SessionId id{};  ///< of a session with a key; a joiner is told it
   /// Longest time from this peer's start to the begin of play, us; 0: no limit.
   Micros patience = 30 * kMicrosPerSecond;
 };

@@ -286,7 +286,8 @@ void Participant::use_carriers() {
   const Membership& m = *current_.membership;
   for (PeerId p = 0; p < replica().config().slots; ++p)
     if (const PeerId by = m.carrier(p); by != kNoPeer)
-      channels_->carry(replica().seat(p).at.key, replica().seat(by).at.key, m.is_unsure_of(p), local_);
+      channels_->carry(replica().seat(p).at.key, replica().seat(by).at.key, m.is_unsure_of(p), local_,
+                       m.own_addresses(p));
 }
 
 void Participant::collect(Incarnation& incarnation) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace padr::node {
 
@@ -27,6 +28,8 @@ void Paths::on_reach(PeerId from, const wire::Reach& reach, Tick now) {
     if (h.carried) w.hears_carried |= only(h.slot);
     if (!h.carried) w.hears[h.slot] = h.delay;
   }
+  w.at.clear();
+  std::copy_if(reach.at.begin(), reach.at.end(), std::back_inserter(w.at), is_of_one_host);
 }
 
 // Silence while this peer was held up says nothing.

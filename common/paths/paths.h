@@ -48,6 +48,9 @@ class Paths {
   /// carried for it is sent directly, too.
   bool has_told(PeerId p, Tick now) const { return has_told(ways_[p], now); }
 
+  /// Where a member says that it is, whatever others see.
+  const std::vector<Endpoint>& own_addresses(PeerId of) const { return ways_[of].at; }
+
   /// A member of which nothing has come directly for this time is not heard directly, ticks. More than the longest
   /// honest interval between two datagrams, of which one may get lost.
   static constexpr Tick kUnheard = 75;
@@ -90,6 +93,7 @@ class Paths {
     Tick told_tick = -1;                    ///< of the sender
     std::map<PeerId, std::uint32_t> hears;  ///< whom it hears directly, and their delay in ticks
     PeerSet hears_carried = 0;              ///< whom it hears only by others
+    std::vector<Endpoint> at;               ///< its own addresses
     std::map<PeerId, Failure> failed;       ///< by carrier
     void fail(Tick now);
   };

@@ -93,6 +93,7 @@ struct Encoder {
       way.set_delay(w.delay);
       way.set_carried(w.carried);
     }
+    for (const Endpoint& e : m.at) put_endpoint(e.place(), *out.mutable_reach()->add_at());
   }
   void operator()(const Newcomer& m) const { put_endpoint(m.at, *out.mutable_newcomer()); }
 };
@@ -177,6 +178,9 @@ Taken take(const Membership::Reach& in) {
     if (!m.heard.empty() && w.slot() <= m.heard.back().slot) return std::nullopt;
     m.heard.push_back({static_cast<PeerId>(w.slot()), w.delay(), w.carried()});
   }
+  if (static_cast<std::size_t>(in.at_size()) > kMostOwnAddresses) return std::nullopt;
+  for (const Membership::Place& p : in.at())
+    if (!take_endpoint(p, m.at.emplace_back()) || m.at.back().has_key()) return std::nullopt;
   return m;
 }
 

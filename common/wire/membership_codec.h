@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "common/model/endpoint.h"
+#include "common/model/own_address.h"
 #include "common/sync/updates.h"
 #include "common/wire/seal.h"
 
@@ -99,8 +99,9 @@ struct Way {
 inline constexpr std::uint32_t kMostDelay = 0x3FFF;
 
 struct Reach {
-  Tick tick = 0;           ///< of the sender
-  std::vector<Way> heard;  ///< whom the sender hears; at most kMaxPeers, by ascending slot
+  Tick tick = 0;               ///< of the sender
+  std::vector<Way> heard;      ///< whom the sender hears; at most kMaxPeers, by ascending slot
+  std::vector<Endpoint> at{};  ///< the sender's own addresses, as it has them; kMostOwnAddresses, without keys
   friend bool operator==(const Reach&, const Reach&) = default;
 };
 

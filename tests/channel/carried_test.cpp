@@ -1,4 +1,5 @@
 // What a third peer carries for two: who may read, forge, repeat or use it.
+#include <algorithm>
 #include <array>
 #include <deque>
 
@@ -223,6 +224,77 @@ TEST(Carried, TheDirectWayIsTriedNowAndThen) {
   t.now += node::SecureChannels::kCarries;
   t.peers[0].send(t.name_of(1), 1, words("again"), t.now);
   EXPECT_TRUE(same_place(taken(t.peers[0]).at(0).to, place(2)));
+}
+
+/// What 0 says to 1 in a tick, carried by 2, while 1 says that it is at place 11, too; 0 goes on hearing 2. Returns
+/// what goes anywhere but to 2.
+std::vector<node::Parcel> tick_with_elsewhere(Three& t) {
+  const std::array elsewhere{place(11)};
+  t.now += 16'667;
+  t.peers[0].carry(t.peers[1].key(), t.peers[2].key(), false, t.now, elsewhere);
+  t.peers[0].send(t.name_of(1), 1, words("tick"), t.now);
+  std::vector<node::Parcel> out;
+  for (const auto& p : taken(t.peers[0]))
+    if (!same_place(p.to, place(3))) out.push_back(p);
+  for (const std::size_t n : {1U, 2U}) {
+    t.peers[n].send(t.name_of(0), kNoPeer, words("here"), t.now);
+    for (const auto& p : taken(t.peers[n])) t.deliver(0, n, p.bytes);
+  }
+  return out;
+}
+
+// Where a peer says that it is, as often as the direct way is tried, and no more.
+TEST(CarriedElsewhere, IsAskedAsOftenAsTheDirectWay) {
+  Three t;
+  int tries = 0;
+  int hellos = 0;
+  for (int i = 0; i < 60 * 20; ++i)
+    for (const auto& p : tick_with_elsewhere(t)) {
+      if (same_place(p.to, place(2)) && wire::read_sealed(p.bytes)) ++tries;
+      if (!same_place(p.to, place(11))) continue;
+      EXPECT_TRUE(wire::is_handshake(p.bytes));
+      ++hellos;
+    }
+  EXPECT_GE(tries, 5);
+  EXPECT_LE(tries, 8);
+  EXPECT_EQ(hellos, tries);
+}
+
+TEST(CarriedElsewhere, IsWhereItIsOnceItAnswersThere) {
+  Three t;
+  bool asked = false;
+  for (int i = 0; i < 600 && !asked; ++i)
+    for (const auto& p : tick_with_elsewhere(t)) {
+      if (!same_place(p.to, place(11))) continue;
+      asked = true;
+      t.peers[1].receive(place(1), p.bytes, t.now);
+      for (const auto& q : taken(t.peers[1])) t.peers[0].receive(place(11), q.bytes, t.now);
+      for (const auto& q : taken(t.peers[0])) EXPECT_TRUE(same_place(q.to, place(11))) << "the introduction";
+    }
+  ASSERT_TRUE(asked);
+  t.now += node::SecureChannels::kCarries;
+  t.peers[0].send(t.name_of(1), 1, words("directly"), t.now);
+  const auto out = taken(t.peers[0]);
+  EXPECT_TRUE(std::any_of(out.begin(), out.end(), [](const auto& p) { return same_place(p.to, place(11)); }));
+}
+
+// Somebody else who has the session's key, at that address of another LAN.
+TEST(CarriedElsewhere, SomebodyElseThereIsNotIt) {
+  Three t;
+  bool asked = false;
+  for (int i = 0; i < 600 && !asked; ++i)
+    for (const auto& p : tick_with_elsewhere(t)) {
+      if (!same_place(p.to, place(11))) continue;
+      asked = true;
+      node::SecureChannels stranger(channel_config(99));
+      stranger.receive(place(1), p.bytes, t.now);
+      for (const auto& q : taken(stranger)) t.peers[0].receive(place(11), q.bytes, t.now);
+      EXPECT_TRUE(taken(t.peers[0]).empty());
+    }
+  ASSERT_TRUE(asked);
+  t.now += node::SecureChannels::kCarries;
+  t.peers[0].send(t.name_of(1), 1, words("directly"), t.now);
+  for (const auto& p : taken(t.peers[0])) EXPECT_TRUE(same_place(p.to, place(2)));
 }
 
 }  // namespace

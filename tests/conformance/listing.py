@@ -69,6 +69,8 @@ def message_lines(name, content):
             lines += [f"{name}.{field}[{n}] = {seat['slot']} {seat['incarnation']} {seat['have']} {seat['heard']}" for n, seat in enumerate(value)]
         elif name == "reach" and field == "heard":
             lines += [f"reach.heard[{n}] = {way['slot']} {way['delay']} {int(way['carried'])}" for n, way in enumerate(value)]
+        elif name == "reach" and field == "at":
+            lines += [f"reach.at[{n}] = {place(each)}" for n, each in enumerate(value)]
         elif field == "known":
             lines += [f"tell.known[{n}] = {place(each)} in{regions(each['in'])} seeks{regions(each['seeks'])}"
                       for n, each in enumerate(value)]  # fmt: skip

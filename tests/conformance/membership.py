@@ -7,6 +7,7 @@ MOST_PIECES, MOST_PIECE = 2048, 1150
 MOST_HEARD = 0x3FFF
 MOST_POLL_NUMBER = 0x3FFF
 MOST_DELAY = 0x3FFF
+MOST_OWN_ADDRESSES = 4
 
 SEAT_FIELDS = {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("have", "uint32"), 4: ("heard", "uint32")}
 TOLD_FIELDS = {2: ("mark_tick", "uint32"), 3: ("mark_count", "uint32"), 9: ("update", UPDATE_FIELDS)}
@@ -20,7 +21,8 @@ MEMBERSHIP_MESSAGES = {
     6: ("fetch", {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("from", "uint32")}),
     7: ("fetched", {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("updates", Single(TOLD_FIELDS))}),
     8: ("probe", {1: ("incarnation", "uint32"), 2: ("member", SEAT_FIELDS), 3: ("knows_you", "bool"), 4: ("newest", "uint32")}),
-    9: ("reach", {1: ("tick", "uint32"), 2: ("heard", {1: ("slot", "uint32"), 2: ("delay", "uint32"), 3: ("carried", "bool")})}),
+    9: ("reach", {1: ("tick", "uint32"), 2: ("heard", {1: ("slot", "uint32"), 2: ("delay", "uint32"), 3: ("carried", "bool")}),
+                  3: ("at", {1: ("address", "bytes"), 2: ("port", "uint32")})}),
     10: ("newcomer", {1: ("address", "bytes"), 2: ("port", "uint32")}),
 }
 
@@ -37,6 +39,7 @@ def decode_membership(payload):
         slots = [way["slot"] for way in out["heard"]]
         require(len(slots) <= MOST_PEERS and all(slot < MOST_PEERS for slot in slots) and ascends(slots), "ways that are none")
         require(all(way["delay"] <= MOST_DELAY for way in out["heard"]), "a delay that is none")
+        check_own_addresses(out["at"])
     if name == "newcomer":
         require_place(out)
     require(out.get("tick", 0) <= MOST_TICK + 1, "a tick that is none")
@@ -50,6 +53,13 @@ def decode_membership(payload):
     elif name == "fetched":
         out["update"] = decode_fetched(out.pop("updates") or message(b"", TOLD_FIELDS))
     return name, out
+
+
+def check_own_addresses(places):
+    require(len(places) <= MOST_OWN_ADDRESSES, "too many addresses")
+    for place in places:
+        require_place(place)
+        require(len(place["address"]) == 16, "a key with an own address")
 
 
 def check_seats(seats, most):

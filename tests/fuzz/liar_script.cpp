@@ -271,6 +271,7 @@ wire::MembershipMessage membership(const LieEntry& e, const LiarsKnowledge& with
     case 21: {
       wire::Reach reach{tick(with.replica.now(), v[7], v[8]), {}};
       for (const wire::Seat& s : seats(with, v)) reach.heard.push_back({s.slot, v[6], s.slot % 2 == v[5] % 2U});
+      if (v[4] % 2 == 0) reach.at.assign(v[4] % 3U, place(with, v[3]).place());
       return reach;
     }
     default:

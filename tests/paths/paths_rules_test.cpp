@@ -325,5 +325,54 @@ TEST(PathsRules, WhatComesLateIsIgnored) {
   EXPECT_EQ(s.paths.carrier(2), kNoPeer);
 }
 
+// Where a member says that it is: only what another machine may send to counts, and the last word.
+TEST(PathsRules, OwnAddressesAreThoseOfOneHost) {
+  const auto v6 = [](std::uint8_t first, std::uint8_t second) {
+    Endpoint e;
+    e.address[0] = first;
+    e.address[1] = second;
+    e.address[15] = 2;
+    e.port = 7;
+    return e;
+  };
+  Endpoint loopback;
+  loopback.address[15] = 1;
+  loopback.port = 7;
+  const std::vector<Endpoint> good{ipv4({192, 168, 0, 2}, 7),
+                                   ipv4({10, 0, 0, 2}, 7),
+                                   ipv4({198, 51, 100, 2}, 7),
+                                   ipv4({169, 253, 0, 2}, 7),
+                                   ipv4({223, 0, 0, 2}, 7),
+                                   v6(0x20, 0x01),
+                                   v6(0xFD, 0),
+                                   v6(0xFE, 0xC0)};
+  const std::vector<Endpoint> wrong{ipv4({127, 0, 0, 1}, 7),
+                                    ipv4({0, 0, 0, 1}, 7),
+                                    ipv4({169, 254, 0, 2}, 7),
+                                    ipv4({224, 0, 0, 1}, 7),
+                                    ipv4({255, 255, 255, 255}, 7),
+                                    ipv4({10, 0, 0, 2}, 0),
+                                    loopback,
+                                    v6(0xFE, 0x80),
+                                    v6(0xFE, 0xBF),
+                                    v6(0xFF, 0x02)};
+  Scene s;
+  for (const Endpoint& e : good) {
+    s.run(1);
+    s.paths.on_reach(2, {s.roster.now, {}, {e}}, s.roster.now);
+    EXPECT_EQ(s.paths.own_addresses(2), std::vector{e}) << to_string(e);
+  }
+  for (const Endpoint& e : wrong) {
+    s.run(1);
+    s.paths.on_reach(2, {s.roster.now, {}, {e, good[0]}}, s.roster.now);
+    EXPECT_EQ(s.paths.own_addresses(2), std::vector{good[0]}) << to_string(e);
+  }
+  s.paths.on_reach(2, {s.roster.now - 1, {}, {good[1]}}, s.roster.now);
+  EXPECT_EQ(s.paths.own_addresses(2), std::vector{good[0]}) << "an older word";
+  s.roster.seats[2].incarnation = 5;
+  s.run(1);
+  EXPECT_TRUE(s.paths.own_addresses(2).empty()) << "somebody else sits there";
+}
+
 }  // namespace
 }  // namespace padr::test

@@ -143,6 +143,8 @@ struct MembershipLister {
     std::string s = line("reach.tick = %d\n", m.tick);
     for (std::size_t i = 0; i < m.heard.size(); ++i)
       s += line("reach.heard[%zu] = %d %u %d\n", i, int{m.heard[i].slot}, m.heard[i].delay, flag(m.heard[i].carried));
+    for (std::size_t i = 0; i < m.at.size(); ++i)
+      s += line("reach.at[%zu] = ", i) + address_of(m.at[i]) + line(" %d\n", int{m.at[i].port});
     return s;
   }
   std::string operator()(const wire::Newcomer& m) const {

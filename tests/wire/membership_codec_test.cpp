@@ -70,6 +70,7 @@ TEST(MembershipCodec, BothSidesOfEveryLimit) {
       Probe{~0U, seats(64), true, ~0U},
       Reach{0, {}},
       Reach{0x7FFFFFFF, {{0, 0}, {63, kMostDelay, true}}},
+      Reach{0, {}, std::vector<Endpoint>(4, ipv4({1, 2, 3, 4}, 0xFFFF))},
       Newcomer{ipv4({1, 2, 3, 4}, 1)},
       Newcomer{keyed},
   };
@@ -116,6 +117,9 @@ TEST(MembershipCodec, BothSidesOfEveryLimit) {
       Reach{0, {{0, kMostDelay + 1}}},
       Reach{0, {{2, 0}, {2, 0}}},
       Reach{0, {{2, 0}, {1, 0}}},
+      Reach{0, {}, std::vector<Endpoint>(5, ipv4({1, 2, 3, 4}, 0xFFFF))},
+      Reach{0, {}, {ipv4({1, 2, 3, 4}, 0)}},
+      Reach{0, {}, {Endpoint{}}},
       Newcomer{},
       Newcomer{ipv4({1, 2, 3, 4}, 0)},
   };
@@ -212,7 +216,8 @@ struct Range {
       if (m.heard[i].slot >= kMaxPeers || m.heard[i].delay > kMostDelay ||
           (i > 0 && m.heard[i].slot <= m.heard[i - 1].slot))
         return false;
-    return m.tick >= 0;
+    return m.tick >= 0 && m.at.size() <= 4 &&
+           std::all_of(m.at.begin(), m.at.end(), [](const Endpoint& e) { return e.is_set() && !e.has_key(); });
   }
   bool operator()(const Newcomer& m) const { return m.at.is_set(); }
 };

@@ -243,6 +243,9 @@ wire::MembershipMessage any_membership(Rng& rng, std::size_t kind) {
       wire::Reach reach{static_cast<Tick>(any_count(rng) >> 1U), {}};
       for (const wire::Seat& s : any_seats(rng))
         reach.heard.push_back({s.slot, rng.below(wire::kMostDelay + 1), rng.chance(0.3)});
+      for (std::uint32_t n = rng.below(5); n > 0; --n)
+        reach.at.push_back(
+            padr::ipv4({192, 168, 0, static_cast<std::uint8_t>(n)}, static_cast<std::uint16_t>(1 + slot)));
       return reach;
     }
     default: {

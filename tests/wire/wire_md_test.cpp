@@ -218,6 +218,7 @@ TEST(WireMd, HasTheVectorsOfMembershipDatagrams) {
       fetched,
       Probe{3, {{1, 0, 0}, {2, 3, 0}}, true, 77},
       Reach{4500, {{0, 3}, {1, 9, true}, {3, 12}}},
+      Reach{4500, {}, {ipv4({192, 168, 0, 7}, 4242)}},
       Newcomer{ipv4({203, 0, 113, 7}, 4242)},
   };
   for (const MembershipMessage& m : messages)

@@ -212,6 +212,7 @@ NODES = {
     ("answer", "lost"): ("lost", ("slot", "incarnation", "have", "heard")),
     ("probe", "member"): ("members", ("slot", "incarnation", "have", "heard")),
     ("reach", "heard"): ("heard", ("slot", "delay", "carried")),
+    ("reach", "at"): ("at", ("address", "port")),
     ("tell", "known"): ("known", ("address", "port", "in", "seeks")),
 }
 

@@ -160,6 +160,8 @@ constexpr FieldName kNames[] = {
     {"padr.reach.heard.slot", true},
     {"padr.reach.heard.delay", true},
     {"padr.reach.heard.carried", true},
+    {"padr.reach.at.address", true},
+    {"padr.reach.at.port", true},
     {"padr.newcomer.address", false},
     {"padr.newcomer.port", false},
 };

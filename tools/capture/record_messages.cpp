@@ -178,6 +178,10 @@ class MembershipFields {
       r_.number("padr.reach.heard.delay", w.delay);
       r_.flag("padr.reach.heard.carried", w.carried);
     }
+    for (const Endpoint& e : m.at) {
+      r_.address("padr.reach.at.address", e);
+      r_.number("padr.reach.at.port", e.port);
+    }
   }
   void operator()(const wire::Newcomer& m) const {
     r_.address("padr.newcomer.address", m.at);

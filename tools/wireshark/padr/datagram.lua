@@ -173,6 +173,15 @@ local function check_ways(ways)
   updates.require_ascending(ways, function(way) return way.slot.v end, "ways")
 end
 
+local function check_reach(message)
+  check_ways(message.heard)
+  require_that(#message.at <= 4, "too many addresses")
+  for _, place in ipairs(message.at) do
+    updates.require_place(place)
+    require_that(#place.address.v == 16, "a key with an own address")
+  end
+end
+
 local function decode_fetched(message)
   local state = message.state
   require_that(state and #state.updates > 0 and state.mark_tick.v <= updates.MOST_TICK, "nothing fetched")
@@ -188,7 +197,7 @@ local function decode_membership(data, at, stop)
   require_that(not m.slot or m.slot.v < 64, "a slot that is none")
   if m.lost then check_seats(m.lost, 62) end
   if m.members then check_seats(m.members, 64) end
-  if name == "reach" then check_ways(m.heard) end
+  if name == "reach" then check_reach(m) end
   if name == "newcomer" then updates.require_place(m) end
   if name == "poll" or name == "answer" then require_that(m.number.v <= 0x3FFF, "a number that is none") end
   if name == "answer" or name == "reach" then require_that(m.tick.v <= 0x7FFFFFFF, "a tick that is none") end

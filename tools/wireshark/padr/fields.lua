@@ -184,6 +184,9 @@ local LIST = {
   { "padr.reach.heard.slot", "uint32", "Slot" },
   { "padr.reach.heard.delay", "uint32", "Delay", "one way, ticks" },
   { "padr.reach.heard.carried", "bool", "Only by others" },
+  { "padr.reach.at", "none", "Own address" },
+  { "padr.reach.at.address", "ipv6", "Address" },
+  { "padr.reach.at.port", "uint32", "Port" },
   { "padr.newcomer.address", "ipv6", "Address" },
   { "padr.newcomer.port", "uint32", "Port" },
 

@@ -83,7 +83,13 @@ schema.membership = {
     "probe",
     one = { { "incarnation", "uint32" }, { "members", many = seat }, { "knows_you", "bool" }, { "newest", "uint32" } },
   },
-  { "reach", one = { { "tick", "uint32" }, { "heard", many = { { "slot", "uint32" }, { "delay", "uint32" }, { "carried", "bool" } } } } },
+  {
+    "reach",
+    one = {
+      { "tick", "uint32" }, { "heard", many = { { "slot", "uint32" }, { "delay", "uint32" }, { "carried", "bool" } } },
+      { "at", many = { { "address", "bytes" }, { "port", "uint32" } } },
+    },
+  },
   { "newcomer", one = { { "address", "bytes" }, { "port", "uint32" } } },
 }
 
