@@ -116,7 +116,6 @@ float LinkRate::predicted(const Receipt& r, double rate) const {
 double LinkRate::came_through() const {
   const Receipt& from = receipts_.front();
   const Receipt& to = receipts_.back();
-  if (from.number < forgotten_) return 0;
   const Tick ticks = to.transit + sent_[to.number - forgotten_].at - from.transit - sent_[from.number - forgotten_].at;
   if (ticks < kMeasured) return 0;
   double bytes = 0;
@@ -127,7 +126,7 @@ double LinkRate::came_through() const {
 float LinkRate::unexplained(double rate) const {
   float sum = 0;
   for (std::size_t i = 0; i < receipts_.size(); ++i)
-    if (receipts_[i].number >= forgotten_) sum += std::abs(lateness(receipts_[i]) - predicted(receipts_[i], rate));
+    sum += std::abs(lateness(receipts_[i]) - predicted(receipts_[i], rate));
   return sum;
 }
 
@@ -146,7 +145,7 @@ void LinkRate::set_rate(double rate, Tick now) {
 void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_trip) {
   const std::size_t place = sent_.size() - 1 - later;
   receipts_.push_back({forgotten_ + place, received - sent_[place].at});
-  if (receipts_.size() > kReceipts) receipts_.pop_front();
+  while (receipts_.size() > kReceipts || receipts_.front().number < forgotten_) receipts_.pop_front();
   note_transit({receipts_.back().transit, sent_[place].bytes}, now);
   queue_ = lateness(receipts_.back());
   const float left = unexplained(rate_);

@@ -90,6 +90,19 @@ TEST(LinkRate, GrowsWhenTheLinkDoes) {
   EXPECT_GT(l.measured.rate(), 4000);
 }
 
+// As of a peer that was held up for long: what an old acknowledgement was of is forgotten.
+TEST(LinkRate, AnAnswerAfterALongTimeWithout) {
+  Link l;
+  l.run(5 * kTicksPerSecond);
+  l.on_its_way.clear();
+  for (int i = 0; i < 1000; ++i) {
+    l.measured.sent(60, l.now++);
+    ++l.sent;
+  }
+  l.measured.arrived(200, l.now + 400, l.now, 20);
+  EXPECT_TRUE(l.measured.may_send(l.now + 10 * kTicksPerSecond));
+}
+
 TEST(LinkRate, IsNeverAboveItsBound) {
   Link l;
   l.measured.bound(1000);
