@@ -37,8 +37,11 @@ Tick Paths::unanswered(const Roster& roster, const std::vector<Link>& links, Pee
   return std::min(links[p].unanswered, roster.now - roster.seats[p].excused);
 }
 
+// Nor does it while p is carried that it is heard now.
 bool Paths::hears(const Roster& roster, PeerId p) const {
-  return roster.now - std::max(ways_[p].direct, roster.seats[p].excused) < kUnheard;
+  const Way& w = ways_[p];
+  const Tick excused = w.by == kNoPeer ? roster.seats[p].excused : 0;
+  return roster.now - std::max(w.direct, excused) < kUnheard;
 }
 
 bool Paths::needs_carrier(const Roster& roster, const std::vector<Link>& links, PeerId p) const {

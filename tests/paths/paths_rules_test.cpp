@@ -317,6 +317,19 @@ TEST(PathsRules, WhoseCarrierHasLeftIsNotReachedDirectlyForThat) {
   EXPECT_EQ(s.changes.back(), (Paths::Change{2, kNoPeer}));
 }
 
+// Both had been held up at once, as on a busy machine: each said that it heard the other directly.
+TEST(PathsRules, WhoIsCarriedIsNotHeardDirectlyAfterThisPeerWasHeldUp) {
+  Scene s;
+  s.silent = only(2);
+  s.tell_for(Paths::kUnheard + Paths::kReported + 1, {{1, 2}, {3, 2, true}});
+  ASSERT_EQ(s.paths.carrier(2), 1);
+  for (PeerId p = 1; p < 4; ++p) s.roster.seats[p].excused = s.roster.now;
+  for (Tick i = 0; i < Paths::kUnheard; ++i) {
+    s.tell_for(1, {{1, 2}, {3, 2, true}});
+    for (const wire::Way& w : s.told.back().heard) EXPECT_TRUE(w.slot != 2 || w.carried) << i;
+  }
+}
+
 TEST(PathsRules, WhatComesLateIsIgnored) {
   Scene s;
   s.paths.on_reach(2, {500, {{0, 2}, {1, 2}, {3, 2}}}, s.roster.now);
