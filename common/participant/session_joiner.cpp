@@ -24,6 +24,7 @@ Joiner::Joiner(SessionState& session, Micros local) : session_(session), target_
 
 void Joiner::ask(Micros local) {
   asked_ = local;
+  ++asks_;
   const SessionConfig& c = session_.config;
   session_.send(target_, wire::Join{nonce_, c.scene_hash, c.fingerprint, c.authority, c.scenario});
 }
@@ -64,6 +65,7 @@ void Joiner::start_over_if_unheard(Micros local) {
   if (redirects_ == 0 || local - redirected_ < SessionPace::kUnheard) return;
   target_ = *session_.config.join;
   redirects_ = 0;
+  asks_ = 0;
   ask(local);
 }
 
@@ -82,6 +84,7 @@ void Joiner::on_redirect(const Endpoint& from, const wire::Redirect& redirect, M
   if (!introduction_ || introduction_->to != target_ || introduction_->by != from)
     introduction_ = {target_, from, local + SessionPace::kDirectly};
   session_.tell({.kind = SessionEvent::Kind::kPassedOn, .at = from, .to = target_});
+  asks_ = 0;
   ask(local);
 }
 
@@ -100,7 +103,8 @@ void Joiner::advance(Micros local) {
   give_up_if_late(local);
   if (session_.phase == SessionPhase::kFailed) return;
   start_over_if_unheard(local);
-  if (local - asked_ >= SessionPace::kJoin) ask(local);
+  const int more = std::clamp(asks_ - SessionPace::kJoins, 0, 3);
+  if (local - asked_ >= std::min(SessionPace::kJoin << more, SessionPace::kRareJoin)) ask(local);
 }
 
 std::optional<Joiner::Introduction> Joiner::introduction(Micros local) const {

@@ -44,6 +44,7 @@ class Joiner {
   int redirects_ = 0;
   Micros redirected_ = 0;
   Micros asked_ = 0;
+  int asks_ = 0;  ///< of the present target
 };
 
 }  // namespace padr::node

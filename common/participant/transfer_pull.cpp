@@ -12,6 +12,7 @@ TransferPull::TransferPull(SessionState& session, const Endpoint& by, const wire
 void TransferPull::on_pong(const Endpoint& from, const wire::Pong& pong, Micros local) {
   if (from != by_ || pong.sent > local || local - pong.sent > kOldestPong || pong.sent < session_.born) return;
   heard_ = local;
+  unanswered_ = 0;
   offset_.add(pong.sent, pong.session, local);
   if (ready_) session_.clock.set(offset_.offset());
   finish_if_complete();
@@ -27,6 +28,8 @@ void TransferPull::on_piece(const Endpoint& from, const wire::Piece& piece, Micr
   heard_ = local;
   pieces_[piece.index] = piece.bytes;
   --missing_;
+  --wanted_;
+  came_ = local;
   finish_if_complete();
 }
 
@@ -38,16 +41,33 @@ void TransferPull::finish_if_complete() {
 }
 
 void TransferPull::pull(Micros local) {
+  if (pulled_ > came_) {
+    want_ = std::max(1, want_ / 2);
+    ++fruitless_;
+  } else {
+    if (wanted_ <= 0) want_ = std::min(kMostWanted, 2 * want_);
+    fruitless_ = 0;
+  }
   pulled_ = local;
-  wire::Pull p{nonce_, 0, ~std::uint64_t{0}, cookie_};
-  if (!pieces_.empty()) {
-    const auto first = std::find_if(pieces_.begin(), pieces_.end(), [](const wire::Bytes& b) { return b.empty(); });
-    p.from = static_cast<std::uint32_t>(first - pieces_.begin());
-    p.wanted = 0;
-    for (std::size_t i = 0; i < 64 && p.from + i < pieces_.size(); ++i)
-      if (pieces_[p.from + i].empty()) p.wanted |= std::uint64_t{1} << i;
+  wire::Pull p{nonce_, 0, 0, cookie_};
+  const auto first = std::find_if(pieces_.begin(), pieces_.end(), [](const wire::Bytes& b) { return b.empty(); });
+  p.from = static_cast<std::uint32_t>(first - pieces_.begin());
+  wanted_ = 0;
+  for (std::size_t i = 0; i < kMostWanted && wanted_ < want_; ++i) {
+    const bool is_missing = pieces_.empty() || (p.from + i < pieces_.size() && pieces_[p.from + i].empty());
+    if (!is_missing) continue;
+    p.wanted |= std::uint64_t{1} << i;
+    ++wanted_;
   }
   session_.send(by_, p);
+}
+
+// What has been asked for may still be on its way.
+bool TransferPull::pull_is_due(Micros local) const {
+  if (!pieces_.empty() && missing_ == 0) return false;
+  if (wanted_ <= 0) return true;
+  const Micros again = std::max(kAgain, offset_.round_trip() + offset_.round_trip() / 2);
+  return local - std::max(pulled_, came_) >= again << std::min(fruitless_, 2);
 }
 
 void TransferPull::on_redirect(const Endpoint& from, const wire::Redirect& redirect) {
@@ -65,9 +85,8 @@ void TransferPull::advance(Micros local) {
     return session_.fail("peer at " + to_string(by_) +
                          " has ended, is silent, or names another peer, before this peer was admitted");
   measure(local);
-  const Micros again = std::max(kAgain, offset_.round_trip() + offset_.round_trip() / 2);
-  if ((pieces_.empty() || missing_ > 0) && local - pulled_ >= again) pull(local);
-  if (entering_ && local - entered_ >= kAgain) enter(local);
+  if (pull_is_due(local)) pull(local);
+  if (entering_ && local - entered_ >= (entries_ < kOften ? kAgain : kRarely)) enter(local);
 }
 
 // Once the clock is synchronised, Pings only show whether the introducer is alive; once we ask for admission, none go
@@ -75,14 +94,18 @@ void TransferPull::advance(Micros local) {
 void TransferPull::measure(Micros local) {
   const bool measures = offset_.samples() < OffsetEstimator::kKept;
   if (local - heard_ > kPatience) return;  // it has ended, or has forgotten us
-  if (local - pinged_ < (measures ? kPing : kIdlePing) || (!measures && entering_)) return;
+  const Micros often =
+      std::min(kPing << std::min(static_cast<std::size_t>(unanswered_) / kSamples, kDoublings), kIdlePing);
+  if (local - pinged_ < (measures ? often : kIdlePing) || (!measures && entering_)) return;
   pinged_ = local;
+  ++unanswered_;
   session_.send(by_, wire::Ping{local});
 }
 
 void TransferPull::enter(Micros local) {
   entering_ = true;
   entered_ = local;
+  ++entries_;
   session_.send(by_, wire::Enter{nonce_});
 }
 

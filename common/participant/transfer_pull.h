@@ -7,7 +7,8 @@
 namespace padr::node {
 
 /// The second part of joining a session, after a Welcome: synchronises the clock with the introducer, pulls the agreed
-/// world piece by piece, and then asks to be admitted. Lost messages are repeated.
+/// world piece by piece, and then asks to be admitted. Lost messages are repeated; less and less is asked for, and ever
+/// more rarely, while nothing comes: the link may be narrow.
 class TransferPull {
  public:
   /// `by` has welcomed our Join.
@@ -33,15 +34,20 @@ class TransferPull {
   const Endpoint& by() const { return by_; }
   Micros round_trip() const { return offset_.round_trip(); }
 
-  static constexpr Micros kPing = 10'000;
+  static constexpr Micros kPing = 10'000;  ///< twice that, and again, after every kSamples without an answer
   static constexpr Micros kIdlePing = 500'000;
   static constexpr Micros kOldestPong = 5'000'000;
   static constexpr std::size_t kSamples = 8;
-  static constexpr Micros kAgain = 50'000;        ///< between two Enters, and Pulls of what is missing at least
+  static constexpr Micros kAgain = 50'000;    ///< between the first Enters, and from the last piece to a Pull at least
+  static constexpr Micros kRarely = 200'000;  ///< between two Enters after kOften of them
+  static constexpr int kOften = 4;
+  static constexpr std::size_t kDoublings = 6;
+  static constexpr int kMostWanted = 64;          ///< pieces that a Pull asks for
   static constexpr Micros kPatience = 2'500'000;  ///< longest silence of the introducer
 
  private:
   void pull(Micros local);
+  bool pull_is_due(Micros local) const;
   void finish_if_complete();
 
   SessionState& session_;
@@ -55,6 +61,12 @@ class TransferPull {
   Micros heard_;
   Micros pinged_ = 0;
   Micros pulled_ = 0;
+  Micros came_ = 0;     ///< when a piece last came that was missing
+  int want_ = 4;        ///< pieces that the next Pull asks for: twice as many if all have come, half if none has
+  int wanted_ = 0;      ///< of those that the last one asked for, pieces that have not come
+  int fruitless_ = 0;   ///< Pulls in a row that nothing has come of
+  int unanswered_ = 0;  ///< Pings in a row
+  int entries_ = 0;     ///< Enters sent
   Micros entered_ = 0;
   bool ready_ = false;
   bool entering_ = false;
