@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <deque>
+#include <functional>
 
 #include "common/wire/sealed.h"
 #include "tests/channel/two_peers.h"
@@ -243,6 +244,22 @@ std::vector<node::Parcel> tick_with_elsewhere(Three& t) {
   return out;
 }
 
+/// Until 0 asks at place 11 whether 1 is there; then `somebody` gets that, and 0 the answer.
+void asks_elsewhere(Three& t, node::SecureChannels& somebody, const std::function<void()>& afterwards) {
+  bool asked = false;
+  for (int i = 0; i < 600 && !asked; ++i)
+    for (const auto& p : tick_with_elsewhere(t)) {
+      if (!same_place(p.to, place(11))) continue;
+      asked = true;
+      somebody.receive(place(1), p.bytes, t.now);
+      for (const auto& q : taken(somebody)) t.peers[0].receive(place(11), q.bytes, t.now);
+      afterwards();
+    }
+  ASSERT_TRUE(asked);
+  t.now += node::SecureChannels::kCarries;
+  t.peers[0].send(t.name_of(1), 1, words("directly"), t.now);
+}
+
 // Where a peer says that it is, as often as the direct way is tried, and no more.
 TEST(CarriedElsewhere, IsAskedAsOftenAsTheDirectWay) {
   Three t;
@@ -262,18 +279,9 @@ TEST(CarriedElsewhere, IsAskedAsOftenAsTheDirectWay) {
 
 TEST(CarriedElsewhere, IsWhereItIsOnceItAnswersThere) {
   Three t;
-  bool asked = false;
-  for (int i = 0; i < 600 && !asked; ++i)
-    for (const auto& p : tick_with_elsewhere(t)) {
-      if (!same_place(p.to, place(11))) continue;
-      asked = true;
-      t.peers[1].receive(place(1), p.bytes, t.now);
-      for (const auto& q : taken(t.peers[1])) t.peers[0].receive(place(11), q.bytes, t.now);
-      for (const auto& q : taken(t.peers[0])) EXPECT_TRUE(same_place(q.to, place(11))) << "the introduction";
-    }
-  ASSERT_TRUE(asked);
-  t.now += node::SecureChannels::kCarries;
-  t.peers[0].send(t.name_of(1), 1, words("directly"), t.now);
+  asks_elsewhere(t, t.peers[1], [&t] {
+    for (const auto& q : taken(t.peers[0])) EXPECT_TRUE(same_place(q.to, place(11))) << "the introduction";
+  });
   const auto out = taken(t.peers[0]);
   EXPECT_TRUE(std::any_of(out.begin(), out.end(), [](const auto& p) { return same_place(p.to, place(11)); }));
 }
@@ -281,19 +289,8 @@ TEST(CarriedElsewhere, IsWhereItIsOnceItAnswersThere) {
 // Somebody else who has the session's key, at that address of another LAN.
 TEST(CarriedElsewhere, SomebodyElseThereIsNotIt) {
   Three t;
-  bool asked = false;
-  for (int i = 0; i < 600 && !asked; ++i)
-    for (const auto& p : tick_with_elsewhere(t)) {
-      if (!same_place(p.to, place(11))) continue;
-      asked = true;
-      node::SecureChannels stranger(channel_config(99));
-      stranger.receive(place(1), p.bytes, t.now);
-      for (const auto& q : taken(stranger)) t.peers[0].receive(place(11), q.bytes, t.now);
-      EXPECT_TRUE(taken(t.peers[0]).empty());
-    }
-  ASSERT_TRUE(asked);
-  t.now += node::SecureChannels::kCarries;
-  t.peers[0].send(t.name_of(1), 1, words("directly"), t.now);
+  node::SecureChannels stranger(channel_config(99));
+  asks_elsewhere(t, stranger, [&t] { EXPECT_TRUE(taken(t.peers[0]).empty()); });
   for (const auto& p : taken(t.peers[0])) EXPECT_TRUE(same_place(p.to, place(2)));
 }
 

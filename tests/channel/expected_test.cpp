@@ -59,15 +59,20 @@ TEST(Expected, OnlyAnEchoShowsThatBothWaysWork) {
   EXPECT_FALSE(g.a.came(key_of(5), g.now).directly) << "a stranger";
 }
 
+/// a to b, who answers in between.
+void say_twice(TwoPeers& g) {
+  for (const char* text : {"first", "second"}) {
+    g.a.send(named(g.b, 2), kNoPeer, words(text), g.now);
+    g.carry();
+  }
+}
+
 // The member that has told of it may see it on their LAN.
 TEST(Expected, HasTheNameOfThePlaceFromWhichItAnswers) {
   TwoPeers g;
   g.b.expect(named(g.a, 9), g.now, g.now);
   taken(g.b);
-  g.a.send(named(g.b, 2), kNoPeer, words("first"), g.now);
-  g.carry();
-  g.a.send(named(g.b, 2), kNoPeer, words("second"), g.now);
-  g.carry();
+  say_twice(g);
   ASSERT_EQ(g.names.size(), 2U);
   EXPECT_EQ(g.names[0], named(g.a, 9)) << "nothing is proven yet";
   EXPECT_EQ(g.names[1], named(g.a, 1));
@@ -78,10 +83,7 @@ TEST(Expected, HasTheNameThatAllKnowOnceItIsAMember) {
   g.b.expect(named(g.a, 9), g.now, g.now);
   g.b.send(named(g.a, 9), 3, words("state"), g.now);
   taken(g.b);
-  g.a.send(named(g.b, 2), kNoPeer, words("first"), g.now);
-  g.carry();
-  g.a.send(named(g.b, 2), kNoPeer, words("second"), g.now);
-  g.carry();
+  say_twice(g);
   ASSERT_EQ(g.names.size(), 2U);
   EXPECT_EQ(g.names[1], named(g.a, 9));
 }

@@ -50,15 +50,7 @@ struct Separated {
     ASSERT_TRUE(took) << party.story();
     EXPECT_LT(*took, kComesInWithin) << party.story();
   }
-  void stays() {
-    party.run(20);
-    EXPECT_TRUE(party.united()) << party.story();
-    for (int p = 0; p < 3; ++p) {
-      EXPECT_LT(party.lag(p), 60);
-      EXPECT_EQ(party.net().peer(p).incarnation(), 0) << party.story();
-    }
-    EXPECT_EQ(party.judge().violation(), "");
-  }
+  void stays() { party.expect_to_stay(3); }
 
   Party party;
   std::function<void(const Endpoint& from, int to, std::span<const std::byte>)> on_datagram;

@@ -85,6 +85,16 @@ class Party {
     }
     return at.size() == 1;
   }
+  /// In 20 s from now nobody of the first `persons` has begun anew, falls behind, or is no longer with all others.
+  void expect_to_stay(int persons) {
+    run(20);
+    EXPECT_TRUE(united()) << story();
+    for (int p = 0; p < persons; ++p) {
+      EXPECT_LT(lag(p), 60);
+      EXPECT_EQ(network_.peer(p).incarnation(), 0) << story();
+    }
+    EXPECT_EQ(judge_.violation(), "");
+  }
   bool noted(int person, const std::string& words) const {
     const std::vector<std::string> all = network_.notes(person);
     return std::any_of(all.begin(), all.end(), [&](const auto& n) { return n.find(words) != std::string::npos; });
