@@ -5,7 +5,6 @@
 #include <netinet/in.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <memory>
 
@@ -20,16 +19,12 @@ bool is_zero(std::uint8_t b) {
 }
 
 std::optional<Endpoint> endpoint_of(const sockaddr& address, std::uint16_t port) {
-  Endpoint e;
-  if (address.sa_family == AF_INET) {
-    std::array<std::uint8_t, 4> bytes{};
-    std::memcpy(bytes.data(), &reinterpret_cast<const sockaddr_in&>(address).sin_addr, bytes.size());
-    return ipv4(bytes, port);
-  }
-  if (address.sa_family != AF_INET6) return std::nullopt;
-  std::memcpy(e.address.data(), &reinterpret_cast<const sockaddr_in6&>(address).sin6_addr, e.address.size());
-  e.port = port;
-  return e;
+  const bool v4 = address.sa_family == AF_INET;
+  if (!v4 && address.sa_family != AF_INET6) return std::nullopt;
+  shell::Udp::endpoint e(v4 ? shell::Udp::v4() : shell::Udp::v6(), 0);
+  std::memcpy(e.data(), &address, e.size());
+  e.port(port);
+  return shell::to_endpoint(e);
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ bool TransferPull::pull_is_due(Micros local) const {
   if (!pieces_.empty() && missing_ == 0) return false;
   if (wanted_ <= 0) return true;
   const Micros again = std::max(kAgain, offset_.round_trip() + offset_.round_trip() / 2);
-  return local - std::max(pulled_, came_) >= again << std::min(fruitless_, 2);
+  return local - std::max(pulled_, came_) >= again << std::min(fruitless_, kPullDoublings);
 }
 
 void TransferPull::on_redirect(const Endpoint& from, const wire::Redirect& redirect) {

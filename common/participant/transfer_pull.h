@@ -41,7 +41,8 @@ class TransferPull {
   static constexpr Micros kAgain = 50'000;    ///< between the first Enters, and from the last piece to a Pull at least
   static constexpr Micros kRarely = 200'000;  ///< between two Enters after kOften of them
   static constexpr int kOften = 4;
-  static constexpr std::size_t kDoublings = 6;
+  static constexpr std::size_t kDoublings = 6;    ///< of the time between Pings at most
+  static constexpr int kPullDoublings = 2;        ///< of the time between Pulls at most
   static constexpr int kMostWanted = 64;          ///< pieces that a Pull asks for
   static constexpr Micros kPatience = 2'500'000;  ///< longest silence of the introducer
 

@@ -56,6 +56,8 @@ void Reporter::retune(const Technique& technique) {
 }
 
 const Bundle& Reporter::report(const Situation& s) {
+  told_.peer = self_;
+  told_.tick = s.predicted->tick;
   avatar_.reset();
   exact_ = false;
   aim_.follow(s.target);
@@ -71,7 +73,7 @@ const Bundle& Reporter::report(const Situation& s) {
     report_bodies(s);
   }
   report_avatar(s);
-  if (!s.may_tell) return tell_nothing(s);
+  if (!s.may_tell) return tell_nothing();
   if (technique_.authority) {
     bound_the_sum(s);
     complete_cluster(s);
@@ -341,10 +343,8 @@ void Reporter::complete_cluster(const Situation& s) {
       tell_state(s, b, exact_ ? Cause::kBodyThreshold : avatar_->cause);
 }
 
-const Bundle& Reporter::tell_nothing(const Situation& s) {
+const Bundle& Reporter::tell_nothing() {
   waited_ = true;
-  told_.peer = self_;
-  told_.tick = s.predicted->tick;
   told_.avatar.reset();
   told_.bodies.clear();
   return told_;
@@ -367,8 +367,6 @@ void Reporter::renew_what_waited(const Situation& s) {
 }
 
 const Bundle& Reporter::finish(const Situation& s) {
-  told_.peer = self_;
-  told_.tick = s.predicted->tick;
   told_.avatar = avatar_;
   const bool last_word = avatar_ && avatar_->cause == Cause::kAtRest;
   const auto end = bodies_.begin() + static_cast<std::ptrdiff_t>(std::min(bodies_.size(), most_bodies_));

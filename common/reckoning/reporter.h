@@ -84,7 +84,7 @@ class Reporter {
   void claim(const Situation& s, EntityId b, Cause cause);
   void tell_avatar(const Situation& s, Cause cause);
   void renew_what_waited(const Situation& s);
-  const Bundle& tell_nothing(const Situation& s);
+  const Bundle& tell_nothing();
   const Bundle& finish(const Situation& s);
 
   PeerId self_;

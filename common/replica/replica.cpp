@@ -5,28 +5,16 @@
 #include <utility>
 
 #include "common/model/precision.h"
-#include "common/wire/codec.h"
 
 namespace padr::node {
 namespace {
 
-// Offset in ticks between the marks of consecutive peers: no divisor of any of their intervals.
-constexpr Tick kPhase = 11;
 // Ticks between look-aheads, the dearest part of a frame besides physics; the low threshold lingers longer than this.
 constexpr Tick kLookEvery = 3;
-// Loss below which a link is calm: see OutLink.
-constexpr float kCalmLoss = 0.02F;
-// Time for which updates are kept although all peers have them: a joiner has only what its source had when it asked.
-constexpr Tick kKept = 15 * kTicksPerSecond;
-// Interval between hashes when updates leave no room for marks; otherwise each hash goes out once, with a mark.
-constexpr Tick kTellCheck = 60;
 // Nothing waits for the link to a peer that has not answered for so long.
 constexpr Tick kGone = 2 * kTicksPerSecond;
 // And for a full one no longer than this: its receiver may be lying.
 constexpr Tick kHeldBack = kTicksPerSecond;
-constexpr double kBytesPerKbit = 125;
-// Time without new updates after which marks are less urgent.
-constexpr Tick kQuiet = kTicksPerSecond;
 
 void add(Hasher& h, Vec2 position, float angle, Vec2 velocity, float spin, bool awake) {
   for (const float v : {position.x, position.y, angle, velocity.x, velocity.y, spin}) h.add(v);
@@ -312,86 +300,6 @@ bool Replica::publish_order() {
 std::optional<sync::Signature> Replica::signed_now() const {
   if (own_log_.empty() || own_log_.back().tick != now()) return std::nullopt;
   return own_log_.back().signature;
-}
-
-// Every link gets the same share of the budget.
-void Replica::share_budget() {
-  if (config_.technique.budget <= 0) {
-    for (LinkState& l : links_) l.out.rate().bound(sync::LinkRate::kMost);
-    return;
-  }
-  int links = 0;
-  for (PeerId p = 0; p < config_.slots; ++p)
-    if (p != config_.self && seat(p).reachable()) ++links;
-  const double share = config_.technique.budget * kBytesPerKbit / std::max(1, links);
-  for (LinkState& l : links_) l.out.rate().bound(share);
-}
-
-void Replica::send() {
-  sent_ = 0;
-  share_budget();
-  std::uint32_t everyone = own_end();
-  for (PeerId p = 0; p < config_.slots; ++p) {
-    LinkState& to = links_[p];
-    Seat& n = roster_.seats[p];
-    n.unacknowledged = -1;
-    if (p == config_.self || !member() || !n.reachable() || roster_.departed(p)) continue;
-    const sync::UpdateLog& log = agreed_.log();
-    const bool staying = !gone_ && n.there();
-    const bool calm = to.window.judged() && to.window.loss() < kCalmLoss && staying;
-    const bool quiet = now() - news_ > kQuiet && staying;
-    const sync::OutLink::Context context{now(), log.have(p), log.have_beyond(p),    to.promised > log.have(p),
-                                         calm,  quiet,       config_.self * kPhase, to.repeats};
-    sync::StatePacket* packet =
-        to.out.compose(context, own_log_, own_first_, wire::encoded_size,
-                       std::min(wire::kMaxPayload - wire::kStateOverhead, to.out.rate().half_second()));
-    everyone = std::min(everyone, to.out.acked());
-    if (const std::uint32_t acked = std::max(to.out.acked(), own_first_); acked < own_end())
-      n.unacknowledged = own_log_[acked - own_first_].tick;
-    if (packet == nullptr) continue;
-    to.repeats = false;
-    fill(*packet, p);
-    if (sent_ == outgoing_.size()) outgoing_.emplace_back().bytes.reserve(wire::kMaxDatagram);
-    Outgoing& o = outgoing_[sent_++];
-    o.to = p;
-    wire::seal({wire::Kind::kState, config_.self, config_.session}, encoder_.encode(*packet), o.bytes);
-    ++stats_.datagrams_sent;
-    stats_.wire_bytes_sent += o.bytes.size() + kIpUdpBytes;
-    to.out.left(o.bytes.size() + kIpUdpBytes, now());
-  }
-  stats_.repeats = repeats_of_gone_;
-  for (const LinkState& l : links_) stats_.repeats += l.out.repeats();
-  keep_logs(everyone);
-}
-
-void Replica::keep_logs(std::uint32_t everyone) {
-  while (own_first_ < everyone && !own_log_.empty() && own_log_.front().tick < now() - kKept) {
-    own_pool_.give_back(own_log_.pop_front());
-    ++own_first_;
-  }
-  // A peer that falls silent may have sent one member updates that others lack. Only a joiner lacks what all confirmed.
-  Tick all = std::min(agreed_.confirmed().tick, now() - kKept);
-  for (PeerId p = 0; p < config_.slots; ++p)
-    if (p != config_.self && seat(p).there()) all = std::min(all, seat(p).confirmed);
-  agreed_.keep_from(all);
-}
-
-void Replica::fill(sync::StatePacket& packet, PeerId p) {
-  LinkState& to = links_[p];
-  packet.incarnation = config_.incarnation;
-  packet.to_incarnation = seat(p).incarnation;
-  // Marks carry what is not urgent.
-  const bool mark = packet.updates.empty();
-  const HashChecks::Own newest = checks_.newest();
-  const bool late = now() - to.checked >= kTellCheck;
-  if (mark || late) packet.loss = static_cast<std::uint32_t>(to.window.loss() * 100);
-  if (!late && (!mark || newest.tick <= to.told_check)) return;
-  to.checked = now();
-  to.told_check = newest.tick;
-  if (to.clock.measured()) packet.transit = static_cast<std::int32_t>(to.clock.least() / 100);
-  if (newest.tick < 0) return;
-  packet.check_tick = newest.tick;
-  packet.check_hash = newest.hash;
 }
 
 float Replica::own_error() const {

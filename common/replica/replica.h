@@ -236,7 +236,8 @@ class Replica {
   void forget_pushes(const sync::Bundle& told);
   void publish(const sync::Bundle& bundle);
   void send();
-  void share_budget();
+  /// Of each link, bytes per second.
+  double share_of_budget() const;
   void fill(sync::StatePacket& packet, PeerId p);
   void refresh_own();
   bool own_is_predicted(const std::vector<bool>& own) const;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace padr::sync {
 namespace {
@@ -13,11 +12,15 @@ constexpr float kBetter = 0.25F;
 constexpr float kClearly = 20;
 // The estimate grows by this factor while something is held back, and it explains no more than a link without a queue.
 constexpr double kGrowth = 1.25;
-constexpr Tick kGrowEvery = 6;
+constexpr Tick kGrowEvery = 6;  // at least
 // A queue is taken to have begun no more than this many datagrams ago.
 constexpr std::size_t kQueued = 64;
+std::size_t first_that_may_have_begun_it(std::size_t last) {
+  return last < kQueued ? 0 : last - kQueued;
+}
 // What came through is measured over no less than this.
 constexpr Tick kMeasured = 6;
+// The quickest datagram is that of one to two such spans.
 constexpr Tick kSpan = 10 * kTicksPerSecond;
 // Times are whole ticks at both ends.
 constexpr float kResolution = 0.5F;
@@ -78,11 +81,6 @@ float LinkRate::lateness(const Receipt& r) const {
   return static_cast<float>(r.transit - quickest().transit);
 }
 
-// Of the datagrams that count, as a queue may have begun with them.
-std::size_t LinkRate::first_before(std::size_t last) {
-  return last < kQueued ? 0 : last - kQueued;
-}
-
 // The queue began with some datagram before: the rate is what the link carried from then on until this one had left it.
 // Of all datagrams that may have begun it, the one that did makes the rate highest.
 double LinkRate::explains(const Receipt& r) const {
@@ -90,7 +88,7 @@ double LinkRate::explains(const Receipt& r) const {
   double bytes = -static_cast<double>(quickest().bytes);
   double rate = 0;
   const std::size_t last = r.number - forgotten_;
-  for (std::size_t i = last + 1; i-- > first_before(last);) {
+  for (std::size_t i = last + 1; i-- > first_that_may_have_begun_it(last);) {
     bytes += static_cast<double>(sent_[i].bytes);
     rate = std::max(rate, bytes / seconds(static_cast<double>(sent_[last].at - sent_[i].at) + late));
   }
@@ -103,7 +101,7 @@ float LinkRate::predicted(const Receipt& r, double rate) const {
   double late = 0;
   const double ticks_per_byte = kTicksPerSecond / rate;
   const std::size_t last = r.number - forgotten_;
-  for (std::size_t i = last + 1; i-- > first_before(last);) {
+  for (std::size_t i = last + 1; i-- > first_that_may_have_begun_it(last);) {
     bytes += static_cast<double>(sent_[i].bytes);
     const double by_it = bytes * ticks_per_byte - static_cast<double>(sent_[last].at - sent_[i].at);
     if (by_it < late - kTicksPerSecond) break;  // the link was idle in between

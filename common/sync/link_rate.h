@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -62,7 +61,6 @@ class LinkRate {
   void note_transit(const Quickest& q, Tick now);
   const Quickest& quickest() const;
   float lateness(const Receipt& r) const;
-  static std::size_t first_before(std::size_t last);
   double explains(const Receipt& r) const;
   float predicted(const Receipt& r, double rate) const;
   double came_through() const;

@@ -1,0 +1,100 @@
+// A Replica's part in sending: what goes out to whom in a tick, and what is kept because somebody lacks it.
+#include <algorithm>
+
+#include "common/replica/replica.h"
+#include "common/wire/codec.h"
+
+namespace padr::node {
+namespace {
+
+// Offset in ticks between the marks of consecutive peers: no divisor of any of their intervals.
+constexpr Tick kPhase = 11;
+// Loss below which a link is calm: see OutLink.
+constexpr float kCalmLoss = 0.02F;
+// Time for which updates are kept although all peers have them: a joiner has only what its source had when it asked.
+constexpr Tick kKept = 15 * kTicksPerSecond;
+// Interval between hashes when updates leave no room for marks; otherwise each hash goes out once, with a mark.
+constexpr Tick kTellCheck = 60;
+constexpr double kBytesPerKbit = 125;
+// Time without new updates after which marks are less urgent.
+constexpr Tick kQuiet = kTicksPerSecond;
+
+}  // namespace
+
+double Replica::share_of_budget() const {
+  if (config_.technique.budget <= 0) return sync::LinkRate::kMost;
+  int links = 0;
+  for (PeerId p = 0; p < config_.slots; ++p)
+    if (p != config_.self && seat(p).reachable()) ++links;
+  return config_.technique.budget * kBytesPerKbit / std::max(1, links);
+}
+
+void Replica::send() {
+  sent_ = 0;
+  const double share = share_of_budget();
+  std::uint32_t everyone = own_end();
+  for (PeerId p = 0; p < config_.slots; ++p) {
+    LinkState& to = links_[p];
+    Seat& n = roster_.seats[p];
+    n.unacknowledged = -1;
+    to.out.rate().bound(share);
+    if (p == config_.self || !member() || !n.reachable() || roster_.departed(p)) continue;
+    const sync::UpdateLog& log = agreed_.log();
+    const bool staying = !gone_ && n.there();
+    const bool calm = to.window.judged() && to.window.loss() < kCalmLoss && staying;
+    const bool quiet = now() - news_ > kQuiet && staying;
+    const sync::OutLink::Context context{now(), log.have(p), log.have_beyond(p),    to.promised > log.have(p),
+                                         calm,  quiet,       config_.self * kPhase, to.repeats};
+    sync::StatePacket* packet =
+        to.out.compose(context, own_log_, own_first_, wire::encoded_size,
+                       std::min(wire::kMaxPayload - wire::kStateOverhead, to.out.rate().half_second()));
+    everyone = std::min(everyone, to.out.acked());
+    if (const std::uint32_t acked = std::max(to.out.acked(), own_first_); acked < own_end())
+      n.unacknowledged = own_log_[acked - own_first_].tick;
+    if (packet == nullptr) continue;
+    to.repeats = false;
+    fill(*packet, p);
+    if (sent_ == outgoing_.size()) outgoing_.emplace_back().bytes.reserve(wire::kMaxDatagram);
+    Outgoing& o = outgoing_[sent_++];
+    o.to = p;
+    wire::seal({wire::Kind::kState, config_.self, config_.session}, encoder_.encode(*packet), o.bytes);
+    ++stats_.datagrams_sent;
+    stats_.wire_bytes_sent += o.bytes.size() + kIpUdpBytes;
+    to.out.left(o.bytes.size() + kIpUdpBytes, now());
+  }
+  stats_.repeats = repeats_of_gone_;
+  for (const LinkState& l : links_) stats_.repeats += l.out.repeats();
+  keep_logs(everyone);
+}
+
+void Replica::keep_logs(std::uint32_t everyone) {
+  while (own_first_ < everyone && !own_log_.empty() && own_log_.front().tick < now() - kKept) {
+    own_pool_.give_back(own_log_.pop_front());
+    ++own_first_;
+  }
+  // A peer that falls silent may have sent one member updates that others lack. Only a joiner lacks what all confirmed.
+  Tick all = std::min(agreed_.confirmed().tick, now() - kKept);
+  for (PeerId p = 0; p < config_.slots; ++p)
+    if (p != config_.self && seat(p).there()) all = std::min(all, seat(p).confirmed);
+  agreed_.keep_from(all);
+}
+
+void Replica::fill(sync::StatePacket& packet, PeerId p) {
+  LinkState& to = links_[p];
+  packet.incarnation = config_.incarnation;
+  packet.to_incarnation = seat(p).incarnation;
+  // Marks carry what is not urgent.
+  const bool mark = packet.updates.empty();
+  const HashChecks::Own newest = checks_.newest();
+  const bool late = now() - to.checked >= kTellCheck;
+  if (mark || late) packet.loss = static_cast<std::uint32_t>(to.window.loss() * 100);
+  if (!late && (!mark || newest.tick <= to.told_check)) return;
+  to.checked = now();
+  to.told_check = newest.tick;
+  if (to.clock.measured()) packet.transit = static_cast<std::int32_t>(to.clock.least() / 100);
+  if (newest.tick < 0) return;
+  packet.check_tick = newest.tick;
+  packet.check_hash = newest.hash;
+}
+
+}  // namespace padr::node
