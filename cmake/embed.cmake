@@ -13,11 +13,15 @@ file(WRITE "${OUT}" "// Made by embed.cmake; do not edit.
 #include <array>
 
 namespace ${NAMESPACE} {
+namespace ${FUNCTION}_texts {
+
+constexpr std::array<${TYPE}, ${count}> kTexts{{
+${entries}}};
+
+}  // namespace ${FUNCTION}_texts
 
 std::span<const ${TYPE}> ${FUNCTION}() {
-  static constexpr std::array<${TYPE}, ${count}> kTexts{{
-${entries}}};
-  return kTexts;
+  return ${FUNCTION}_texts::kTexts;
 }
 
 }  // namespace ${NAMESPACE}
