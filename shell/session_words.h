@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "common/membership/session_event.h"
+#include "common/session/session_event.h"
 
 namespace padr::shell {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/membership/session_objection.h"
+#include "common/session/session_objection.h"
 #include "common/sync/validation.h"
 #include "common/wire/secret.h"
 #include "common/wire/transfer_codec.h"

@@ -293,37 +293,6 @@ bool Evictions::counts(PeerId p, const View& view) const {
          !withholds_.contains(p);
 }
 
-// An update that was here once and is no longer, all have confirmed: nobody else keeps it, either, and a member that
-// says it lacks it is behind or lies.
-bool Evictions::is_to_blame(PeerId p, const Missing& missing, const View& view) const {
-  const auto of = lost_.find(missing.of);
-  if (of == lost_.end()) return false;
-  const bool has = of->second.have.at(p) > missing.index;
-  return has != (missing.index < view.log.have(missing.of));
-}
-
-std::vector<PeerId> Evictions::withholding(const View& view) const {
-  std::vector<PeerId> who;
-  if (lost_.empty() || ordered()) return who;
-  for (PeerId p = 0; p < view.roster.slots(); ++p) {
-    // Time in which this peer was held up does not count: it could not hear the replies.
-    if (!counts(p, view) || view.roster.now - std::max(moved_, view.roster.seats[p].excused) < kWithheld) continue;
-    const bool silent =
-        std::any_of(lost_.begin(), lost_.end(), [p](const auto& entry) { return !entry.second.have.contains(p); });
-    if (silent || (missing_ && is_to_blame(p, *missing_, view))) who.push_back(p);
-  }
-  return who;
-}
-
-bool Evictions::all_answered(const View& view) const {
-  for (PeerId p = 0; p < view.roster.slots(); ++p) {
-    if (!counts(p, view)) continue;
-    for (const auto& [slot, lost] : lost_)
-      if (!lost.have.contains(p)) return false;
-  }
-  return true;
-}
-
 void Evictions::ask(const View& view, Commands& out) {
   if (view.roster.now - polled_ < kAskAgain) return;
   polled_ = view.roster.now;
@@ -356,68 +325,8 @@ void Evictions::advance(const View& view, Commands& out) {
   bury(out);
 }
 
-// A member that was not waited for does not take the removal, as it has not been asked. It joins anew.
-void Evictions::go_on_without(const View& view, Commands& out) {
-  const std::vector<PeerId> who = withholding(view);
-  if (who.empty()) return;
-  for (const PeerId p : who) {
-    withholds_.insert(p);
-    out.tell({.kind = SessionEvent::Kind::kWithholds, .peer = p});
-  }
-  moved_ = view.roster.now;
-}
-
 bool Evictions::ordered() const {
   return std::any_of(lost_.begin(), lost_.end(), [](const auto& entry) { return entry.second.ordered; });
-}
-
-// Whether all updates of p are here that some member has and another may lack.
-bool Evictions::gather(PeerId p, Lost& lost, const View& view, Commands& out) {
-  const sync::UpdateLog& log = view.log;
-  lost.least = lost.most = log.have(p);
-  for (const auto& [q, have] : lost.have) {
-    if (!counts(q, view)) continue;
-    lost.least = std::min(lost.least, have);
-    lost.most = std::max(lost.most, have);
-  }
-  for (const sync::Bundle& b : log.of(p, lost.least)) lost.fetched.emplace(b.index, b);
-  for (std::uint32_t i = lost.least; i < lost.most; ++i) {
-    const auto found = lost.fetched.find(i);
-    if (found != lost.fetched.end()) {
-      if (found->second.tick >= view.roster.now) return false;  // its clock was ahead
-      continue;
-    }
-    missing_ = {p, i};
-    fetch(p, lost, i, view, out);
-    return false;
-  }
-  return true;
-}
-
-// A member may count an update without keeping it: a late joiner has it in the state that it began with. So the members
-// are asked one after the other.
-void Evictions::fetch(PeerId p, Lost& lost, std::uint32_t index, const View& view, Commands& out) {
-  if (view.roster.now - asked_ < kAskAgain) return;
-  std::vector<PeerId> had;
-  for (const auto& [q, have] : lost.have)
-    if (have > index && counts(q, view)) had.push_back(q);
-  if (had.empty()) return;
-  asked_ = view.roster.now;
-  out.send(view.roster.seats[had[lost.fetches++ % had.size()]].at, wire::Fetch{p, lost.incarnation, index});
-}
-
-void Evictions::bury(Commands& out) {
-  sync::Bundle last;
-  for (auto& [p, lost] : lost_) {
-    for (std::uint32_t i = lost.least; i < lost.most; ++i) {
-      sync::Bundle order;
-      order.passed_on.push_back(lost.fetched.at(i));
-      out.publish(order);
-    }
-    last.removals.push_back({p, lost.incarnation, lost.most});
-    lost.ordered = true;
-  }
-  out.publish(last);
 }
 
 }  // namespace padr::node

@@ -5,15 +5,15 @@
 #include <string>
 
 #include "common/membership/admissions.h"
-#include "common/membership/applied_commands.h"
 #include "common/membership/evictions.h"
-#include "common/membership/introductions.h"
 #include "common/membership/misbehaviour_policy.h"
 #include "common/membership/partition_merge.h"
-#include "common/membership/relay.h"
 #include "common/membership/testimony.h"
 #include "common/membership/vouching.h"
+#include "common/paths/introductions.h"
 #include "common/paths/paths.h"
+#include "common/paths/relay.h"
+#include "common/session/applied_commands.h"
 
 namespace padr::node {
 

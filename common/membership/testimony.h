@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "common/membership/commands.h"
-#include "common/membership/session_state.h"
-#include "common/membership/view.h"
+#include "common/session/commands.h"
+#include "common/session/session_state.h"
+#include "common/session/view.h"
 #include "common/sync/transfer.h"
 
 namespace padr::node {

@@ -4,7 +4,7 @@
 
 #include "common/membership/last_heard.h"
 #include "common/membership/misbehaviour_policy.h"
-#include "common/membership/relay.h"
+#include "common/paths/relay.h"
 
 namespace padr::node {
 namespace {

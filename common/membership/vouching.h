@@ -3,9 +3,9 @@
 #include <map>
 #include <utility>
 
-#include "common/membership/commands.h"
-#include "common/membership/session_state.h"
-#include "common/membership/view.h"
+#include "common/session/commands.h"
+#include "common/session/session_state.h"
+#include "common/session/view.h"
 
 namespace padr::node {
 

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "common/membership/membership.h"
-#include "common/membership/session_clock.h"
-#include "common/membership/session_state.h"
 #include "common/model/endpoint.h"
 #include "common/model/ids.h"
 #include "common/participant/session_joiner.h"
 #include "common/participant/transfer_pull.h"
+#include "common/session/session_clock.h"
+#include "common/session/session_state.h"
 
 namespace padr::node {
 

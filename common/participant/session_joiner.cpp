@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "common/membership/introductions.h"
-#include "common/membership/session_objection.h"
 #include "common/model/observed_address.h"
 #include "common/model/rng.h"
+#include "common/paths/introductions.h"
+#include "common/session/session_objection.h"
 
 namespace padr::node {
 namespace {

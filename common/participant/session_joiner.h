@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "common/membership/session_state.h"
+#include "common/session/session_state.h"
 
 namespace padr::node {
 

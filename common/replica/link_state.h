@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "common/channel/replay_window.h"
+#include "common/delivery/delivery.h"
 #include "common/replica/link_clock.h"
 #include "common/replica/one_way_delays.h"
-#include "common/sync/delivery.h"
 #include "common/sync/validation.h"
 
 namespace padr::node {

@@ -16,7 +16,7 @@ import subprocess
 import sys
 
 # A folder may include itself and those to its left.
-CORE_ORDER = ["model", "link", "scenarios", "world", "sync", "reckoning", "shown", "wire", "capture", "trace", "channel", "replica", "paths", "membership", "participant", "crowd", "monitor"]
+CORE_ORDER = ["model", "link", "scenarios", "world", "sync", "delivery", "reckoning", "shown", "wire", "capture", "trace", "channel", "replica", "session", "paths", "membership", "participant", "crowd", "monitor"]
 
 # The shell under the programs stands on the core alone, and no program stands on another.
 BESIDE = {"shell": ("peer", "tools"), "peer": ("tools",), "tools": ("peer",)}

@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "common/membership/admissions.h"
-#include "common/membership/applied_commands.h"
 #include "common/membership/partition_merge.h"
 #include "common/scenarios/scenarios.h"
+#include "common/session/applied_commands.h"
 
 namespace padr::node {
 namespace {

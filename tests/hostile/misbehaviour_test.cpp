@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "common/membership/applied_commands.h"
 #include "common/scenarios/scenarios.h"
+#include "common/session/applied_commands.h"
 
 namespace padr::node {
 namespace {

@@ -1,5 +1,5 @@
 // A newcomer asks a member, and the coordinator is where a newcomer does not get through by itself.
-#include "common/membership/introductions.h"
+#include "common/paths/introductions.h"
 #include "tests/membership/party.h"
 #include "tests/membership/rules.h"
 #include "tests/seed.h"

@@ -1,5 +1,5 @@
 // Whose updates are asked for, of whom, and who is served.
-#include "common/membership/relay.h"
+#include "common/paths/relay.h"
 #include "tests/membership/rules.h"
 
 namespace padr::test {

@@ -8,11 +8,11 @@
 #include <variant>
 #include <vector>
 
-#include "common/membership/commands.h"
 #include "common/membership/last_heard.h"
-#include "common/membership/session_state.h"
-#include "common/membership/view.h"
 #include "common/scenarios/scenarios.h"
+#include "common/session/commands.h"
+#include "common/session/session_state.h"
+#include "common/session/view.h"
 
 namespace padr::test {
 

@@ -1,7 +1,7 @@
 // Who vouches for a peer that the coordinator takes for lost, and with what evidence, as tables.
 #include "common/membership/misbehaviour_policy.h"
-#include "common/membership/relay.h"
 #include "common/membership/vouching.h"
+#include "common/paths/relay.h"
 #include "tests/membership/rules.h"
 
 #include <memory>

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "common/membership/session_clock.h"
 #include "common/model/rng.h"
 #include "common/replica/link_clock.h"
+#include "common/session/session_clock.h"
 
 namespace padr::test {
 namespace {

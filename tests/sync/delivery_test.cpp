@@ -1,4 +1,4 @@
-#include "common/sync/delivery.h"
+#include "common/delivery/delivery.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/membership/session_clock.h"
-#include "common/membership/session_event.h"
+#include "common/session/session_clock.h"
+#include "common/session/session_event.h"
 #include "common/wire/membership_codec.h"
 #include "common/wire/session_codec.h"
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-#include "common/membership/session_event.h"
+#include "common/session/session_event.h"
 #include "common/sync/updates.h"
 #include "common/wire/membership_codec.h"
 #include "common/wire/session_codec.h"

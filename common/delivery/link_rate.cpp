@@ -1,4 +1,4 @@
-#include "common/sync/link_rate.h"
+#include "common/delivery/link_rate.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,10 +3,10 @@
 #include <string>
 #include <utility>
 
-#include "common/membership/commands.h"
-#include "common/membership/session_state.h"
-#include "common/membership/view.h"
 #include "common/replica/recorded_replica.h"
+#include "common/session/commands.h"
+#include "common/session/session_state.h"
+#include "common/session/view.h"
 
 namespace padr::node {
 

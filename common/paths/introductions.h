@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "common/membership/commands.h"
-#include "common/membership/session_state.h"
+#include "common/session/commands.h"
+#include "common/session/session_state.h"
 
 namespace padr::node {
 

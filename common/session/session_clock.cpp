@@ -1,4 +1,4 @@
-#include "common/membership/session_clock.h"
+#include "common/session/session_clock.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,9 +4,9 @@
 #include <functional>
 #include <vector>
 
+#include "common/delivery/link_rate.h"
 #include "common/model/ring.h"
 #include "common/sync/bundle_pool.h"
-#include "common/sync/link_rate.h"
 #include "common/sync/packet.h"
 
 namespace padr::sync {

@@ -1,4 +1,4 @@
-#include "common/membership/relay.h"
+#include "common/paths/relay.h"
 
 namespace padr::node {
 

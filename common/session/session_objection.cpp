@@ -1,4 +1,4 @@
-#include "common/membership/session_objection.h"
+#include "common/session/session_objection.h"
 
 #include <array>
 #include <cstdio>

@@ -1,4 +1,4 @@
-#include "common/membership/introductions.h"
+#include "common/paths/introductions.h"
 
 #include <algorithm>
 
