@@ -78,6 +78,12 @@ PartitionMerge::Side PartitionMerge::ours(const View& view) const {
   return s;
 }
 
+bool PartitionMerge::knows(const Endpoint& at, const View& view) const {
+  for (PeerId p = 0; p < view.roster.slots(); ++p)
+    if (p != session_.self && view.roster.seats[p].reachable() && same_place(view.roster.seats[p].at, at)) return true;
+  return std::any_of(gone_.begin(), gone_.end(), [&](const Remembered& r) { return same_place(r.gone.at, at); });
+}
+
 // The two parts of a partition have no peer in common. If a peer seems to be in both, one of the lists is out of date.
 bool PartitionMerge::outranks(const Side& a, const Side& b) {
   const bool disjoint = std::none_of(b.begin(), b.end(),

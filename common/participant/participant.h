@@ -103,6 +103,8 @@ class Participant {
     if (!current_.session) return next_.session->phase() == SessionPhase::kFailed;
     return !current_.session->failure().empty() && done(local_);
   }
+  /// Whether somebody at this address is a member, or was one and is looked for.
+  bool knows(const Endpoint& at) const { return current_.membership && current_.membership->knows(at); }
   PeerId coordinator() const { return current_.membership->coordinator(); }
   /// The member through which p is reached; kNoPeer: it is reached directly, as far as is known.
   PeerId carrier(PeerId p) const { return current_.membership ? current_.membership->carrier(p) : kNoPeer; }

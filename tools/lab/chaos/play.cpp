@@ -169,6 +169,7 @@ class Performance {
     out.violation = judge_.violation().empty() ? meter_.violation() : judge_.violation();
     out.compared = judge_.compared();
     out.harm = meter_.harm();
+    out.harm.kept_out += judge_.held_apart();
     out.differed = judge_.longest_difference();
     if (liar_) {
       out.lies = liar_->told();

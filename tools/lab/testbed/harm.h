@@ -17,7 +17,7 @@ struct Harm {
   Micros stalled = 0;      ///< one's live world made no step
   int evicted = 0;         ///< times that one was declared gone
   int begun_anew = 0;      ///< incarnations begun after the first
-  int kept_out = 0;        ///< joiners that gave up, or were refused
+  int kept_out = 0;        ///< joiners that gave up, were refused, or got into a session of the liar's own
 };
 
 /// How long harm may last, us; whatever lasts longer is a violation.

@@ -118,6 +118,37 @@ void Judge::final_check() {
   for (int p = 0; p < network_.persons(); ++p)
     if (network_.runs(p) && !network_.leaving(p) && !network_.knocks_in_vain(p) && !liars_.contains(p))
       all.push_back(p);
+  std::vector<std::vector<int>> parts{all};
+  if (!liars_.empty()) parts = parts_that_know_of_each_other(all);
+  std::size_t largest = 0;
+  for (const std::vector<int>& part : parts) {
+    check_part(part);
+    largest = std::max(largest, part.size());
+  }
+  held_apart_ = static_cast<int>(all.size() - largest);
+  // That they agree has been compared tick by tick; that there was something to compare has not.
+  if (all.size() > 1 && compared_ == 0) blame("nothing could be compared");
+}
+
+std::vector<std::vector<int>> Judge::parts_that_know_of_each_other(std::vector<int> all) const {
+  const auto know = [this](int p, int q) {
+    return network_.peer(p).knows(network_.place_of(q)) || network_.peer(q).knows(network_.place_of(p));
+  };
+  std::vector<std::vector<int>> parts;
+  while (!all.empty()) {
+    std::vector<int>& part = parts.emplace_back(std::vector{all.back()});
+    all.pop_back();
+    for (std::size_t i = 0; i < part.size(); ++i)
+      std::erase_if(all, [&](int q) {
+        const bool one = know(part[i], q);
+        if (one) part.push_back(q);
+        return one;
+      });
+  }
+  return parts;
+}
+
+void Judge::check_part(const std::vector<int>& all) {
   for (const int p : all) {
     const node::Participant& a = network_.peer(p);
     if (!a.playing()) return blame(name(p) + " has not come in");
@@ -130,8 +161,6 @@ void Judge::final_check() {
       return blame(name(p) + " has found another's confirmed world to differ");
     check_members(p, all);
   }
-  // That they agree has been compared tick by tick; that there was something to compare has not.
-  if (all.size() > 1 && compared_ == 0) blame("nothing could be compared");
 }
 
 void Judge::check_members(int person, const std::vector<int>& all) {

@@ -30,8 +30,11 @@ class Judge {
   const std::string& violation() const { return violation_; }
   std::uint64_t compared() const { return compared_; }
   /// At the end, when all has been quiet for a while: everybody who runs is in one session, has everybody's updates,
-  /// and the same confirmed world.
+  /// and the same confirmed world. Where somebody lies, those whom it alone has let in, into a session of its own, know
+  /// of no others, and nobody knows of them: they have to agree among themselves.
   void final_check();
+  /// How many such there were.
+  int held_apart() const { return held_apart_; }
 
  private:
   using Seat = std::pair<PeerId, std::uint32_t>;  ///< slot, incarnation
@@ -57,6 +60,8 @@ class Judge {
   void compare(Tick t, Record r);
   void judge_pair(Tick t, const Record& a, const Record& b);
   bool is_liars(const node::Replica& seen_by, PeerId slot) const;
+  std::vector<std::vector<int>> parts_that_know_of_each_other(std::vector<int> all) const;
+  void check_part(const std::vector<int>& all);
   void check_members(int person, const std::vector<int>& all);
   void blame(const std::string& what);
 
@@ -68,6 +73,7 @@ class Judge {
   Micros longest_difference_ = 0;
   std::map<std::pair<int, int>, Difference> differences_;  ///< by persons
   std::uint64_t compared_ = 0;
+  int held_apart_ = 0;
   std::string violation_;
 };
 
