@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/sync/validation.h"
 #include "common/wire/codec.h"
 #include "common/wire/signature.h"
 
@@ -33,6 +34,11 @@ const Bundle* rival(const Bundle& b, const sync::UpdateLog& log) {
   return kept == nullptr || *kept == b || !wire::contradict(*kept, b) ? nullptr : kept;
 }
 
+/// Whether a transfer can tell of this update. With others a proof would be one that no joiner can read.
+bool has_form_in_transfer(const Bundle& b) {
+  return b.index < sync::kEndOfNumbers;
+}
+
 }  // namespace
 
 bool Testimony::convicts(const PublicKey& key) const {
@@ -46,8 +52,11 @@ bool Testimony::may_check(PeerId from, const View& view) {
 }
 
 void Testimony::take(const Proof& proof) {
-  if (proofs_.size() < sync::Transfer::kMostProofs && !convicts(proof.key) && wire::is_proven(session_.id, proof))
-    proofs_.push_back(proof);
+  if (proofs_.size() >= sync::Transfer::kMostProofs || convicts(proof.key)) return;
+  if (proof.incarnation >= sync::kEndOfNumbers || !has_form_in_transfer(proof.one) ||
+      !has_form_in_transfer(proof.other))
+    return;
+  if (wire::is_proven(session_.id, proof)) proofs_.push_back(proof);
 }
 
 void Testimony::accuse(PeerId from, std::uint32_t incarnation, const Bundle& one, const Bundle& other,

@@ -33,10 +33,10 @@ constexpr int kSlots = 6;
 constexpr std::size_t kHead = 2;  // how they seal; the way that the avatars go
 constexpr std::size_t kMostEntries = 300;
 constexpr std::array kTurns{0, 0, 0, 0, 1, 1, 2, 3};  // until the next entry
-constexpr int kPatience = 40;        // turns, after which what could not be told is not told
-constexpr int kWarmUp = 30;          // turns before the first lie
-constexpr int kQuiet = 20 * 60;      // turns after the last one, at most
-constexpr int kLeastQuiet = 4 * 60;  // whoever is to be missed is missed by then
+constexpr int kPatience = 40;                         // turns, after which what could not be told is not told
+constexpr int kWarmUp = 30;                           // turns before the first lie
+constexpr int kQuiet = 20 * 60;                       // turns after the last one, at most
+constexpr int kLeastQuiet = 4 * 60;                   // whoever is to be missed is missed by then
 constexpr Tick kMostLag = 60;
 
 /// Steps of all inputs.

@@ -88,6 +88,8 @@ TEST_F(Told, WhatProvesALie) {
       {"the same", said(update(10, kNow - 50, 1)), 3, false},
       {"another tick", said(update(10, kNow - 40, 1)), 3, true},
       {"another number of that tick", said(update(11, kNow - 50, 1)), 3, true},
+      {"one that no transfer can tell of, so that joiners could not read it", said(update(1U << 30U, kNow - 50, 1)), 3,
+       false},
       {"a later one", said(update(11, kNow - 40, 1)), 3, false},
       {"not signed", unsigned_one, 3, false},
       {"changed by who sent it", forged, 3, false},
