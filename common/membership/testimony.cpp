@@ -31,6 +31,7 @@ std::vector<PublicKey> keys_of(PeerId slot, std::uint32_t incarnation, const Vie
 const Bundle* rival(const Bundle& b, const sync::UpdateLog& log) {
   const Bundle* kept = log.find_at(b.peer, b.tick);
   if (kept == nullptr && log.knows(b.peer, b.index)) kept = log.find(b.peer, b.index);
+  if (kept == nullptr) kept = log.find_out_of_order(b.peer, b.index, b.tick);
   return kept == nullptr || *kept == b || !wire::contradict(*kept, b) ? nullptr : kept;
 }
 

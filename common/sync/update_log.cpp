@@ -159,6 +159,13 @@ const Bundle* UpdateLog::find(PeerId peer, std::uint32_t index) const {
   return nullptr;
 }
 
+const Bundle* UpdateLog::find_out_of_order(PeerId peer, std::uint32_t index, Tick tick) const {
+  for (const auto& [at, bundles] : by_tick_)
+    for (const Bundle& b : bundles)
+      if (b.peer == peer && (b.index > index ? at <= tick : b.index < index && at >= tick)) return &b;
+  return nullptr;
+}
+
 Tick UpdateLog::complete(PeerId peer) const {
   return peers_[peer].complete;
 }

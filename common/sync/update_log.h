@@ -44,6 +44,9 @@ class UpdateLog {
   /// The peer's bundle of that number, or of that tick; null if it is not kept.
   const Bundle* find(PeerId peer, std::uint32_t index) const;
   const Bundle* find_at(PeerId peer, Tick tick) const;
+  /// A kept bundle of the peer with a higher number that is of no later tick, or with a lower one of no earlier tick;
+  /// null if there is none.
+  const Bundle* find_out_of_order(PeerId peer, std::uint32_t index, Tick tick) const;
   /// Known bundles of a tick, by ascending peer; empty if none.
   const std::vector<Bundle>& at(Tick tick) const;
   /// The last tick for which all of the peer's bundles are here; -1 if none; the largest Tick when closed.
