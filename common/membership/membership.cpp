@@ -218,6 +218,8 @@ void Membership::advance(Micros local) {
   const View view = this->view();
   // The others owe nothing to a peer that joins anew: they may have declared it gone.
   if (!told_ && !way_back()) misbehaviour_.advance(view, commands_);
+  for (PeerId p = 0; p < session_.slots; ++p)
+    if (!misbehaviour_.hears(p, view)) evictions_.forget_asker(p);
   follow_testimony();
   evictions_.advance(view, commands_);
   relay_.advance(view, commands_);
@@ -296,6 +298,10 @@ std::string Membership::why_back() const {
   if (n.seat(c).differs && disputed >= Testimony::kDispute)
     return "CONFIRMED WORLDS DIFFER from peer " + std::to_string(c) + "'s at tick " +
            std::to_string(n.stats().first_mismatch);
+  for (PeerId p = 0; p < session_.slots; ++p)
+    if (n.seat(p).there() && view().lacks_former(p) && view().arrears(p) >= View::kArrears / 2)
+      return "an update is missing of a former peer " + std::to_string(p) +
+             ", which had told this peer that it was none";
   if (stuck()) return "nothing has been confirmed for " + std::to_string(kStuck / kTicksPerSecond) + " s";
   return n.expelled() ? "the others have declared this peer gone" : "";
 }

@@ -278,28 +278,17 @@ bool MisbehaviourPolicy::is_heard(PeerId p, const View& view) const {
   return p != view.roster.self && s.there() && !s.frozen && view.roster.silence(p) <= kTicksPerSecond && hears(p, view);
 }
 
-// Whether most of several members that this peer hears acknowledge nothing: then they have declared it gone, it may be,
-// and it has not heard of it.
-bool MisbehaviourPolicy::is_ignored(const View& view) const {
-  int heard = 0;
-  int ignoring = 0;
-  for (PeerId p = 0; p < view.roster.slots(); ++p) {
-    if (!is_heard(p, view)) continue;
-    ++heard;
-    if (view.roster.unacknowledged(p) >= View::kArrears / 2) ++ignoring;
-  }
-  return heard > 1 && 2 * ignoring > heard;
-}
-
 void MisbehaviourPolicy::advance(const View& view, Commands& out) {
   if (!view.roster.member || view.roster.leaving) return;
-  const bool ignored = is_ignored(view);
   for (PeerId p = 0; p < view.roster.slots(); ++p) {
     if (!is_heard(p, view) || !view.delays(p)) continue;
     const bool tells = view.arrears(p) < View::kArrears;
-    if (tells && ignored && view.roster.unacknowledged(p) < 2 * View::kArrears) continue;
+    if (!tells && view.lacks_former(p)) continue;  // this peer has to join anew
+    // A lying coordinator can make an honest member freeze this peer for as long as it takes to see through it.
+    if (tells && view.roster.unacknowledged(p) < kPatience) continue;
     const std::string what = tells ? "acknowledged no updates" : "not sent the updates that it promised";
-    cut_off(p, false, "has " + what + " for " + std::to_string(View::kArrears / kTicksPerSecond) + " s", view, out);
+    const Tick lasted = tells ? kPatience : View::kArrears;
+    cut_off(p, false, "has " + what + " for " + std::to_string(lasted / kTicksPerSecond) + " s", view, out);
   }
 }
 

@@ -54,6 +54,8 @@ class MisbehaviourPolicy {
   static constexpr std::size_t kNonsense = 20;  ///< invalid datagrams within kWithin for which p is cut off
   static constexpr Tick kWithin = 10 * kTicksPerSecond;
   static constexpr Tick kBarred = 60 * kTicksPerSecond;  ///< first ban for arrears; doubles each time
+  /// Time for which a member that is heard may acknowledge no updates, ticks.
+  static constexpr Tick kPatience = 2 * View::kArrears;
   static constexpr std::size_t kMostOffenders = 64;
   /// Signatures of one member's updates that are checked per tick, and at most at once. An honest member makes one
   /// update a tick; after an outage of View::kArrears all of them come at once.
@@ -81,7 +83,6 @@ class MisbehaviourPolicy {
     int times = 0;
   };
   bool is_heard(PeerId p, const View& view) const;
-  bool is_ignored(const View& view) const;
   bool bars_for_good(const PublicKey& key) const;
   Offender& offender(PeerId p, const View& view);
   Watch& watch(PeerId p, const View& view);

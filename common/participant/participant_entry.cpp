@@ -141,6 +141,9 @@ void Participant::begin_with_transfer(Micros local) {
                    ", but the session is at " + std::to_string(now));
     return;
   }
+  // No confirmed tick is ahead of the session's time: the introducer has told a wrong one. Until the clock got there,
+  // the live world would stand still.
+  if (then > now) s.time_is_at_least(tick_start(then), local);
   transfer->by = s.introducer_number();
   transfer->slots[transfer->by].at = s.introducer();
   if (channels_ && !said(*transfer, s.id())) {

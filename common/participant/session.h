@@ -59,7 +59,7 @@ class Session {
   SessionPhase phase() const { return session_.phase; }
   /// Why the phase is kFailed, or why this peer gave up waiting for members; empty otherwise.
   const std::string& failure() const { return session_.failure; }
-  /// Whether it failed because our introducer ended, fell silent or redirected us.
+  /// Whether it failed because our introducer was lost: see TransferPull::lost.
   bool lost_introducer() const { return session_.phase == SessionPhase::kFailed && pull_ && pull_->lost(); }
   /// This peer's number; kNoPeer until it is welcomed.
   PeerId self() const { return session_.self; }
@@ -80,6 +80,8 @@ class Session {
   /// The member that welcomed us, which is to admit us.
   const Endpoint& introducer() const { return pull_->by(); }
   PeerId introducer_number() const { return introducer_; }
+  /// While kEntering: session time is at least this, us.
+  void time_is_at_least(Micros session, Micros local) { pull_->clock_is_ahead(session - local); }
   /// Asks to be admitted; call `admitted` once that has happened.
   void enter(Micros local) { pull_->enter(local); }
   void admitted() { session_.phase = SessionPhase::kMember; }

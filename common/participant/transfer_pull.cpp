@@ -14,7 +14,8 @@ void TransferPull::on_pong(const Endpoint& from, const wire::Pong& pong, Micros 
   heard_ = local;
   unanswered_ = 0;
   offset_.add(pong.sent, pong.session, local);
-  if (ready_) session_.clock.set(offset_.offset());
+  lost_ |= offset_.is_contradictory();
+  if (ready_ && !lost_) session_.clock.set(std::max(offset_.offset(), least_offset_));
   finish_if_complete();
 }
 
@@ -82,8 +83,9 @@ void TransferPull::on_unreachable(const Endpoint& at) {
 void TransferPull::advance(Micros local) {
   lost_ = lost_ || local - heard_ > kPatience;
   if (lost_)
-    return session_.fail("peer at " + to_string(by_) +
-                         " has ended, is silent, or names another peer, before this peer was admitted");
+    return session_.fail(
+        "peer at " + to_string(by_) +
+        " has ended, is silent, names another peer, or tells times that do not fit, before this peer was admitted");
   measure(local);
   if (pull_is_due(local)) pull(local);
   if (entering_ && local - entered_ >= (entries_ < kOften ? kAgain : kRarely)) enter(local);
@@ -100,6 +102,11 @@ void TransferPull::measure(Micros local) {
   pinged_ = local;
   ++unanswered_;
   session_.send(by_, wire::Ping{local});
+}
+
+void TransferPull::clock_is_ahead(Micros at_least) {
+  least_offset_ = at_least;
+  session_.clock.set(std::max(offset_.offset(), least_offset_));
 }
 
 void TransferPull::enter(Micros local) {

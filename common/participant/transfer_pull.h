@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "common/session/session_state.h"
@@ -23,13 +24,15 @@ class TransferPull {
   void advance(Micros local);
   /// Asks for the time: often until there are enough samples, then rarely, to see whether the introducer is alive.
   void measure(Micros local);
+  /// The session's clock is ahead of ours by this at least, us, whatever the introducer says.
+  void clock_is_ahead(Micros at_least);
   /// Asks to be admitted from now on.
   void enter(Micros local);
 
   /// The transfer is complete, and the session's clock is set.
   bool ready() const { return ready_; }
   const wire::Bytes& transfer() const { return transfer_; }
-  /// The introducer has ended, fallen silent or redirected us.
+  /// The introducer has ended, fallen silent, redirected us, or told times that do not fit each other.
   bool lost() const { return lost_; }
   const Endpoint& by() const { return by_; }
   Micros round_trip() const { return offset_.round_trip(); }
@@ -56,6 +59,7 @@ class TransferPull {
   std::uint64_t nonce_;
   std::uint64_t cookie_;
   OffsetEstimator offset_;
+  Micros least_offset_ = std::numeric_limits<Micros>::min();
   std::vector<wire::Bytes> pieces_;
   std::size_t missing_ = 0;
   wire::Bytes transfer_;

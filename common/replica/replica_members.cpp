@@ -81,6 +81,8 @@ void Replica::admit(const sync::Admission& a, const sync::Bundle& by) {
   }
   if (a.incarnation <= n.incarnation) return;
   const Endpoint at = as_seen_from(a.at, roster_.place_of_sayer(by));
+  // Of the former occupant this peer has more than the others agreed on: it lied to one of them.
+  if (agreed_.log().have(a.slot) > a.first) expelled_ = true;
   close(a.slot, a.first);  // in case the removal of the former occupant comes later
   agreed_.open(a.slot, by.tick);
   repeats_of_gone_ += links_[a.slot].out.repeats();

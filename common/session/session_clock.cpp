@@ -10,15 +10,22 @@ void OffsetEstimator::add(Micros sent, Micros theirs, Micros received) {
   if (samples_.size() > kKept) samples_.pop_front();
 }
 
+OffsetEstimator::Sample OffsetEstimator::limits() const {
+  Sample limits = samples_.front();
+  for (const Sample& s : samples_) limits = {std::min(limits.forth, s.forth), std::max(limits.back, s.back)};
+  return limits;
+}
+
 Micros OffsetEstimator::offset() const {
   if (samples_.empty()) return 0;
-  Micros most = samples_.front().forth;
-  Micros least = samples_.front().back;
-  for (const Sample& s : samples_) {
-    most = std::min(most, s.forth);
-    least = std::max(least, s.back);
-  }
-  return least + (most - least) / 2;
+  const Sample l = limits();
+  return l.back + (l.forth - l.back) / 2;
+}
+
+bool OffsetEstimator::is_contradictory() const {
+  if (samples_.empty()) return false;
+  const Sample l = limits();
+  return l.back > l.forth + kTolerance;
 }
 
 Micros OffsetEstimator::round_trip() const {

@@ -19,16 +19,22 @@ class OffsetEstimator {
   std::size_t samples() const { return samples_.size(); }
   /// Their clock minus ours, us, from the last kKept samples; 0 before the first.
   Micros offset() const;
+  /// Whether no one difference of the clocks fits all of the same samples: another clock that keeps time, and is
+  /// steered like ours, never looks like that. It has been lied about.
+  bool is_contradictory() const;
   /// The least round trip of the same samples, us; 0 before the first.
   Micros round_trip() const;
 
   static constexpr std::size_t kKept = 64;
+  static constexpr Micros kTolerance = 100'000;  ///< far more than two clocks drift apart meanwhile
 
  private:
   struct Sample {
     Micros forth;  ///< theirs - sent: the difference plus the way there
     Micros back;   ///< theirs - received: the difference minus the way back
   };
+  /// The limits within which the samples put the difference of the clocks.
+  Sample limits() const;
   std::deque<Sample> samples_;
 };
 

@@ -20,6 +20,8 @@ struct View {
     const Seat& s = roster.seats[p];
     return std::max(0, roster.now - std::max({log.complete(p), s.excused, s.forgiven}));
   }
+  /// Whether updates of a former occupant of p's slot are missing, which p cannot tell.
+  bool lacks_former(PeerId p) const { return log.have(p) < roster.seats[p].first; }
   /// Whether p, though heard, has not told or not acknowledged updates for too long.
   bool delays(PeerId p) const { return arrears(p) >= kArrears || roster.unacknowledged(p) >= kArrears; }
   /// Time for which a member that is heard may withhold promised updates, which hold up every confirmed world, or
