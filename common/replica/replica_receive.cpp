@@ -11,6 +11,8 @@ namespace {
 
 // Age in ticks above which a repeated update means a lack of acknowledgement; repeats against loss come earlier.
 constexpr Tick kLate = 16;
+/// Silence after which a peer is excused for what it has not told, ticks. By then the others may have declared it gone.
+constexpr Tick kLongSilence = 3 * kTicksPerSecond;
 
 }  // namespace
 
@@ -64,6 +66,8 @@ DropReason Replica::take(const wire::Opened& opened, Micros now) {
   link.repeats |= repeats(*packet, h.sender);
   const DropReason filed = file_updates(*packet, h.sender);
   if (filed != DropReason::kNone) return filed;
+  // After so long a silence it tells what it could not tell meanwhile.
+  if (roster_.silence(h.sender) >= kLongSilence) from.forgiven = this->now();
   from.heard = this->now();
   if (packet->seen_seq > link.answered_seq) {
     link.answered_seq = packet->seen_seq;
