@@ -123,6 +123,27 @@ std::vector<sync::Transfer::Gone> PartitionMerge::evidence(const Side& side, con
 
 bool PartitionMerge::is_outranked(const wire::Probe& probe, const Side& us, const View& view) const {
   if (!session_.config.sealed) return outranks(probe.members, us);
+  if (!has_stronger_evidence(probe, us, view)) return false;
+  // Each part goes by what it knows, so each may yield to the other. Then the larger one stays.
+  return !probe.yields || is_larger(probe, us, view);
+}
+
+// A newcomer counts in its own part only, and seniority may then keep the smaller part from joining the larger one for
+// ever. A single liar cannot be more than two.
+bool PartitionMerge::is_larger_for_long(const wire::Probe& probe, const Side& us, const View& view) {
+  if (!session_.config.sealed || us.size() < 2 || !is_larger(probe, us, view)) return false;
+  const Tick now = view.roster.now;
+  if (now - larger_seen_ >= kLately) larger_since_ = now;
+  larger_seen_ = now;
+  return now - larger_since_ >= kStrangers;
+}
+
+bool PartitionMerge::is_larger(const wire::Probe& probe, const Side& us, const View& view) const {
+  const std::size_t witnesses = evidence(probe.members, view).size();
+  return witnesses == us.size() ? outranks(probe.members, us) : witnesses > us.size();
+}
+
+bool PartitionMerge::has_stronger_evidence(const wire::Probe& probe, const Side& us, const View& view) const {
   const bool disjoint = outranks(probe.members, us) || outranks(us, probe.members);
   const std::vector<Gone> witnesses = evidence(probe.members, view);
   if (!disjoint || witnesses.empty()) return false;
@@ -131,10 +152,7 @@ bool PartitionMerge::is_outranked(const wire::Probe& probe, const Side& us, cons
   // Nothing shows which part is the larger one, in neither of them perhaps: then they may have their word, after a
   // while.
   const bool met = std::any_of(witnesses.begin(), witnesses.end(), [](const Gone& g) { return g.since < g.removed; });
-  if (!met) {
-    const bool larger = witnesses.size() == us.size() ? outranks(probe.members, us) : witnesses.size() > us.size();
-    return larger && view.roster.now - split >= kStrangers;
-  }
+  if (!met) return is_larger(probe, us, view) && view.roster.now - split >= kStrangers;
   // If most were no members for long when the two parts evicted each other, all those count that were members.
   for (const Tick margin : {kMayBeUnknown, 0}) {
     Weight theirs;
@@ -171,10 +189,9 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
   }
   note_witness(from, sender, probe.incarnation, view.roster.now);
   const Side us = ours(view);
-  if (is_outranked(probe, us, view)) {
+  if (is_outranked(probe, us, view) || is_larger_for_long(probe, us, view)) {
     if (!winner_)
       out.tell({.kind = SessionEvent::Kind::kOutvoted, .at = from, .count = probe.members.size(), .own = us.size()});
-    if (!is_outvoted(view)) yields_since_ = view.roster.now;
     winner_ = from;
     won_at_ = view.roster.now;
     return;
@@ -204,16 +221,11 @@ bool PartitionMerge::is_outvoted(const View& view) const {
 }
 
 std::optional<Endpoint> PartitionMerge::winner(const View& view) const {
-  if (!is_outvoted(view)) return std::nullopt;
-  // A liar can make each of two parts yield to the other, and then neither lets anybody in. So after some time a peer
-  // stays, every other time on average, and those of the other part do so at other times.
-  const auto round = static_cast<std::size_t>((view.roster.now - yields_since_) / kPatience);
-  const bool stays = round > 0 && (own_key_[round % own_key_.size()] & 1U) != 0;
-  return stays ? std::nullopt : winner_;
+  return is_outvoted(view) ? winner_ : std::nullopt;
 }
 
 wire::Probe PartitionMerge::our_probe(bool knows, const View& view) const {
-  return {view.roster.incarnation, ours(view), knows, view.roster.newest_incarnation()};
+  return {view.roster.incarnation, ours(view), knows, view.roster.newest_incarnation(), is_outvoted(view)};
 }
 
 void PartitionMerge::on_stranger(const Endpoint& from, std::size_t bytes, const View& view, Micros local,

@@ -61,8 +61,6 @@ class PartitionMerge {
   static constexpr Tick kMayBeUnknown = kSilence + Evictions::kWithheld;
   /// Time after which a part is believed of which this peer knows no more than where its peers are, ticks.
   static constexpr Tick kStrangers = 10 * kTicksPerSecond;
-  /// Time for which this peer tries to join the other part before it may let others in again, ticks.
-  static constexpr Tick kPatience = 4 * kTicksPerSecond;
   static constexpr std::size_t kMost = sync::Transfer::kMostGone;
 
  private:
@@ -99,6 +97,12 @@ class PartitionMerge {
   /// Whether a Probe of the larger part has come lately.
   bool is_outvoted(const View& view) const;
   bool is_outranked(const wire::Probe& probe, const Side& us, const View& view) const;
+  /// With a key: whether more, or more senior, witnesses are in that part, of those that both parts can know.
+  bool has_stronger_evidence(const wire::Probe& probe, const Side& us, const View& view) const;
+  /// Whether it has more witnesses than this part has peers, or as many and outranks it.
+  bool is_larger(const wire::Probe& probe, const Side& us, const View& view) const;
+  /// Whether it has been so for kStrangers.
+  bool is_larger_for_long(const wire::Probe& probe, const Side& us, const View& view);
   wire::Probe our_probe(bool knows, const View& view) const;
   /// Sends a Probe in reply; without a key, only if it is no larger than what that address has sent so far.
   void reply_within_credit(const Endpoint& to, std::size_t bytes, const View& view, Commands& out);
@@ -113,7 +117,8 @@ class PartitionMerge {
   std::optional<Endpoint> winner_;
   Tick probed_ = 0;
   Tick won_at_ = 0;
-  Tick yields_since_ = 0;  ///< when the other part was first found to be the larger one
+  Tick larger_since_ = 0;  ///< since when Probes of a larger part have come
+  Tick larger_seen_ = -kLately;
 };
 
 }  // namespace padr::node

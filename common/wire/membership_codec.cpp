@@ -84,6 +84,7 @@ struct Encoder {
     put_seats(m.members, *p.mutable_members());
     p.set_knows_you(m.knows_you);
     p.set_newest(m.newest);
+    p.set_yields(m.yields);
   }
   void operator()(const Reach& m) const {
     out.mutable_reach()->set_tick(static_cast<std::uint32_t>(m.tick));
@@ -165,7 +166,7 @@ Taken take(const Membership::Fetched& in) {
 }
 
 Taken take(const Membership::Probe& in) {
-  Probe p{in.incarnation(), {}, in.knows_you(), in.newest()};
+  Probe p{in.incarnation(), {}, in.knows_you(), in.newest(), in.yields()};
   if (!take_seats(in.members(), kMaxPeers, p.members)) return std::nullopt;
   return p;
 }

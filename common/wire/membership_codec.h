@@ -86,6 +86,7 @@ struct Probe {
   std::vector<Seat> members;  ///< 1 .. kMaxPeers, by ascending slot
   bool knows_you = false;
   std::uint32_t newest = 0;  ///< the highest incarnation heard of
+  bool yields = false;       ///< the sender is about to join another part
   friend bool operator==(const Probe&, const Probe&) = default;
 };
 

@@ -20,7 +20,7 @@ MEMBERSHIP_MESSAGES = {
     5: ("answer", {1: ("lost", SEAT_FIELDS), 2: ("frozen", "bool"), 3: ("tick", "uint32"), 4: ("number", "uint32")}),
     6: ("fetch", {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("from", "uint32")}),
     7: ("fetched", {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("updates", Single(TOLD_FIELDS))}),
-    8: ("probe", {1: ("incarnation", "uint32"), 2: ("member", SEAT_FIELDS), 3: ("knows_you", "bool"), 4: ("newest", "uint32")}),
+    8: ("probe", {1: ("incarnation", "uint32"), 2: ("member", SEAT_FIELDS), 3: ("knows_you", "bool"), 4: ("newest", "uint32"), 5: ("yields", "bool")}),
     9: ("reach", {1: ("tick", "uint32"), 2: ("heard", {1: ("slot", "uint32"), 2: ("delay", "uint32"), 3: ("carried", "bool")}),
                   3: ("at", {1: ("address", "bytes"), 2: ("port", "uint32")})}),
     10: ("newcomer", {1: ("address", "bytes"), 2: ("port", "uint32")}),

@@ -176,24 +176,57 @@ TEST(PartitionMerge, StrangersAreBelievedAfterAWhileIfTheyAreMore) {
   }
 }
 
-// A liar can be counted by one part and not by the other. Once, all of both waited for each other then.
-TEST(PartitionMerge, WhoWaitsInVainForTheOtherPartStaysAtTimes) {
-  test::Situation s(3, 2);
-  test::ListedCommands out;
-  PartitionMerge rules(s.session);
-  MemberChange own{MemberChange::Kind::kAdmitted, 2, 3, keyed(2), 1, 0, 1};
-  own.at.key.fill(0xAA);
-  own.at.key[1] = 0xAB;  // in the second round
-  rules.on_change(own, s.view());
-  wire::Probe probe;
-  for (PeerId p = 3; p < 12; ++p) probe.members.push_back({p, 1U + p, 0});
-  std::vector<bool> yields;
-  for (Tick t = 0; t < 3 * PartitionMerge::kPatience; ++t, ++s.roster.now) {
-    rules.on_probe(keyed(5), 0, probe, wire::kMaxDatagram, s.view(), 0, out);
-    if (t % PartitionMerge::kPatience == PartitionMerge::kPatience / 2)
-      yields.push_back(rules.winner(s.view()).has_value());
+/// Three of us with a key, admitted at `ours`; persons 5, 6, ... were members until they were evicted.
+struct Met {
+  Met(const std::array<Tick, 3>& ours, int theirs) : s(9, 2), rules(s.session) {
+    s.session.config.sealed = true;
+    for (PeerId p = 0; p < 9; ++p) s.roster.seats[p].at = keyed(p);
+    for (PeerId p = 3; p < 9; ++p) s.empty(p);
+    s.roster.seats[0].since = ours[0];
+    s.roster.seats[1].since = ours[1];
+    s.roster.in_since = ours[2];
+    for (int person = 5; person < 5 + theirs; ++person) rules.remember({keyed(person), 10, 100}, 100);
+    for (PeerId p = 3; p < 12; ++p) probe.members.push_back({p, 1U + p, 0});
   }
-  EXPECT_EQ(yields, (std::vector<bool>{true, false, true}));
+  void probed_by(int first, int last) {
+    for (int person = first; person <= last; ++person) {
+      probe.incarnation = 1U + static_cast<std::uint32_t>(person);
+      rules.on_probe(keyed(person), static_cast<PeerId>(person), probe, wire::kMaxDatagram, s.view(), 0, out);
+    }
+  }
+  bool yields() const { return rules.winner(s.view()).has_value(); }
+
+  test::Situation s;
+  test::ListedCommands out;
+  PartitionMerge rules;
+  wire::Probe probe;
+};
+
+// Once, each of two parts yielded to the other, as each went by what it knew, and neither let anybody in.
+TEST(PartitionMerge, OfTwoThatYieldTheLargerOneStays) {
+  for (const int theirs : {1, 2, 3, 4}) {
+    for (const bool they_yield : {false, true}) {
+      Met met({500, 600, 700}, theirs);  // all of us have come since: none of us counts
+      met.probe.yields = they_yield;
+      met.probed_by(5, 4 + theirs);
+      EXPECT_EQ(met.yields(), !they_yield || theirs >= 3) << theirs << " " << they_yield;
+    }
+  }
+}
+
+// Once, a newcomer that a liar of high seniority had let in stayed with it for ever, beside four others.
+TEST(PartitionMerge, SeniorityKeepsTheSmallerPartApartForAWhileOnly) {
+  for (const int theirs : {2, 3}) {
+    Met met({5, 6, 7}, theirs);
+    const Tick begin = met.s.roster.now;
+    for (; met.s.roster.now < begin + PartitionMerge::kStrangers; met.s.roster.now += PartitionMerge::kPace) {
+      for (PeerId p = 0; p < 2; ++p) met.s.roster.seats[p].answered = met.s.roster.now;
+      met.probed_by(5, 4 + theirs);
+      ASSERT_FALSE(met.yields()) << met.s.roster.now - begin;
+    }
+    met.probed_by(5, 4 + theirs);
+    EXPECT_EQ(met.yields(), theirs == 3);
+  }
 }
 
 // A part's new coordinator tells its joiners who was first admitted when, even of a peer that has come back since.

@@ -389,7 +389,6 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("probe_lately", node::PartitionMerge::kLately);
   add("may_be_unknown", node::PartitionMerge::kMayBeUnknown);
   add("strangers", node::PartitionMerge::kStrangers);
-  add("patience", node::PartitionMerge::kPatience);
   add("probe_remember", node::PartitionMerge::kRemember);
   add("unheard", node::Paths::kUnheard);
   add("carried_unanswered", node::Paths::kUnanswered);
