@@ -72,7 +72,9 @@ class Membership {
   void remember(const sync::Transfer::Gone& gone) { merge_.remember(gone, roster().now); }
   /// Proofs of the transfer.
   void take(const std::vector<sync::Transfer::Proof>& proofs);
-  /// Whether the peer with this key is barred: it may not join, and this peer joins nobody by it.
+  /// Whether there is proof that the peer with this key has lied: this peer joins nobody by it.
+  bool convicts(const PublicKey& key) const { return testimony_.convicts(key); }
+  /// Whether the peer with this key is barred: it may not join.
   bool bars(const PublicKey& key) const;
   /// Bans, proofs and places that this peer's former incarnation knew.
   void inherit(const Membership& before);

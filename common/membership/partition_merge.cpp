@@ -59,7 +59,9 @@ Tick PartitionMerge::since(PeerId p, const View& view) const {
 
 bool PartitionMerge::member_at(const Endpoint& where, const View& view) const {
   for (PeerId p = 0; p < view.roster.slots(); ++p)
-    if (p != session_.self && view.roster.seats[p].at == where && view.roster.seats[p].reachable()) return true;
+    if (p != session_.self && view.roster.seats[p].at == where && view.roster.seats[p].reachable() &&
+        !view.roster.departed(p))
+      return true;
   return false;
 }
 

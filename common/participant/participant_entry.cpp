@@ -61,7 +61,7 @@ void Participant::bring_in_next(Micros local) {
     found();
   } else if (!next_.replica && s.may_enter()) {
     if (const std::string why = no_room_for(s); !why.empty()) return s.state().fail(why);
-    if (current_.membership && current_.membership->bars(s.introducer().key))
+    if (current_.membership && current_.membership->convicts(s.introducer().key))
       return s.state().fail(to_string(s.introducer()) + " has lied");
     begin_with_transfer(local);
   } else if (next_.replica && next_.replica->replica().member()) {
