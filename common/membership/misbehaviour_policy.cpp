@@ -64,7 +64,8 @@ bool is_free(const sync::Admission& a, const View& view, PeerSet freed) {
   if ((freed & only(a.slot)) != 0) return true;
   if (a.slot == r.self) return !r.member || r.leaving || a.incarnation == r.incarnation;
   const Seat& s = r.seats[a.slot];
-  return !s.there() || s.frozen || a.incarnation <= s.incarnation;
+  // Whoever is convicted may have said goodbye to the coordinator only.
+  return !s.there() || s.frozen || s.given_up_for_good || a.incarnation <= s.incarnation;
 }
 
 /// Whether x may be the coordinator: no more senior peer is alive, as far as this peer can tell.

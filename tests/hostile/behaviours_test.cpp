@@ -1,5 +1,7 @@
 // The liars of `padr-lab chaos --liar`: each behaviour does lie, and a script with a liar can be repeated and
 // shortened.
+#include "common/scenarios/bodies.h"
+#include "common/scenarios/scenarios.h"
 #include "tests/membership/party.h"
 #include "tools/lab/chaos/lies.h"
 #include "tools/lab/chaos/play.h"
@@ -61,6 +63,21 @@ TEST(LyingScripts, EveryBehaviourIsDrawn) {
   for (std::uint64_t seed = 1; seed <= 400; ++seed)
     drawn.insert(lab::with_liar(lab::make_script(seed, seconds(10), 8, 4), nullptr).liar->how->name);
   EXPECT_EQ(drawn.size(), 20U);
+}
+
+// As `padr-lab chaos --liar` plays them. In each of these an honest peer once was cut off by another, was shut out, or
+// stood still.
+TEST(LyingScripts, NorWithSeedsThatHaveFailed) {
+  lab::ChaosPlay how;
+  how.technique = sealed_play().technique;
+  how.seal = wire::SealMode::kAuth;
+  how.quiet = seconds(50);
+  how.differ = seconds(30);
+  for (const std::uint64_t seed : {67, 123, 168, 276, 278, 338, 437, 490, 597}) {
+    how.scene = scenarios::load(scenarios::with_bodies(scenarios::embedded_text("arena"), "arena", 12), "arena", seed);
+    const auto script = lab::with_liar(lab::make_script(seed, seconds(120), 8, 4), nullptr);
+    EXPECT_EQ(lab::play(how, script).violation, "") << "seed " << seed;
+  }
 }
 
 // The one time in which it tells half of the members other updates is enough.

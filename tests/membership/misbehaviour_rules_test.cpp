@@ -60,6 +60,8 @@ TEST(MisbehaviourRules, WhoMayGiveWhichOrder) {
       {"it admits to the slot of somebody who is here", admits(0, 3), nothing, false},
       {"it admits to this peer's slot", admits(0, 2), nothing, false},
       {"it admits to the slot of somebody whose eviction is under way", admits(0, 3), replied_about_3_and_froze, true},
+      {"it admits to the slot of somebody who is convicted", admits(0, 3),
+       [](Situation& s, Evictions&) { s.roster.give_up(3, true); }, true},
       {"it admits with the highest number that is let pass", admits(0, 4, 4 + node::kMostIncarnationStep), nothing,
        true},
       {"it admits with a higher one", admits(0, 4, 5 + node::kMostIncarnationStep), nothing, false},

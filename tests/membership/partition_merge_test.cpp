@@ -229,6 +229,27 @@ TEST(PartitionMerge, SeniorityKeepsTheSmallerPartApartForAWhileOnly) {
   }
 }
 
+// Once, nobody looked for a peer that had left slot 1, joined anew, and was then evicted.
+TEST(PartitionMerge, AnEvictedPeerIsLookedForThoughItHadLeftAnotherSlot) {
+  test::Situation s(4, 2);
+  PartitionMerge rules(s.session);
+  s.roster.seats[1].presence = Presence::kLeft;
+  const Endpoint at = s.roster.seats[1].at;
+  s.empty(3);
+  rules.remember({at, 0, 900}, 900);
+  const auto probes = [&] {
+    test::ListedCommands out;
+    s.roster.now += PartitionMerge::kPace;
+    rules.advance(s.view(), out);
+    return out.all<wire::Probe>().size();
+  };
+  s.roster.seats[1].heard = s.roster.now;
+  EXPECT_EQ(probes(), 0U) << "it lingers there";
+  rules.remember({at, 0, 900}, 900);
+  s.roster.seats[1].heard = s.roster.now - Roster::kDeparted;
+  EXPECT_EQ(probes(), 1U);
+}
+
 // A part's new coordinator tells its joiners who was first admitted when, even of a peer that has come back since.
 TEST(PartitionMerge, WhoComesBackIsAsSeniorAsBefore) {
   test::Situation s(9, 2);

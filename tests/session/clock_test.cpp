@@ -24,6 +24,17 @@ TEST(OffsetEstimator, LeastDelaysOfEachWayCount) {
   EXPECT_EQ(e.round_trip(), 10'000);
 }
 
+TEST(OffsetEstimator, TimesThatDoNotFitEachOther) {
+  for (const Micros told : {OffsetEstimator::kTolerance, OffsetEstimator::kTolerance + 1}) {
+    OffsetEstimator e;
+    EXPECT_FALSE(e.is_contradictory());
+    e.add(0, 10'000, 20'000);  // theirs is behind by 10 ms, or ahead by 10 ms, or anything between
+    EXPECT_FALSE(e.is_contradictory());
+    e.add(30'000, 50'000 + 10'000 + told, 50'000);
+    EXPECT_EQ(e.is_contradictory(), told > OffsetEstimator::kTolerance);
+  }
+}
+
 TEST(OffsetEstimator, OldSamplesAreForgotten) {
   OffsetEstimator e;
   e.add(0, 5'000, 0);
