@@ -21,6 +21,10 @@ SessionEvent::Kind kind_of(const MemberChange& c, PeerId self) {
 
 /// The confirmed world may wait until a peer is evicted; only a longer wait means that this peer is stuck.
 constexpr Tick kStuck = 12 * kTicksPerSecond;
+/// Time for which this peer tries to join anew by one member, ticks.
+constexpr Tick kInVain = 10 * kTicksPerSecond;
+/// Time for which that member then counts as silent, ticks.
+constexpr Tick kGivenUp = 60 * kTicksPerSecond;
 /// Time for which a machine must report that nobody listens there, with nothing heard from the peer meanwhile.
 constexpr Tick kRefused = kTicksPerSecond / 10;
 
@@ -37,7 +41,9 @@ Membership::Membership(SessionState& session, RecordedReplica& replica)
       misbehaviour_(session),
       merge_(session),
       testimony_(session),
-      vouching_(session) {
+      vouching_(session),
+      confirmed_at_(roster().now),
+      back_since_(roster().now) {
   replica.set_judge([this](const sync::StatePacket& packet, PeerId by) { return judge(packet, by); });
   count_present();
 }
@@ -221,6 +227,7 @@ void Membership::advance(Micros local) {
   for (PeerId p = 0; p < session_.slots; ++p)
     if (!misbehaviour_.hears(p, view)) evictions_.forget_asker(p);
   follow_testimony();
+  give_up_guide();
   evictions_.advance(view, commands_);
   relay_.advance(view, commands_);
   find_paths();
@@ -304,6 +311,26 @@ std::string Membership::why_back() const {
              ", which had told this peer that it was none";
   if (stuck()) return "nothing has been confirmed for " + std::to_string(kStuck / kTicksPerSecond) + " s";
   return n.expelled() ? "the others have declared this peer gone" : "";
+}
+
+// A coordinator that lies can make all others join anew, and then let none of them in. Whoever is asked before the
+// coordinator, as that one has lied, may first have to find out itself.
+void Membership::give_up_guide() {
+  const Tick now = roster().now;
+  std::erase_if(in_vain_, [&](const auto& entry) {
+    const auto& [slot, asked] = entry;
+    return now - asked.since >= kGivenUp || roster().seats[slot].incarnation != asked.incarnation;
+  });
+  for (const auto& [slot, asked] : in_vain_) commands_.give_up(slot, true);
+  const PeerId by = guide();
+  if (!session_.config.sealed || roster().leaving || by == kNoPeer || why_back().empty()) {
+    back_since_ = now;
+    told_ = told_ && !why_back().empty();
+  } else if (now - back_since_ >= (by == coordinator() ? kInVain : 2 * kInVain)) {
+    in_vain_[by] = {roster().seats[by].incarnation, now};
+    evictions_.forget_asker(by);
+    back_since_ = now;
+  }
 }
 
 std::optional<Endpoint> Membership::way_back() const {

@@ -109,6 +109,8 @@ class Membership {
   void watch_confirmed();
   bool stuck() const;
   std::string why_back() const;
+  /// Counts whoever does not let this peer in anew as silent, after a while.
+  void give_up_guide();
 
   const SessionView& session_;
   RecordedReplica& replica_;
@@ -128,6 +130,12 @@ class Membership {
   std::map<PeerId, std::uint32_t> former_;  ///< slots and incarnations of peers that were admitted anew elsewhere
   Tick confirmed_ = -1;                     ///< the newest confirmed tick, and since when
   Tick confirmed_at_ = 0;
+  struct Asked {
+    std::uint32_t incarnation = 0;
+    Tick since = 0;
+  };
+  std::map<PeerId, Asked> in_vain_;  ///< members that count as silent, as they did not let this peer in anew
+  Tick back_since_ = 0;              ///< since when this peer has been trying to join anew, or has given somebody up
   bool told_ = false;
   bool misled_ = false;       ///< another member has lied to this one
   bool stands_down_ = false;  ///< as the coordinator, it has left its seat to join anew
