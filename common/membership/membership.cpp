@@ -74,6 +74,7 @@ void Membership::receive(const Endpoint& from, const wire::Header& header, const
   const View view = this->view();
   if (const auto* probe = std::get_if<wire::Probe>(&message)) {
     if (!bars(from.key)) merge_.on_probe(from, header.sender, *probe, bytes, view, local, commands_);
+    if (!testimony_.proofs().empty()) testimony_.tell(from, merge_.gone(), view, commands_);
     return;
   }
   if (const auto* pull = std::get_if<wire::Pull>(&message))
@@ -85,8 +86,11 @@ void Membership::receive(const Endpoint& from, const wire::Header& header, const
       return admissions_.pass_on(from, *enter, view.roster.seats[c].at, commands_);
     return admissions_.on_enter(from, *enter, view, c == session_.self && !evictions_.busy() && !doubts(), commands_);
   }
-  if (is_at(header.sender, from) && view.roster.seats[header.sender].reachable() && hears(header.sender))
-    receive_of_member(header.sender, message, local);
+  if (is_at(header.sender, from) && view.roster.seats[header.sender].reachable()) {
+    if (hears(header.sender)) receive_of_member(header.sender, message, local);
+  } else if (const auto* fetched = std::get_if<wire::Fetched>(&message); fetched != nullptr && !bars(from.key)) {
+    testimony_.on_updates(kNoPeer, *fetched, view);  // what is signed proves a lie, whoever shows it
+  }
 }
 
 void Membership::receive_of_member(PeerId member, const wire::MembershipMessage& message, Micros local) {

@@ -142,6 +142,16 @@ void Testimony::make_known(const View& view, Commands& out) {
   }
 }
 
+void Testimony::tell(const Endpoint& to, const std::vector<sync::Transfer::Gone>& gone, const View& view,
+                     Commands& out) {
+  if (!view.roster.member || convicts(to.key) || view.roster.now - told_outside_ < kAgain) return;
+  for (const Proof& p : proofs_) {
+    if (std::none_of(gone.begin(), gone.end(), [&](const auto& g) { return g.at.key == p.key; })) continue;
+    told_outside_ = view.roster.now;
+    for (const Bundle* b : {&p.one, &p.other}) out.send(to, wire::Fetched{b->peer, p.incarnation, {*b}});
+  }
+}
+
 void Testimony::advance(const View& view, Commands& out) {
   if (!session_.config.sealed || !view.roster.member) return;
   for (PeerId q = 0; q < view.roster.slots(); ++q) {

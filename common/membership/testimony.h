@@ -26,6 +26,9 @@ class Testimony {
   void on_updates(PeerId from, const wire::Fetched& sent, const View& view);
   /// The same of an update that `from` repeats.
   void on_repeat(const sync::Bundle& update, std::uint32_t incarnation, const View& view);
+  /// Tells the peer at `to`, of another part of the session, of proofs against any of those who were evicted here: they
+  /// may be with it. At most every kAgain.
+  void tell(const Endpoint& to, const std::vector<sync::Transfer::Gone>& gone, const View& view, Commands& out);
   /// Keeps a proof if it is valid.
   void take(const Proof& proof);
   /// Once a tick.
@@ -78,6 +81,7 @@ class Testimony {
   PublicKey known_{};  ///< of the convicted peer that is being made known; all zeros if none is there
   Tick since_ = 0;     ///< when that began
   Tick told_ = -kAgain;
+  Tick told_outside_ = -kAgain;
   std::map<PeerId, Pending> pending_;   ///< by the member that sent it
   std::map<PeerId, Dispute> disputes_;  ///< by the member whose confirmed world differs
   std::map<PeerId, Checks> checks_;     ///< by the member that sent it

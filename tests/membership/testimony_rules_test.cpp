@@ -127,6 +127,27 @@ TEST_F(Told, ItsOwnRepeatThatDiffers) {
   EXPECT_TRUE(convicted());
 }
 
+// It may have the liar as a member. Once, those whom a lying coordinator had shut out were the only ones who knew.
+TEST_F(Told, AnotherPartIsToldOfAProof) {
+  s_.log.insert(said(update(10, kNow - 50, 1)));
+  from(3, said(update(10, kNow - 50, 2)));
+  const Endpoint liar = s_.roster.seats[2].at;
+  Endpoint outside = ipv4({10, 0, 0, 9}, 7000);
+  outside.key.fill(9);
+  const auto told = [this](const Endpoint& to, const std::vector<sync::Transfer::Gone>& gone) {
+    ListedCommands out;
+    rules_.tell(to, gone, s_.view(), out);
+    return out.all<wire::Fetched>().size();
+  };
+  EXPECT_EQ(told(outside, {{s_.roster.seats[3].at, 0, 500}}), 0U) << "nothing is known of that one";
+  EXPECT_EQ(told(liar, {{liar, 0, 500}}), 0U);
+  EXPECT_EQ(told(outside, {{liar, 0, 500}}), 2U);
+  s_.roster.now += Testimony::kAgain - 1;
+  EXPECT_EQ(told(outside, {{liar, 0, 500}}), 0U);
+  ++s_.roster.now;
+  EXPECT_EQ(told(outside, {{liar, 0, 500}}), 2U);
+}
+
 TEST_F(Told, AProofIsMadeKnownAndTheLiarIsNotToldSo) {
   s_.log.insert(said(update(10, kNow - 50, 1)));
   from(3, said(update(10, kNow - 50, 2)));
