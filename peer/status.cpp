@@ -30,7 +30,23 @@ std::string carried(const Player& player) {
   return list;
 }
 
+/// What the links carry that were found to be narrow, if any were: "2 at 8.0 kbit/s, 3 at 16.0 kbit/s".
+std::string narrow(const Player& player) {
+  std::string list;
+  for (PeerId p = 0; p < player.replica().config().slots; ++p) {
+    const auto rate = link_kbit(player.replica(), p);
+    if (rate && player.replica().seat(p).there())
+      list += fmt::format("{}{} at {:.1f} kbit/s", list.empty() ? "" : ", ", p, *rate);
+  }
+  return list;
+}
+
 }  // namespace
+
+std::optional<double> link_kbit(const node::Replica& replica, PeerId to) {
+  const sync::LinkRate& rate = replica.link(to).out.rate();
+  return rate.is_limited() ? std::optional(rate.rate() * 8e-3) : std::nullopt;
+}
 
 double confirmed_lag_ms(const Player& player) {
   return (player.replica().now() - player.confirmed().tick) * 1000.0 / kTicksPerSecond;
@@ -58,6 +74,7 @@ std::string Status::line(const Player& player, Micros now) {
   if (const std::uint64_t n = refused(totals.replica); n > 0) line += fmt::format("  refused {}", n);
   if (player.channels() != nullptr && player.channels()->stats().readable > 0) line += "  readable datagrams come";
   if (const std::string list = carried(player); !list.empty()) line += "  carried: " + list;
+  if (const std::string list = narrow(player); !list.empty()) line += "  narrow: " + list;
   if (player.incarnation() > 0) line += fmt::format("  life {}", player.incarnation() + 1);
   if (player.returning()) line += "  joining anew";
   if (player.leaving()) line += "  leaving";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "peer/player.h"
@@ -21,6 +22,8 @@ class Status {
 
 /// Entity updates told so far, of all causes.
 std::uint64_t updates_told(const node::ReplicaStats& stats);
+/// What the link to that slot was found to carry, kbit/s; nothing if no limit was found.
+std::optional<double> link_kbit(const node::Replica& replica, PeerId to);
 /// Time that confirmed trails the present by, ms.
 double confirmed_lag_ms(const Player& player);
 

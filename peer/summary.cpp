@@ -152,6 +152,9 @@ void put_links(Json& j, const Report& r) {
     j.field("cut_off", link.cut_offs);
     j.field("rtt_ms", static_cast<double>(link.out.round_trip()) * 1000.0 / kTicksPerSecond);
     j.field("silence_ms", p.replica().roster().silence(to) * 1000.0 / kTicksPerSecond);
+    j.field("kbit_s", link_kbit(p.replica(), to));
+    j.field("queue_ms", static_cast<double>(link.out.rate().queue()) * 1000.0 / kTicksPerSecond);
+    j.field("carried_by", p.carrier(to) == kNoPeer ? std::nullopt : std::optional<int>(p.carrier(to)));
     if (const link::Shim* shim = r.egress.shim(to)) put_shim(j, *shim);
     j.end_object();
   }

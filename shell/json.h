@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,6 +42,11 @@ class Json {
       return value(static_cast<std::int64_t>(number));
     else
       return value(static_cast<std::uint64_t>(number));
+  }
+  /// Null if there is none.
+  template <typename T>
+  Json& value(const std::optional<T>& v) {
+    return v ? value(*v) : null();
   }
   Json& null();
   /// key() and value() in one.

@@ -32,6 +32,8 @@ class LinkRate {
   /// Whether a datagram may be sent now. If not, what was to be sent counts as held back.
   bool may_send(Tick now);
   double rate() const;
+  /// Whether the link was found to carry less than is sent, or a bound is set.
+  bool is_limited() const { return rate() < kMost; }
   /// Queueing delay that the last acknowledgement showed, ticks; 0 on a link without limit.
   float queue() const { return rate_ < kMost ? queue_ : 0; }
   /// Bytes that take half a second.

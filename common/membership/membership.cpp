@@ -311,8 +311,7 @@ std::string Membership::why_back() const {
            std::to_string(n.stats().first_mismatch);
   for (PeerId p = 0; p < session_.slots; ++p)
     if (n.seat(p).there() && view().lacks_former(p) && view().arrears(p) >= View::kArrears / 2)
-      return "an update is missing of a former peer " + std::to_string(p) +
-             ", which had told this peer that it was none";
+      return "a former peer " + std::to_string(p) + " kept an update from this peer that it has told others";
   if (stuck()) return "nothing has been confirmed for " + std::to_string(kStuck / kTicksPerSecond) + " s";
   return n.expelled() ? "the others have declared this peer gone" : "";
 }

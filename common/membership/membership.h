@@ -64,6 +64,7 @@ class Membership {
   bool is_unsure_of(PeerId p) const { return !paths_.has_told(p, roster().now); }
   /// The machine at `at` reports that nobody listens there.
   void on_unreachable(const Endpoint& at);
+  /// Whether the address is another member's, or an evicted peer's that is looked for.
   bool knows(const Endpoint& at) const { return merge_.knows(at, view()); }
   /// Sends one Probe to `at`, which lists the members of this session.
   void knock(const Endpoint& at) { merge_.knock(at, view(), commands_); }

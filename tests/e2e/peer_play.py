@@ -61,6 +61,17 @@ class Play(Case):
         netem = {link["peer"]: link["shim"]["netem"] for link in others[1].summary()["links"]}
         self.assertEqual(netem, {0: "delay 2ms", 1: ""})
 
+    def test_a_narrow_link_is_found(self):
+        narrow = ["--technique", "everything", "--netem", "delay 30ms rate 32kbit limit 100"]
+        peers = self.session(2, "--duration", 12, own=[narrow, []])
+        peers[0].wait_for(r"status: .* narrow: 1 at \d")
+        self.assertEqual([p.end() for p in peers], [0, 0])
+        (link,) = peers[0].summary()["links"]
+        self.assertGreater(link["kbit_s"], 16)
+        self.assertLess(link["kbit_s"], 48)
+        (link,) = peers[1].summary()["links"]
+        self.assertEqual((link["kbit_s"], link["queue_ms"], link["carried_by"]), (None, 0, None))
+
     def test_alone(self):
         peer = self.peer("--wait-peers", 1, "--duration", 1, "--scenario", "dominoes")
         self.assertEqual(peer.end(), 0)

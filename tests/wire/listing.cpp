@@ -137,7 +137,8 @@ struct MembershipLister {
   }
   std::string operator()(const wire::Probe& m) const {
     return line("probe.incarnation = %u\n", m.incarnation) + seats("probe.member", m.members) +
-           line("probe.knows_you = %d\nprobe.newest = %u\n", flag(m.knows_you), m.newest);
+           line("probe.knows_you = %d\nprobe.newest = %u\nprobe.yields = %d\n", flag(m.knows_you), m.newest,
+                flag(m.yields));
   }
   std::string operator()(const wire::Reach& m) const {
     std::string s = line("reach.tick = %d\n", m.tick);

@@ -238,7 +238,7 @@ wire::MembershipMessage any_membership(Rng& rng, std::size_t kind) {
     case 6:
       return any_fetched(rng);
     case 7:
-      return wire::Probe{any_count(rng), any_seats(rng), rng.chance(0.5), any_count(rng)};
+      return wire::Probe{any_count(rng), any_seats(rng), rng.chance(0.5), any_count(rng), rng.chance(0.5)};
     case 8: {
       wire::Reach reach{static_cast<Tick>(any_count(rng) >> 1U), {}};
       for (const wire::Seat& s : any_seats(rng))

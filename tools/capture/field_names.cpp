@@ -156,6 +156,7 @@ constexpr FieldName kNames[] = {
     {"padr.probe.members.heard", true},
     {"padr.probe.knows_you", false},
     {"padr.probe.newest", false},
+    {"padr.probe.yields", false},
     {"padr.reach.tick", false},
     {"padr.reach.heard.slot", true},
     {"padr.reach.heard.delay", true},

@@ -170,6 +170,7 @@ class MembershipFields {
                       "padr.probe.members.heard"});
     r_.flag("padr.probe.knows_you", m.knows_you);
     r_.number("padr.probe.newest", m.newest);
+    r_.flag("padr.probe.yields", m.yields);
   }
   void operator()(const wire::Reach& m) const {
     r_.number("padr.reach.tick", static_cast<std::uint64_t>(m.tick));

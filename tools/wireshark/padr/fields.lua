@@ -178,6 +178,7 @@ local LIST = {
   { "padr.probe.members.heard", "uint32", "Heard" },
   { "padr.probe.knows_you", "bool", "Knows the receiver" },
   { "padr.probe.newest", "uint32", "Highest incarnation heard of" },
+  { "padr.probe.yields", "bool", "Yields to another part" },
   { "padr.carried.to", "hex32", "Carried for", "the first four bytes of the receiver's public key" },
   { "padr.reach.tick", "uint32", "Tick" },
   { "padr.reach.heard", "none", "Hears" },

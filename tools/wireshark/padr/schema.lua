@@ -81,7 +81,7 @@ schema.membership = {
   { "fetched", one = { { "slot", "uint32" }, { "incarnation", "uint32" }, { "state", one = told } } },
   {
     "probe",
-    one = { { "incarnation", "uint32" }, { "members", many = seat }, { "knows_you", "bool" }, { "newest", "uint32" } },
+    one = { { "incarnation", "uint32" }, { "members", many = seat }, { "knows_you", "bool" }, { "newest", "uint32" }, { "yields", "bool" } },
   },
   {
     "reach",
