@@ -73,7 +73,7 @@ TEST(LyingScripts, NorWithSeedsThatHaveFailed) {
   how.seal = wire::SealMode::kAuth;
   how.quiet = seconds(50);
   how.differ = seconds(30);
-  for (const std::uint64_t seed : {123, 278, 338, 437, 597}) {
+  for (const unsigned seed : {123U, 278U, 338U, 437U, 597U}) {
     how.scene = scenarios::load(scenarios::with_bodies(scenarios::embedded_text("arena"), "arena", 12), "arena", seed);
     const auto script = lab::with_liar(lab::make_script(seed, seconds(120), 8, 4), nullptr);
     EXPECT_EQ(lab::play(how, script).violation, "") << "seed " << seed;
