@@ -80,7 +80,8 @@ void ChaosCommand::declare(CLI::App& app) {
       "fails, the program prints the shortest script that still shows the failure.\n"
       "With --liar one of the peers lies now and then, with its own keys; the checks are for the honest among\n"
       "themselves. Harm must be mended within 30 s: a peer that confirms nothing or is out, two that confirm\n"
-      "different worlds. Nobody honest may be cut off, and no live world may stand still for 1 s. Behaviours:\n" +
+      "different worlds. Nobody honest may be cut off, and no live world may stand still for 1 s. Those whom the liar\n"
+      "alone has let in, into a session that nobody else knows of, only have to agree among themselves. Behaviours:\n" +
       help_on_behaviours() +
       "Example:\n"
       "  padr-lab chaos --seed 1 --runs 20 --minutes 2\n"
