@@ -325,10 +325,11 @@ void Membership::give_up_guide() {
     return now - asked.since >= kGivenUp || roster().seats[slot].incarnation != asked.incarnation;
   });
   for (const auto& [slot, asked] : in_vain_) commands_.give_up(slot, true);
-  const PeerId by = guide();
-  if (!session_.config.sealed || roster().leaving || by == kNoPeer || why_back().empty()) {
+  const bool returns = !why_back().empty();
+  told_ = told_ && returns;
+  const PeerId by = returns ? guide() : kNoPeer;
+  if (!session_.config.sealed || roster().leaving || by == kNoPeer) {
     back_since_ = now;
-    told_ = told_ && !why_back().empty();
   } else if (now - back_since_ >= (by == coordinator() ? kInVain : 2 * kInVain)) {
     in_vain_[by] = {roster().seats[by].incarnation, now};
     evictions_.forget_asker(by);

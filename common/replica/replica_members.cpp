@@ -56,7 +56,9 @@ void Replica::note_farewell(const sync::Bundle& b) {
   changes_.push_back({MemberChange::Kind::kLeft, b.peer, n.incarnation, n.at, b.tick, b.peer, n.since});
 }
 
+// Whoever has more of p's updates than the others agreed on has been left behind by them, or lied to by p.
 void Replica::close(PeerId p, std::uint32_t count) {
+  if (agreed_.log().have(p) > count) expelled_ = true;
   agreed_.close(p, count);
   std::erase_if(links_[p].orders, [count](const sync::Bundle& b) { return b.index >= count; });
 }
@@ -81,8 +83,6 @@ void Replica::admit(const sync::Admission& a, const sync::Bundle& by) {
   }
   if (a.incarnation <= n.incarnation) return;
   const Endpoint at = as_seen_from(a.at, roster_.place_of_sayer(by));
-  // Of the former occupant this peer has more than the others agreed on: it lied to one of them.
-  if (agreed_.log().have(a.slot) > a.first) expelled_ = true;
   close(a.slot, a.first);  // in case the removal of the former occupant comes later
   agreed_.open(a.slot, by.tick);
   repeats_of_gone_ += links_[a.slot].out.repeats();
@@ -104,7 +104,6 @@ void Replica::remove(const sync::Removal& r, const sync::Bundle& by) {
   }
   Seat& n = roster_.seats[r.slot];
   if (r.incarnation != n.incarnation || !n.reachable()) return;
-  if (agreed_.log().have(r.slot) > r.count) expelled_ = true;  // the others agreed without us
   close(r.slot, r.count);
   n.frozen = false;
   links_[r.slot].held.clear();

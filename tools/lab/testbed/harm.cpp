@@ -1,6 +1,9 @@
 #include "tools/lab/testbed/harm.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "tools/lab/testbed/groups.h"
 
 namespace padr::lab {
 namespace {
@@ -39,27 +42,13 @@ bool HarmMeter::know_each_other(int a, int b) const {
 }
 
 std::set<int> HarmMeter::largest_group() const {
-  std::set<int> left;
+  std::vector<int> all;
   for (int p = 0; p < network_.persons(); ++p)
-    if (honest(p) && plays(p)) left.insert(p);
-  std::set<int> largest;
-  while (!left.empty()) {
-    std::vector<int> to_visit{*left.begin()};
-    std::set<int> group{*left.begin()};
-    left.erase(left.begin());
-    while (!to_visit.empty()) {
-      const int p = to_visit.back();
-      to_visit.pop_back();
-      std::erase_if(left, [&](int q) {
-        if (!know_each_other(p, q)) return false;
-        group.insert(q);
-        to_visit.push_back(q);
-        return true;
-      });
-    }
+    if (honest(p) && plays(p)) all.push_back(p);
+  std::vector<int> largest;
+  for (std::vector<int>&group : groups_of(std::move(all), [this](int a, int b) { return know_each_other(a, b); }))
     if (group.size() > largest.size()) largest = std::move(group);
-  }
-  return largest;
+  return {largest.begin(), largest.end()};
 }
 
 void HarmMeter::look() {

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "tools/lab/testbed/groups.h"
 
 namespace padr::lab {
 namespace {
@@ -131,21 +134,9 @@ void Judge::final_check() {
 }
 
 std::vector<std::vector<int>> Judge::parts_that_know_of_each_other(std::vector<int> all) const {
-  const auto know = [this](int p, int q) {
+  return groups_of(std::move(all), [this](int p, int q) {
     return network_.peer(p).knows(network_.place_of(q)) || network_.peer(q).knows(network_.place_of(p));
-  };
-  std::vector<std::vector<int>> parts;
-  while (!all.empty()) {
-    std::vector<int>& part = parts.emplace_back(std::vector{all.back()});
-    all.pop_back();
-    for (std::size_t i = 0; i < part.size(); ++i)
-      std::erase_if(all, [&](int q) {
-        const bool one = know(part[i], q);
-        if (one) part.push_back(q);
-        return one;
-      });
-  }
-  return parts;
+  });
 }
 
 void Judge::check_part(const std::vector<int>& all) {
