@@ -13,6 +13,9 @@ std::uint64_t updates_told(const node::ReplicaStats& stats) {
 
 namespace {
 
+/// From this price on the status line tells of it: below, it is that of the last few updates.
+constexpr float kDear = 2;
+
 /// Datagrams that were dropped for their content. Damage and duplicates by the network are not counted here.
 std::uint64_t refused(const node::ReplicaStats& stats) {
   using enum sync::DropReason;
@@ -75,6 +78,7 @@ std::string Status::line(const Player& player, Micros now) {
   if (player.channels() != nullptr && player.channels()->stats().readable > 0) line += "  readable datagrams come";
   if (const std::string list = carried(player); !list.empty()) line += "  carried: " + list;
   if (const std::string list = narrow(player); !list.empty()) line += "  narrow: " + list;
+  if (replica.price() >= kDear) line += fmt::format("  thresholds x{:.0f}", replica.price());
   if (player.incarnation() > 0) line += fmt::format("  life {}", player.incarnation() + 1);
   if (player.returning()) line += "  joining anew";
   if (player.leaving()) line += "  leaving";

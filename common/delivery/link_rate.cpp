@@ -13,6 +13,14 @@ constexpr float kClearly = 20;
 // The estimate grows by this factor while something is held back, and it explains no more than a link without a queue.
 constexpr double kGrowth = 1.25;
 constexpr Tick kGrowEvery = 6;  // at least
+// In the beginning by this one, until it is so wide that a queue would have shown.
+constexpr double kStartGrowth = 2;
+constexpr double kWide = 8000;  // bytes/s
+// Until then so much is in flight at most, in seconds of that rate; or a datagram every half second.
+constexpr double kInFlight = 0.6;
+constexpr Tick kWithoutAnswer = kTicksPerSecond / 2;
+// No queue shows where one of the latest receipts was no later than this, ticks.
+constexpr float kNoQueue = 15;
 // A queue is taken to have begun no more than this many datagrams ago.
 constexpr std::size_t kQueued = 64;
 std::size_t first_that_may_have_begun_it(std::size_t last) {
@@ -20,14 +28,16 @@ std::size_t first_that_may_have_begun_it(std::size_t last) {
 }
 // What came through is measured over no less than this.
 constexpr Tick kMeasured = 6;
-// The quickest datagram is that of one to two such spans.
-constexpr Tick kSpan = 10 * kTicksPerSecond;
+// The quickest datagram is that of one to two such spans: longer than a queue may last.
+constexpr Tick kSpan = 60 * kTicksPerSecond;
 // Times are whole ticks at both ends.
 constexpr float kResolution = 0.5F;
 // What is sent waits for an empty queue no longer than this, s.
 constexpr double kLongestWait = 4;
 
 constexpr double kLeast = 60;  // bytes/s: a mark a second
+// Of what a link carries, so much is meant to be used: the rest is for what is sent again, and keeps the queue short.
+constexpr double kUsed = 0.9;
 
 double seconds(double ticks) {
   return ticks / kTicksPerSecond;
@@ -35,8 +45,12 @@ double seconds(double ticks) {
 
 }  // namespace
 
-double LinkRate::rate() const {
-  return std::min(rate_, most_);
+double LinkRate::meant() const {
+  return std::min(kUsed * rate_, most_);
+}
+
+double LinkRate::ahead(Tick now) const {
+  return std::clamp(ahead_ - seconds(std::max(0, now - drained_)), 0.0, kMostAhead);
 }
 
 Tick LinkRate::eighth(std::size_t bytes) const {
@@ -44,13 +58,21 @@ Tick LinkRate::eighth(std::size_t bytes) const {
 }
 
 void LinkRate::drain(Tick now) {
-  queued_ = std::max(0.0, queued_ - seconds(std::max(0, now - drained_)) * rate());
+  const double passed = seconds(std::max(0, now - drained_));
+  ahead_ = std::max(0.0, ahead_ - passed);
+  queued_ = std::max(0.0, queued_ - passed * rate_);
   drained_ = std::max(drained_, now);
+}
+
+bool LinkRate::may_tell(Tick now) {
+  if (starting_) return in_flight_ <= kInFlight * rate_ || now - sent_.back().at >= kWithoutAnswer;
+  const bool within_bound = most_ > kUsed * rate_ || ahead(now) < kMostAhead;
+  return may_send(now) && within_bound;
 }
 
 bool LinkRate::may_send(Tick now) {
   drain(now);
-  const bool may = queued_ <= 0;
+  const bool may = starting_ || queued_ <= 0;
   held_back_ = held_back_ || !may;
   return may;
 }
@@ -58,6 +80,8 @@ bool LinkRate::may_send(Tick now) {
 void LinkRate::sent(std::size_t bytes, Tick now) {
   drain(now);
   queued_ += static_cast<double>(bytes);
+  ahead_ = std::min(2 * kMostAhead, ahead_ + static_cast<double>(bytes) / meant());
+  in_flight_ += static_cast<double>(bytes);
   sent_.push_back({now, bytes});
   if (sent_.size() <= kRemembered) return;
   sent_.pop_front();
@@ -79,6 +103,12 @@ const LinkRate::Quickest& LinkRate::quickest() const {
 
 float LinkRate::lateness(const Receipt& r) const {
   return static_cast<float>(r.transit - quickest().transit);
+}
+
+float LinkRate::least_lateness() const {
+  float least = lateness(receipts_.back());
+  for (std::size_t i = 0; i < receipts_.size(); ++i) least = std::min(least, lateness(receipts_[i]));
+  return least;
 }
 
 // The queue began with some datagram before: the rate is what the link carried from then on until this one had left it.
@@ -134,9 +164,10 @@ void LinkRate::set_rate(double rate, Tick now) {
   double bytes = 0;
   for (std::size_t i = sent_.size(); i-- > 0;) {
     bytes += static_cast<double>(sent_[i].bytes);
-    queued_ = std::max(queued_, bytes - seconds(static_cast<double>(now - sent_[i].at)) * this->rate());
+    queued_ = std::max(queued_, bytes - seconds(static_cast<double>(now - sent_[i].at)) * rate_);
   }
-  queued_ = std::min(queued_, kLongestWait * this->rate());
+  queued_ = std::min(queued_, kLongestWait * rate_);
+  ahead_ = std::max(0.0, ahead_ - seconds(std::max(0, now - drained_)));
   drained_ = now;
 }
 
@@ -146,7 +177,9 @@ void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_t
   while (receipts_.size() > kReceipts || receipts_.front().number < forgotten_) receipts_.pop_front();
   note_transit({receipts_.back().transit, sent_[place].bytes}, now);
   queue_ = lateness(receipts_.back());
-  const float left = unexplained(rate_);
+  in_flight_ = 0;
+  for (std::size_t i = place + 1; i < sent_.size(); ++i) in_flight_ += static_cast<double>(sent_[i].bytes);
+  const float left = unexplained(starting_ ? kMost : rate_);
   double best = rate_;
   float least = left;
   for (const Receipt& r : {receipts_.back(), receipts_.front()}) {
@@ -158,13 +191,21 @@ void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_t
     best = candidate;
   }
   if (least < kBetter * left && least + kClearly < left) {
+    starting_ = false;
     set_rate(best, now);
-  } else if (held_back_ && left >= kBetter * unexplained(kMost) &&
+  } else if ((held_back_ || starting_) && left >= kBetter * unexplained(kMost) && least_lateness() <= kNoQueue &&
              now - grown_ > std::max(static_cast<Tick>(round_trip), kGrowEvery)) {
-    grown_ = now;
-    held_back_ = false;
-    set_rate(rate_ * kGrowth, now);
+    grow(now);
   }
+}
+
+void LinkRate::grow(Tick now) {
+  grown_ = now;
+  held_back_ = false;
+  set_rate(rate_ * (starting_ ? kStartGrowth : kGrowth), now);
+  if (!starting_ || rate_ < kWide) return;
+  starting_ = false;
+  set_rate(kMost, now);
 }
 
 }  // namespace padr::sync

@@ -13,12 +13,16 @@ namespace padr::sync {
 /// link: the estimate. Nothing is sent while that queue, as the estimate has it, is not empty, so what is sent is never
 /// older than the link makes it. While something is held back and no queue shows, the estimate grows.
 ///
+/// Over seconds less is to be sent than the link carries, and no more than a share of a budget: see `ahead`.
+///
 /// Rates are in bytes per second, IP and UDP headers included.
 class LinkRate {
  public:
   /// No limit: 100 Mbit/s.
   static constexpr double kMost = 1.25e7;
-  /// The rate never exceeds this.
+  /// Longest that may be sent ahead, s.
+  static constexpr double kMostAhead = 2;
+  /// What is told over seconds is to keep within this.
   void bound(double most) { most_ = most; }
 
   /// The next datagram, of `bytes`, leaves at `now`.
@@ -31,11 +35,17 @@ class LinkRate {
   void arrived(std::size_t later, Tick received, Tick now, float round_trip);
   /// Whether a datagram may be sent now. If not, what was to be sent counts as held back.
   bool may_send(Tick now);
-  double rate() const;
-  /// Whether the link was found to carry less than is sent, or a bound is set.
-  bool is_limited() const { return rate() < kMost; }
+  /// Whether new updates may be made for it: neither its queue nor its bound is against it, and in the beginning little
+  /// is in flight.
+  bool may_tell(Tick now);
+  double rate() const { return starting_ ? kMost : rate_; }
+  /// Whether the link was found to carry less than was sent.
+  bool is_limited() const { return !starting_ && rate_ < kMost; }
+  /// How long nothing would have to be sent for all that was sent to keep within what is meant for this link, s, from 0
+  /// to kMostAhead: its bound, or most of what it carries.
+  double ahead(Tick now) const;
   /// Queueing delay that the last acknowledgement showed, ticks; 0 on a link without limit.
-  float queue() const { return rate_ < kMost ? queue_ : 0; }
+  float queue() const { return is_limited() ? queue_ : 0; }
   /// Bytes that take half a second.
   std::size_t half_second() const { return static_cast<std::size_t>(rate() / 2); }
   /// Ticks between datagrams of `bytes` that take an eighth of the rate.
@@ -58,24 +68,31 @@ class LinkRate {
   // Datagrams whose time of sending is remembered: 4 s at one a tick.
   static constexpr std::size_t kRemembered = 256;
   static constexpr std::size_t kReceipts = 8;
+  static constexpr double kStart = 500;  // bytes/s
 
   void drain(Tick now);
+  double meant() const;
   void note_transit(const Quickest& q, Tick now);
   const Quickest& quickest() const;
   float lateness(const Receipt& r) const;
+  float least_lateness() const;
   double explains(const Receipt& r) const;
   float predicted(const Receipt& r, double rate) const;
   double came_through() const;
   float unexplained(double rate) const;
   void set_rate(double rate, Tick now);
+  void grow(Tick now);
 
   Ring<Sent> sent_{kRemembered + 1};
   std::size_t forgotten_ = 0;  ///< datagrams sent before those
-  double rate_ = kMost;        ///< the estimate; no limit until a queue shows
+  bool starting_ = true;       ///< no queue has shown yet, and what was sent was too little for one
+  double in_flight_ = 0;       ///< bytes sent after the newest datagram that is known to have arrived
+  double rate_ = kStart;       ///< the estimate
   double most_ = kMost;
-  double queued_ = 0;      ///< bytes that wait in the link's queue, by the estimate
-  Tick drained_ = 0;       ///< when that was last computed
-  Quickest now_quickest_;  ///< in the span that began at span_, and in the one before
+  double queued_ = 0;              ///< bytes that wait in the link's queue, by the estimate
+  double ahead_ = kMostAhead / 4;  ///< s; a beginning is told roughly
+  Tick drained_ = 0;               ///< when those were last computed
+  Quickest now_quickest_;          ///< in the span that began at span_, and in the one before
   Quickest was_quickest_;
   Tick span_ = kNever;
   float queue_ = 0;

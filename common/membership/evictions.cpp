@@ -97,40 +97,46 @@ void Evictions::on_fetch(PeerId from, const wire::Fetch& fetch, const View& view
   if (!f.updates.empty()) out.send(view.roster.seats[from].at, f);
 }
 
-// Whether the peer has published one of these after it was frozen, or so shortly before that it cannot have been
-// silent.
-bool Evictions::lives(const wire::Fetched& fetched, const Lost& lost, const View& view,
-                      const MisbehaviourPolicy& misbehaviour) const {
+// Whether the peer has published something after it was frozen, or so shortly before that it cannot have been silent,
+// and nothing before that is missing. That may take many datagrams of a busy peer.
+bool Evictions::lives(PeerId p, const Lost& lost, const View& view) const {
   const LastHeard& h = lost.grounds;
-  if (h.given_up || ordered()) return false;
-  const sync::Bundle* newest = nullptr;  // of those after which none is missing
-  std::uint32_t next = view.log.have(fetched.slot);
-  for (const sync::Bundle& b : fetched.updates) {
-    if (b.index != next) continue;
-    newest = &b;
-    ++next;
-  }
+  const std::uint32_t have = view.log.have(p);
+  const std::uint32_t next = lost.next(have);
+  if (h.given_up || ordered() || next == have) return false;
+  const Tick newest = lost.fetched.at(next - 1).tick;
   const Tick alive = std::max(h.now - kHeardLately, h.refused.value_or(-1));
-  return newest != nullptr && newest->tick > alive && newest->tick <= view.roster.now + kHeardLately &&
-         misbehaviour.said(*newest, view) &&
-         sync::admit(*newest, view.scene, session_.slots) == sync::DropReason::kNone;
+  return newest > alive && newest <= view.roster.now + kHeardLately;
+}
+
+// A member that says which updates it has sends those that another lacks; one that vouches for the peer, those that
+// the poll says are lacking.
+void Evictions::keep(const wire::Fetched& fetched, Lost& lost, const View& view,
+                     const MisbehaviourPolicy& misbehaviour) {
+  const std::uint32_t have = view.log.have(fetched.slot);
+  for (const sync::Bundle& b : fetched.updates) {
+    const bool asked_for = b.index >= std::min(lost.least, have) && b.index <= have + sync::UpdateLog::kMostBeyond;
+    if (!asked_for || lost.fetched.contains(b.index) || !misbehaviour.said(b, view) ||
+        sync::admit(b, view.scene, session_.slots) != sync::DropReason::kNone)
+      continue;
+    lost.fetched.emplace(b.index, b);
+    moved_ = view.roster.now;
+  }
 }
 
 void Evictions::on_fetched(PeerId from, const wire::Fetched& fetched, const View& view,
                            const MisbehaviourPolicy& misbehaviour, Commands& out) {
   const auto it = lost_.find(fetched.slot);
   if (it == lost_.end() || it->second.incarnation != fetched.incarnation) return;
-  if (lives(fetched, it->second, view, misbehaviour)) {
-    take_back(view, out);
-    thaw(view, out);
-    return out.relay(fetched, from);
-  }
-  for (const sync::Bundle& b : fetched.updates)
-    if (b.index >= it->second.least && b.index < it->second.most && !it->second.fetched.contains(b.index) &&
-        misbehaviour.said(b, view) && sync::admit(b, view.scene, session_.slots) == sync::DropReason::kNone) {
-      it->second.fetched.emplace(b.index, b);
-      moved_ = view.roster.now;
-    }
+  keep(fetched, it->second, view, misbehaviour);
+  // Nobody is relayed for ever: a member that has agreed to that does not vouch for it.
+  const bool for_long = view.roster.silence(fetched.slot) >= kRelayUntil && it->second.have.contains(from);
+  if (for_long || !lives(fetched.slot, it->second, view)) return;
+  const auto evidence = std::move(it->second.fetched);
+  take_back(view, out);
+  thaw(view, out);
+  for (const auto& [number, b] : evidence)
+    if (number >= view.log.have(fetched.slot)) out.relay({fetched.slot, fetched.incarnation, {b}}, from);
 }
 
 // Whether a frozen peer and this one have heard each other for a while: it was silent here, too, but for a moment only.
@@ -298,7 +304,8 @@ void Evictions::ask(const View& view, Commands& out) {
   polled_ = view.roster.now;
   wire::Poll question{{}, true, number_};
   for (const auto& [slot, lost] : lost_)
-    if (question.lost.size() < wire::kMostLost) question.lost.push_back({slot, lost.incarnation, view.log.have(slot)});
+    if (question.lost.size() < wire::kMostLost)
+      question.lost.push_back({slot, lost.incarnation, lost.next(view.log.have(slot))});
   poll(question, view, out);
 }
 

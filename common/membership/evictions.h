@@ -77,9 +77,14 @@ class Evictions {
   struct Lost {
     std::uint32_t incarnation = 0;
     std::map<PeerId, std::uint32_t> have;           ///< updates that each member has, by its reply
-    std::map<std::uint32_t, sync::Bundle> fetched;  ///< by number
-    std::uint32_t least = 0;                        ///< every member has the updates below this
-    std::uint32_t most = 0;                         ///< no member has updates from this on
+    std::map<std::uint32_t, sync::Bundle> fetched;  ///< by number; not in the log, which is frozen
+    /// The log has `have`: the first that is neither there nor in `fetched`.
+    std::uint32_t next(std::uint32_t have) const {
+      for (auto it = fetched.lower_bound(have); it != fetched.end() && it->first == have; ++it) ++have;
+      return have;
+    }
+    std::uint32_t least = 0;  ///< every member has the updates below this
+    std::uint32_t most = 0;   ///< no member has updates from this on
     bool ordered = false;
     std::size_t fetches = 0;
     LastHeard grounds;             ///< what was known when it was frozen
@@ -106,8 +111,8 @@ class Evictions {
   bool contests(PeerId from, const wire::Poll& poll, const View& view);
   bool has_expired(PeerId asker, const Answered& a, const View& view) const;
   void thaw(const View& view, Commands& out);
-  bool lives(const wire::Fetched& fetched, const Lost& lost, const View& view,
-             const MisbehaviourPolicy& misbehaviour) const;
+  void keep(const wire::Fetched& fetched, Lost& lost, const View& view, const MisbehaviourPolicy& misbehaviour);
+  bool lives(PeerId p, const Lost& lost, const View& view) const;
   void go_on_without(const View& view, Commands& out);
   bool is_vetoed(PeerId p, const Lost& lost, const View& view) const;
   void take_back(const View& view, Commands& out);

@@ -35,8 +35,9 @@ class Relay {
   static constexpr Tick kHurry = 6;      ///< until the next request after a reply, ticks
   static constexpr Tick kPatience = 60;  ///< a later reply is ignored, ticks
   static constexpr int kServed = 8;      ///< most replies to one peer in kPace ticks
-  /// A member that has not asked for this time hears the peer again, ticks: it asks the others in turn.
-  static constexpr Tick kAsksOn = 5 * kTicksPerSecond;
+  /// A member that has not asked for this time hears the peer again, ticks. It asks the others in turn; and once it
+  /// must ask no more it still waits for a while before it polls.
+  static constexpr Tick kAsksOn = 15 * kTicksPerSecond;
 
  private:
   struct Question {

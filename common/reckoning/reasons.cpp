@@ -40,13 +40,14 @@ bool tells_end_state(const Technique& technique, float ahead_metres) {
   return technique.end_update && (technique.update_every_contact || ahead_metres > kAlongMetres);
 }
 
-BodyReason reason_of(const OwnedBody& b, const Technique& technique) {
+BodyReason reason_of(const OwnedBody& b, const Technique& technique, float price) {
   const bool always = technique.every_tick && b.awake;
   if (!always && b.rests && b.claim_is_known) {
     const bool state = b.differs && technique.rest_state && (!b.held || b.since_rest_told >= kRestAgainTicks);
     return {state ? std::optional(Cause::kAtRest) : std::nullopt, !b.held};
   }
-  const bool off = technique.body_threshold > 0 && std::max(b.metres, b.ahead_metres) > technique.body_threshold;
+  const bool off =
+      technique.body_threshold > 0 && std::max(b.metres, b.ahead_metres) > technique.body_threshold * price;
   return {always || off ? std::optional(Cause::kBodyThreshold) : std::nullopt, false};
 }
 

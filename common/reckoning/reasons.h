@@ -49,7 +49,8 @@ struct BodyReason {
   bool release = false;        ///< authority over it is given up: it rests
   friend bool operator==(const BodyReason&, const BodyReason&) = default;
 };
-BodyReason reason_of(const OwnedBody& body, const Technique& technique);
+/// `price`: by what the threshold is multiplied.
+BodyReason reason_of(const OwnedBody& body, const Technique& technique, float price = 1);
 
 /// The avatar of this peer. Times are in ticks.
 struct OwnAvatar {

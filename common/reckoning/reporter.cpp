@@ -220,7 +220,7 @@ void Reporter::report_bodies(const Situation& s) {
                          at_rest(s, b),  s.everyone_has >= claim_told_[b],
                          chain_.held(b), now - rest_told_[b]};
     if (!s.may_tell) continue;
-    const BodyReason reason = reason_of(body, technique_);
+    const BodyReason reason = reason_of(body, technique_, s.price);
     if (reason.state) tell_state(s, b, *reason.state);
     if (reason.release) entry(b, Cause::kAtRest).release = true;
     if (reason.state == Cause::kAtRest && body.held) rest_told_[b] = now;
@@ -322,7 +322,7 @@ void Reporter::bound_the_sum(const Situation& s) {
     const BodyUpdate* told = collected(b);
     if (told == nullptr || !told->has_state) sum += error_of(s, b).soon_metres;
   }
-  if (sum <= technique_.threshold_high + technique_.body_threshold) return;
+  if (sum <= (technique_.threshold_high + technique_.body_threshold) * s.price) return;
   if (avatar_error > kAlongMetres) tell_avatar(s, Cause::kThreshold);
   for (const EntityId b : mine_)
     if (error_of(s, b).ahead_metres > kAlongMetres) tell_state(s, b, Cause::kBodyThreshold);

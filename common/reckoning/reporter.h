@@ -34,14 +34,16 @@ class Reporter {
     Tick everyone_has = -1;                ///< all peers have this peer's updates up to this tick
     std::vector<EntityId> pushed{};  ///< bodies that have just been pushed: told as if the avatar had touched them
     bool may_tell = true;            ///< some link takes no more for now: what is due waits, and is told as it is then
+    float price = 1;                 ///< by what the thresholds are multiplied, that of the avatar already
   };
   /// Takes in how far off the avatar's model is at this tick; before the look-ahead and `report`.
   void watch_avatar(const Situation& s);
   /// Whether this tick's model error would be told by one of the thresholds that may be in force but not by all of
-  /// them: only then it matters what is predicted. `coarseness`: by what the high one is multiplied.
-  bool depends_on_threshold(float coarseness) const {
-    return model_error_.exceeds(technique_.threshold_low) &&
-           !model_error_.exceeds(technique_.threshold_high * coarseness);
+  /// them: only then it matters what is predicted. `coarseness`: by what the high one is
+  /// multiplied, `price`: both.
+  bool depends_on_threshold(float coarseness, float price) const {
+    return model_error_.exceeds(technique_.threshold_low * price) &&
+           !model_error_.exceeds(technique_.threshold_high * coarseness * price);
   }
   /// The updates of this tick, good until the next call: an empty bundle (no avatar, no bodies) if the others' beliefs
   /// are right. Peer and tick are filled in, the index is the caller's.

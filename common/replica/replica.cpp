@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/model/precision.h"
+#include "common/reckoning/price.h"
 
 namespace padr::node {
 namespace {
@@ -186,16 +187,22 @@ void Replica::report(Vec2 target, Vec2 velocity_before) {
   s.target = target;
   s.acceleration = (live_.world().velocity(live_.avatar()) - velocity_before) * static_cast<float>(kTicksPerSecond);
   reporter_.watch_avatar(s);
-  look_ahead(target);
-  s.threshold = threshold();
   std::uint32_t everyone = own_end();
   bool full = false;
+  double ahead = 0;
   for (PeerId p = 0; p < config_.slots; ++p) {
     if (p == config_.self || !seat(p).there()) continue;
     s.round_trip = std::max(s.round_trip, static_cast<Tick>(links_[p].out.round_trip()) + 1);
     everyone = std::min(everyone, links_[p].out.acked());
-    full = full || (links_[p].out.unanswered(now()) < kGone && !links_[p].out.rate().may_send(now()));
+    if (links_[p].out.unanswered(now()) >= kGone) continue;
+    sync::LinkRate& rate = links_[p].out.rate();
+    full = full || !rate.may_tell(now());
+    ahead = std::max(ahead, rate.ahead(now()));
   }
+  price_ = config_.technique.update_every_contact && config_.technique.budget <= 0 ? 1 : sync::price_of(ahead);
+  look_ahead(target);
+  s.threshold = threshold();
+  s.price = price_;
   s.may_tell = !full || now() - told_in_full_ >= kHeldBack;
   if (s.may_tell) told_in_full_ = now();
   const bool all = everyone >= own_first_ + own_log_.size();
@@ -232,7 +239,7 @@ void Replica::take_on_rounded(const sync::Bundle& told) {
 void Replica::look_ahead(Vec2 target) {
   const bool always = config_.technique.update_every_contact;
   if (always ? now() % kLookEvery == 0 : now() - looked_ >= kLookEvery) {
-    const bool look = always || reporter_.depends_on_threshold(coarseness_);
+    const bool look = always || reporter_.depends_on_threshold(coarseness_, price_);
     prediction_ = look ? predictor_.predict(live_.world(), target, agreed_.predicted_state()) : sync::Prediction{};
     if (look) looked_ = now();
   }

@@ -175,7 +175,10 @@ class Replica {
   const sync::Shown& shown() const { return shown_; }
   const ReplicaStats& stats() const { return stats_; }
   const sync::Reporter& reporter() const { return reporter_; }
-  float threshold() const { return threshold_.metres() * (prediction_.interaction ? 1 : coarseness_); }
+  float threshold() const { return threshold_.metres() * price_ * (prediction_.interaction ? 1 : coarseness_); }
+  /// What all thresholds are multiplied by, so that links and budget take what is told: see sync::price_of. 1 with the
+  /// paper's techniques, unless they have a budget.
+  float price() const { return price_; }
   /// The prediction that the threshold was last adapted to; it was also adapted to present contacts.
   const sync::Prediction& prediction() const { return prediction_; }
   /// Sizes of what a peer keeps because it may still be needed; bounded however long a session lasts.
@@ -280,6 +283,7 @@ class Replica {
   Vec2 reaction_;
   Vec2 jolt_;
   float coarseness_ = 1;
+  float price_ = 1;
   bool joined_ = false;  ///< the live world has taken over the own avatar as it was admitted
   bool expelled_ = false;
   PeerId differs_from_ = kNoPeer;
