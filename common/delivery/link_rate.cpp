@@ -16,9 +16,6 @@ constexpr Tick kGrowEvery = 6;  // at least
 // In the beginning by this one, until it is so wide that a queue would have shown.
 constexpr double kStartGrowth = 2;
 constexpr double kWide = 8000;  // bytes/s
-// Until then so much is in flight at most, in seconds of that rate; or a datagram every half second.
-constexpr double kInFlight = 0.6;
-constexpr Tick kWithoutAnswer = kTicksPerSecond / 2;
 // No queue shows where one of the latest receipts was no later than this, ticks.
 constexpr float kNoQueue = 15;
 // A queue is taken to have begun no more than this many datagrams ago.
@@ -65,7 +62,6 @@ void LinkRate::drain(Tick now) {
 }
 
 bool LinkRate::may_tell(Tick now) {
-  if (starting_) return in_flight_ <= kInFlight * rate_ || now - sent_.back().at >= kWithoutAnswer;
   const bool within_bound = most_ > kUsed * rate_ || ahead(now) < kMostAhead;
   return may_send(now) && within_bound;
 }
@@ -81,7 +77,6 @@ void LinkRate::sent(std::size_t bytes, Tick now) {
   drain(now);
   queued_ += static_cast<double>(bytes);
   ahead_ = std::min(2 * kMostAhead, ahead_ + static_cast<double>(bytes) / meant());
-  in_flight_ += static_cast<double>(bytes);
   sent_.push_back({now, bytes});
   if (sent_.size() <= kRemembered) return;
   sent_.pop_front();
@@ -177,8 +172,6 @@ void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_t
   while (receipts_.size() > kReceipts || receipts_.front().number < forgotten_) receipts_.pop_front();
   note_transit({receipts_.back().transit, sent_[place].bytes}, now);
   queue_ = lateness(receipts_.back());
-  in_flight_ = 0;
-  for (std::size_t i = place + 1; i < sent_.size(); ++i) in_flight_ += static_cast<double>(sent_[i].bytes);
   const float left = unexplained(starting_ ? kMost : rate_);
   double best = rate_;
   float least = left;

@@ -35,8 +35,7 @@ class LinkRate {
   void arrived(std::size_t later, Tick received, Tick now, float round_trip);
   /// Whether a datagram may be sent now. If not, what was to be sent counts as held back.
   bool may_send(Tick now);
-  /// Whether new updates may be made for it: neither its queue nor its bound is against it, and in the beginning little
-  /// is in flight.
+  /// Whether new updates may be made for it: neither its queue nor its bound is against it.
   bool may_tell(Tick now);
   double rate() const { return starting_ ? kMost : rate_; }
   /// Whether the link was found to carry less than was sent.
@@ -86,7 +85,6 @@ class LinkRate {
   Ring<Sent> sent_{kRemembered + 1};
   std::size_t forgotten_ = 0;  ///< datagrams sent before those
   bool starting_ = true;       ///< no queue has shown yet, and what was sent was too little for one
-  double in_flight_ = 0;       ///< bytes sent after the newest datagram that is known to have arrived
   double rate_ = kStart;       ///< the estimate
   double most_ = kMost;
   double queued_ = 0;              ///< bytes that wait in the link's queue, by the estimate

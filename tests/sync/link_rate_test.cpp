@@ -126,17 +126,13 @@ TEST(LinkRate, ABoundDoesNotHoldBackASingleUpdate) {
   EXPECT_NEAR(l.measured.ahead(l.now + kTicksPerSecond), 0, 0.2);
 }
 
-// Nothing is known of a link in the beginning. On a narrow one, what is sent before the first answer makes a queue that
-// everything waits in.
-TEST(LinkRate, BeginsCarefully) {
+// Nothing is known of a link in the beginning: what is told then is rough, and soon no longer.
+TEST(LinkRate, BeginsAhead) {
   Link l;
-  l.rate = 125;
-  l.run(30 * kTicksPerSecond);
-  EXPECT_LT(l.longest_queue, 15 * kTicksPerSecond) << "and not minutes";
-  Link wide;
-  wide.run(2 * kTicksPerSecond);
-  EXPECT_FALSE(wide.measured.is_limited());
-  EXPECT_GT(wide.sent, 60) << "and not for long";
+  EXPECT_NEAR(l.measured.ahead(0), LinkRate::kMostAhead / 4, 0.01);
+  l.run(2 * kTicksPerSecond, 6);
+  EXPECT_FALSE(l.measured.is_limited());
+  EXPECT_LT(l.measured.ahead(l.now), 0.1);
 }
 
 TEST(Price, IsThatOfThePapersThresholdsAtMost) {
