@@ -13,11 +13,6 @@ constexpr float kClearly = 20;
 // The estimate grows by this factor while something is held back, and it explains no more than a link without a queue.
 constexpr double kGrowth = 1.25;
 constexpr Tick kGrowEvery = 6;  // at least
-// In the beginning by this one, until it is so wide that a queue would have shown.
-constexpr double kStartGrowth = 2;
-constexpr double kWide = 8000;  // bytes/s
-// No queue shows where one of the latest receipts was no later than this, ticks.
-constexpr float kNoQueue = 15;
 // A queue is taken to have begun no more than this many datagrams ago.
 constexpr std::size_t kQueued = 64;
 std::size_t first_that_may_have_begun_it(std::size_t last) {
@@ -25,8 +20,8 @@ std::size_t first_that_may_have_begun_it(std::size_t last) {
 }
 // What came through is measured over no less than this.
 constexpr Tick kMeasured = 6;
-// The quickest datagram is that of one to two such spans: longer than a queue may last.
-constexpr Tick kSpan = 60 * kTicksPerSecond;
+// The quickest datagram is that of one to two such spans.
+constexpr Tick kSpan = 10 * kTicksPerSecond;
 // Times are whole ticks at both ends.
 constexpr float kResolution = 0.5F;
 // What is sent waits for an empty queue no longer than this, s.
@@ -68,7 +63,7 @@ bool LinkRate::may_tell(Tick now) {
 
 bool LinkRate::may_send(Tick now) {
   drain(now);
-  const bool may = starting_ || queued_ <= 0;
+  const bool may = queued_ <= 0;
   held_back_ = held_back_ || !may;
   return may;
 }
@@ -98,12 +93,6 @@ const LinkRate::Quickest& LinkRate::quickest() const {
 
 float LinkRate::lateness(const Receipt& r) const {
   return static_cast<float>(r.transit - quickest().transit);
-}
-
-float LinkRate::least_lateness() const {
-  float least = lateness(receipts_.back());
-  for (std::size_t i = 0; i < receipts_.size(); ++i) least = std::min(least, lateness(receipts_[i]));
-  return least;
 }
 
 // The queue began with some datagram before: the rate is what the link carried from then on until this one had left it.
@@ -172,7 +161,7 @@ void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_t
   while (receipts_.size() > kReceipts || receipts_.front().number < forgotten_) receipts_.pop_front();
   note_transit({receipts_.back().transit, sent_[place].bytes}, now);
   queue_ = lateness(receipts_.back());
-  const float left = unexplained(starting_ ? kMost : rate_);
+  const float left = unexplained(rate_);
   double best = rate_;
   float least = left;
   for (const Receipt& r : {receipts_.back(), receipts_.front()}) {
@@ -184,21 +173,13 @@ void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_t
     best = candidate;
   }
   if (least < kBetter * left && least + kClearly < left) {
-    starting_ = false;
     set_rate(best, now);
-  } else if ((held_back_ || starting_) && left >= kBetter * unexplained(kMost) && least_lateness() <= kNoQueue &&
+  } else if (held_back_ && left >= kBetter * unexplained(kMost) &&
              now - grown_ > std::max(static_cast<Tick>(round_trip), kGrowEvery)) {
-    grow(now);
+    grown_ = now;
+    held_back_ = false;
+    set_rate(rate_ * kGrowth, now);
   }
-}
-
-void LinkRate::grow(Tick now) {
-  grown_ = now;
-  held_back_ = false;
-  set_rate(rate_ * (starting_ ? kStartGrowth : kGrowth), now);
-  if (!starting_ || rate_ < kWide) return;
-  starting_ = false;
-  set_rate(kMost, now);
 }
 
 }  // namespace padr::sync

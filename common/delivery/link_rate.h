@@ -37,9 +37,9 @@ class LinkRate {
   bool may_send(Tick now);
   /// Whether new updates may be made for it: neither its queue nor its bound is against it.
   bool may_tell(Tick now);
-  double rate() const { return starting_ ? kMost : rate_; }
+  double rate() const { return rate_; }
   /// Whether the link was found to carry less than was sent.
-  bool is_limited() const { return !starting_ && rate_ < kMost; }
+  bool is_limited() const { return rate_ < kMost; }
   /// How long nothing would have to be sent for all that was sent to keep within what is meant for this link, s, from 0
   /// to kMostAhead: its bound, or most of what it carries.
   double ahead(Tick now) const;
@@ -67,25 +67,21 @@ class LinkRate {
   // Datagrams whose time of sending is remembered: 4 s at one a tick.
   static constexpr std::size_t kRemembered = 256;
   static constexpr std::size_t kReceipts = 8;
-  static constexpr double kStart = 500;  // bytes/s
 
   void drain(Tick now);
   double meant() const;
   void note_transit(const Quickest& q, Tick now);
   const Quickest& quickest() const;
   float lateness(const Receipt& r) const;
-  float least_lateness() const;
   double explains(const Receipt& r) const;
   float predicted(const Receipt& r, double rate) const;
   double came_through() const;
   float unexplained(double rate) const;
   void set_rate(double rate, Tick now);
-  void grow(Tick now);
 
   Ring<Sent> sent_{kRemembered + 1};
   std::size_t forgotten_ = 0;  ///< datagrams sent before those
-  bool starting_ = true;       ///< no queue has shown yet, and what was sent was too little for one
-  double rate_ = kStart;       ///< the estimate
+  double rate_ = kMost;        ///< the estimate; no limit until a queue shows
   double most_ = kMost;
   double queued_ = 0;              ///< bytes that wait in the link's queue, by the estimate
   double ahead_ = kMostAhead / 4;  ///< s; a beginning is told roughly

@@ -78,10 +78,10 @@ class Evictions {
     std::uint32_t incarnation = 0;
     std::map<PeerId, std::uint32_t> have;           ///< updates that each member has, by its reply
     std::map<std::uint32_t, sync::Bundle> fetched;  ///< by number; not in the log, which is frozen
-    /// The log has `have`: the first that is neither there nor in `fetched`.
-    std::uint32_t next(std::uint32_t have) const {
-      for (auto it = fetched.lower_bound(have); it != fetched.end() && it->first == have; ++it) ++have;
-      return have;
+    /// The first from here on that is not in `fetched`.
+    std::uint32_t next(std::uint32_t from) const {
+      for (auto it = fetched.lower_bound(from); it != fetched.end() && it->first == from; ++it) ++from;
+      return from;
     }
     std::uint32_t least = 0;  ///< every member has the updates below this
     std::uint32_t most = 0;   ///< no member has updates from this on

@@ -199,7 +199,7 @@ void Replica::report(Vec2 target, Vec2 velocity_before) {
     full = full || !rate.may_tell(now());
     ahead = std::max(ahead, rate.ahead(now()));
   }
-  price_ = config_.technique.update_every_contact && config_.technique.budget <= 0 ? 1 : sync::price_of(ahead);
+  price_ = config_.technique.budget > 0 ? sync::price_of(ahead) : 1;
   look_ahead(target);
   s.threshold = threshold();
   s.price = price_;

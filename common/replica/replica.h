@@ -176,8 +176,8 @@ class Replica {
   const ReplicaStats& stats() const { return stats_; }
   const sync::Reporter& reporter() const { return reporter_; }
   float threshold() const { return threshold_.metres() * price_ * (prediction_.interaction ? 1 : coarseness_); }
-  /// What all thresholds are multiplied by, so that links and budget take what is told: see sync::price_of. 1 with the
-  /// paper's techniques, unless they have a budget.
+  /// What all thresholds are multiplied by, so that links and budget take what is told: see sync::price_of. 1
+  /// without a budget.
   float price() const { return price_; }
   /// The prediction that the threshold was last adapted to; it was also adapted to present contacts.
   const sync::Prediction& prediction() const { return prediction_; }

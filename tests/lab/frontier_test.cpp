@@ -16,15 +16,6 @@ Technique tight_full() {
   return t;
 }
 
-Technique papers_full() {
-  Technique t = technique_by_name("full");
-  const Technique paper = technique_by_name("adaptive");
-  t.threshold_high = paper.threshold_high;
-  t.threshold_low = paper.threshold_low;
-  t.body_threshold = 0.1F;
-  return t;
-}
-
 #if defined(PADR_SANITIZED)
 constexpr int kSeeds = 2;
 #else
@@ -34,7 +25,7 @@ constexpr int kSeeds = 24;
 // With no latency what the others see is what this peer knows they see: then the thresholds bound it, whatever happens.
 TEST(Frontier, WithoutLatencyTheThresholdsBoundTheCombinedInconsistency) {
   const std::uint64_t base = test::seed(1);
-  for (const Technique& t : {tight_full(), papers_full()}) {
+  for (const Technique& t : {tight_full(), technique_by_name("full")}) {
     float worst = 0;
     for (int i = 0; i < kSeeds; ++i) {
       const auto seed = base * 100 + static_cast<std::uint64_t>(i);
@@ -68,6 +59,29 @@ Point point_of(const Technique& t) {
       p.kbps += static_cast<double>(s.simulation->replica(peer).stats().wire_bytes_sent) * 8 / 1000 / 60 / kRuns;
   }
   return p;
+}
+
+// One knob leads along the frontier: what is told fits the budget, and the less it is, the rougher.
+TEST(Frontier, ABudgetIsKeptByLargerErrors) {
+  float rougher = 0;
+  for (const float budget : {64.0F, 8.0F, 6.0F}) {
+    Technique t = technique_by_name("full");
+    t.threshold_high = 0.03F;
+    t.threshold_low = 0.01F;
+    t.body_threshold = 0.005F;
+    t.budget = budget;
+    test::Session s("arena", 4, t, "delay 100ms", test::seed(7), 40);
+    s.simulation->run();
+    float mean = 0;
+    for (PeerId p = 0; p < 4; ++p) {
+      const double kbps = static_cast<double>(s.simulation->replica(p).stats().wire_bytes_sent) * 8 / 1000 / 40;
+      EXPECT_LE(kbps, budget * 1.1) << "peer " << int{p};
+      mean += static_cast<float>(s.simulation->meter().result(p).mean_m / 4);
+    }
+    EXPECT_GT(mean, rougher) << budget;
+    EXPECT_EQ(s.simulation->confirmed_mismatches(), 0U);
+    rougher = mean;
+  }
 }
 
 TEST(Frontier, FullIsCloseToTellingEverythingForAFractionOfTheTraffic) {
