@@ -143,6 +143,7 @@ float LinkRate::unexplained(double rate) const {
 }
 
 void LinkRate::set_rate(double rate, Tick now) {
+  drain(now);
   rate_ = std::clamp(rate, kLeast, kMost);
   queued_ = 0;
   double bytes = 0;
@@ -151,8 +152,6 @@ void LinkRate::set_rate(double rate, Tick now) {
     queued_ = std::max(queued_, bytes - seconds(static_cast<double>(now - sent_[i].at)) * rate_);
   }
   queued_ = std::min(queued_, kLongestWait * rate_);
-  ahead_ = std::max(0.0, ahead_ - seconds(std::max(0, now - drained_)));
-  drained_ = now;
 }
 
 void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_trip) {

@@ -72,7 +72,7 @@ TEST(Floods, WhoNeverTellsWhatItPromisedIsDeclaredGone) {
 TEST(Floods, WhoAcknowledgesNothingIsDeclaredGone) {
   Trial t(4, 2, wire::SealMode::kAuth, 304);
   t.liar().begin([](sync::StatePacket& p, PeerId) { p.have = p.have_beyond = 0; });
-  t.party().run(20);
+  t.party().run(18);
   EXPECT_TRUE(t.liar_is_out()) << t.party().story();
   EXPECT_LT(t.replica(0).kept().own_updates, 16U * 60U);
   t.expect_no_harm();

@@ -11,8 +11,8 @@ namespace {
 
 /// Whose confirmed worlds lag more than this is not compared with those of others any more.
 constexpr Tick kKept = 90 * kTicksPerSecond;
-/// Ticks of updates that a peer may hold: as long as two are relayed to each other, and some seconds for the lost.
-constexpr std::size_t kMostLog = node::kRelayUntil + 60 * kTicksPerSecond;
+/// Ticks of updates that a peer may hold: confirmed waits some seconds for the lost, never much longer.
+constexpr std::size_t kMostLog = 60 * kTicksPerSecond;
 /// How far confirmed may be behind when all has been quiet.
 constexpr Tick kMostLag = 3 * kTicksPerSecond;
 /// A difference that has not shown for so long, us, is another one when it shows again.
