@@ -12,7 +12,8 @@ Technique technique_by_name(std::string_view name) {
   Technique t;
   t.name = std::string(name);
   if (name == "full") return t;
-  // What others are measured against is told to the bit.
+  // What others are measured against is told to the bit, and takes what it takes.
+  t.budget = 0;
   t.precision = Precision::kExact;
   if (name == "everything") {
     t.predictor = Predictor::kNone;  // no threshold waits for it
@@ -25,6 +26,8 @@ Technique technique_by_name(std::string_view name) {
   t.replay = false;
   t.model = Model::kFirst;
   t.time_space = 0;
+  t.threshold_high = 0.8F;
+  t.threshold_low = 0.3F;
   t.body_threshold = 0;
   t.update_every_contact = true;
   if (name == "adaptive") return t;

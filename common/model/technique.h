@@ -48,11 +48,11 @@ struct Technique {
   Model model = Model::kInput;
   Predictor predictor = Predictor::kLookahead;
   ThresholdLaw law = ThresholdLaw::kTwoLevel;
-  float lead = 0.1F;            ///< s, how far ahead of its motion the input model's target is told; 0: as it is
-  float time_space = 0.04F;     ///< s, an avatar error is told once its time integral exceeds threshold x this; 0: off
-  float threshold_high = 0.8F;  ///< m, when nothing is predicted
-  float threshold_low = 0.3F;   ///< m, when interaction is predicted; equal to the high one for a fixed threshold
-  float body_threshold = 0.1F;  ///< m, for bodies under own authority; 0 switches it off
+  float lead = 0.1F;             ///< s, how far ahead of its motion the input model's target is told; 0: as it is
+  float time_space = 0.04F;      ///< s, an avatar error is told once its time integral exceeds threshold x this; 0: off
+  float threshold_high = 0.03F;  ///< m, when nothing is predicted
+  float threshold_low = 0.01F;   ///< m, when interaction is predicted; equal to the high one for a fixed threshold
+  float body_threshold = 0.005F;  ///< m, for bodies under own authority; 0 switches it off
   Convergence convergence = Convergence::kPvb;
   float radius = 3.0F;     ///< m, of the surroundings that predictors look at
   int steps = 30;          ///< ticks that predictors look ahead
@@ -71,7 +71,7 @@ struct Technique {
   bool time_stamps = false;
   /// kbit/s that this peer's updates are to fit into with all that it sends to all others together, IP and UDP headers
   /// included; every link gets the same share. 0: no limit but what links carry.
-  float budget = 0;
+  float budget = 64;
   friend bool operator==(const Technique&, const Technique&) = default;
 };
 

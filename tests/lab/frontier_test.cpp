@@ -16,6 +16,15 @@ Technique tight_full() {
   return t;
 }
 
+Technique papers_full() {
+  Technique t = technique_by_name("full");
+  const Technique paper = technique_by_name("adaptive");
+  t.threshold_high = paper.threshold_high;
+  t.threshold_low = paper.threshold_low;
+  t.body_threshold = 0.1F;
+  return t;
+}
+
 #if defined(PADR_SANITIZED)
 constexpr int kSeeds = 2;
 #else
@@ -25,7 +34,7 @@ constexpr int kSeeds = 24;
 // With no latency what the others see is what this peer knows they see: then the thresholds bound it, whatever happens.
 TEST(Frontier, WithoutLatencyTheThresholdsBoundTheCombinedInconsistency) {
   const std::uint64_t base = test::seed(1);
-  for (const Technique& t : {tight_full(), technique_by_name("full")}) {
+  for (const Technique& t : {tight_full(), papers_full()}) {
     float worst = 0;
     for (int i = 0; i < kSeeds; ++i) {
       const auto seed = base * 100 + static_cast<std::uint64_t>(i);
@@ -66,9 +75,6 @@ TEST(Frontier, ABudgetIsKeptByLargerErrors) {
   float rougher = 0;
   for (const float budget : {64.0F, 8.0F, 6.0F}) {
     Technique t = technique_by_name("full");
-    t.threshold_high = 0.03F;
-    t.threshold_low = 0.01F;
-    t.body_threshold = 0.005F;
     t.budget = budget;
     test::Session s("arena", 4, t, "delay 100ms", test::seed(7), 40);
     s.simulation->run();

@@ -150,7 +150,7 @@ TEST(ObservedSession, WordsAreJsonOfThePromisedShape) {
   const json& p = peers["peers"][0];
   EXPECT_EQ(p["driven"], "you");
   EXPECT_EQ(p["technique"], "full");
-  EXPECT_EQ(p["knobs"]["threshold"], "0.8:0.3");
+  EXPECT_EQ(p["knobs"]["threshold"], "0.03:0.01");
   EXPECT_EQ(p["confirmed"]["state"], "identical");
   EXPECT_EQ(p["links"][0]["to"], 1);
   EXPECT_EQ(p["rates"]["updates_per_s"].size(), sync::kCauses);
@@ -190,7 +190,7 @@ TEST(ObservedSession, MetricsAreInPrometheusForm) {
     EXPECT_NE(text.find("\npadr_link_" + std::string(what) + "_seconds{from=\"1\",peer=\"0\"} 0."), std::string::npos)
         << what;
   EXPECT_NE(text.find("\n# TYPE padr_link_judged_total counter\n"), std::string::npos);
-  EXPECT_NE(text.find("\npadr_link_lost_total{from=\"1\",peer=\"0\"} 0\n"), std::string::npos);
+  EXPECT_NE(text.find("\npadr_link_lost_total{from=\"1\",peer=\"0\"} "), std::string::npos);
 }
 
 TEST(ObservedSession, WhatIsDroppedOfWhomAndWhoIsCutOffIsInTheWordsAndTheMetrics) {

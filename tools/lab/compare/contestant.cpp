@@ -46,9 +46,13 @@ void add_ours(std::vector<Contestant>& all) {
   const Technique late = changed(everything, [](Technique& t) { t.replay = false; });
   const Technique first = changed(everything, [](Technique& t) { t.model = Model::kFirst; });
   all.push_back({"full", "full", "", Group::kOurs,
-                 "PADR's own: 0.8 m, or 0.3 m when a contact is predicted; bodies 0.1 m", technique_by_name("full")});
-  all.push_back({"full-tight", "full", "tight", Group::kOurs, "full with 0.3 m, or 0.1 m; bodies 0.05 m",
+                 "PADR's own: 0.03 m, or 0.01 m when a contact is predicted; bodies 0.005 m; 64 kbit/s at most",
+                 technique_by_name("full")});
+  all.push_back({"full-0.3", "full", "0.3", Group::kOurs, "full with 0.3 m, or 0.1 m; bodies 0.05 m",
                  shell::technique_of("full --threshold 0.3:0.1 --body-threshold 0.05")});
+  all.push_back({"full-0.8", "full", "0.8", Group::kOurs,
+                 "full with the paper's adaptive thresholds: 0.8 m, or 0.3 m; bodies 0.1 m",
+                 shell::technique_of("full --threshold 0.8:0.3 --body-threshold 0.1")});
   all.push_back({"everything", "everything", "", Group::kOurs,
                  "sends own avatar and every awake own body at every tick, with replay: the limit of full",
                  everything});

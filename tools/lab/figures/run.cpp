@@ -109,7 +109,9 @@ std::vector<Setting> figure_settings() {
   for (const char* name : {"avatar-only", "fixed"})
     for (const char* threshold : kThresholds) all.push_back(setting(name, threshold, ""));
   for (const char* predictor : kPredictors) all.push_back(setting("adaptive", "0.8:0.3", predictor));
-  all.push_back(setting("full", "0.8:0.3", ""));
+  Setting full = setting("full", "0.8:0.3", "");
+  full.technique.body_threshold = 0.1F;
+  all.push_back(std::move(full));
   return all;
 }
 
