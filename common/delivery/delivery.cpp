@@ -156,10 +156,12 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
   const bool asks = c.again || missed_ || (gap_since_ >= 0 && c.now - gap_since_ >= kGapPatience);
   const bool ask = asks && c.now - last_sent_ >= kGapPatience;
   if (!urgent && !ask && !mark_is_due(c)) return nullptr;
-  if (!rate_.may_send(c.now)) return nullptr;
-
+  // Without answers nobody would learn that what is taken for a queue is none, or is over.
+  const bool only_mark = !rate_.may_send(c.now);
+  if (only_mark && !mark_is_due(c)) return nullptr;
+  if (only_mark) chosen_.clear();
   for (const std::uint32_t i : repeated_)
-    if (fits(i)) chosen_.push_back(i);
+    if (!only_mark && fits(i)) chosen_.push_back(i);
   empty_packet();
   StatePacket& p = packet_;
   p.seq = ++seq_;
@@ -179,7 +181,7 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
   }
   last_sent_ = c.now;
   missed_ = false;
-  marked_ = !urgent;
+  marked_ = !urgent || only_mark;
   return &p;
 }
 

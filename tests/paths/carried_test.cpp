@@ -114,11 +114,14 @@ TEST(CarriedBy, AnotherOneWhenTheCarrierPassesNothingOn) {
     party.net().shape(a, b, shell::parse_netem("delay 100ms"));
   party.net().cut(1, 2, true);
   party.net().cut(2, 1, true);
-  party.run(20);
+  party.run(10);
   EXPECT_GT(dropped, 10);
-  EXPECT_EQ(carrier(party, 2, 1), slow) << party.story();
-  EXPECT_EQ(carrier(party, 1, 2), slow) << party.story();
-  party.run(60);
+  int by_slow = 0;
+  for (int i = 0; i < 700; ++i) {
+    party.run(0.1);
+    by_slow += carrier(party, 2, 1) == slow && carrier(party, 1, 2) == slow ? 1 : 0;
+  }
+  EXPECT_GT(by_slow, 525) << "the quicker one is tried again, ever more rarely\n" << party.story();
   EXPECT_TRUE(party.united()) << party.story();
   for (int p = 0; p < 4; ++p) EXPECT_EQ(party.net().peer(p).incarnation(), 0) << party.story();
   EXPECT_EQ(party.judge().violation(), "");

@@ -85,6 +85,28 @@ TEST(Delivery, NothingToSayIsAMarkFourTimesASecond) {
   EXPECT_EQ(mark->seq, 2U);
 }
 
+// Where a queue is waited for that may be none, answers to marks show it.
+TEST(Delivery, WhatWaitsForAQueueDoesNotHoldMarksBack) {
+  Script s;
+  ASSERT_TRUE(s.at(0));
+  // Its answers show a queue that drains at 1,000 bytes a second; then comes more than a second's worth.
+  Tick t = 1;
+  for (int i = 0; i < 40; ++i, t += 6) {
+    s.link.rate().sent(200, t);
+    s.link.rate().arrived(0, t + 12 * (i + 1) - 6 * i, t, 12);
+  }
+  s.link.rate().sent(1500, t);
+  s.update(t);
+  int marks = 0;
+  for (const Tick until = t + kTicksPerSecond; t < until; ++t)
+    if (const auto p = s.at(t)) {
+      EXPECT_TRUE(p->updates.empty()) << "tick " << t;
+      EXPECT_EQ(p->mark_count, 1U);
+      ++marks;
+    }
+  EXPECT_GT(marks, 0);
+}
+
 TEST(Delivery, OnACalmLinkThreeMarksInFourCanBeSaved) {
   Script s;
   const auto calm = [&s](Tick t) { return s.send({t, 0, 0, false, true}) != nullptr; };

@@ -11,8 +11,9 @@ namespace {
 
 /// Whose confirmed worlds lag more than this is not compared with those of others any more.
 constexpr Tick kKept = 90 * kTicksPerSecond;
-/// Ticks of updates that a peer may hold: confirmed waits some seconds for the lost, never much longer.
-constexpr std::size_t kMostLog = 60 * kTicksPerSecond;
+/// Ticks of updates that a peer may hold: confirmed waits some seconds for the lost, never much longer. What a member
+/// has not acknowledged is kept, too, as long as others hear it.
+constexpr Tick kMostLog = 60 * kTicksPerSecond;
 /// How far confirmed may be behind when all has been quiet.
 constexpr Tick kMostLag = 3 * kTicksPerSecond;
 /// A difference that has not shown for so long, us, is another one when it shows again.
@@ -59,6 +60,19 @@ void Judge::check_drops(int person) {
             " has dropped an honest peer's datagram: " + std::string(sync::kDropNames[static_cast<std::size_t>(why)]));
 }
 
+void Judge::check_kept(int person, const node::Replica& n) {
+  Tick most = kMostLog;
+  for (PeerId q = 0; q < n.config().slots; ++q)
+    if (q != n.self() && n.seat(q).there()) most = std::max(most, kMostLog + n.roster().silence(q));
+  if (n.agreed().log().size() <= static_cast<std::size_t>(most)) {
+    keeps_too_many_.erase(person);
+    return;
+  }
+  // Who has just been evicted is waited for no longer, and its updates are forgotten in the next tick.
+  const Tick since = keeps_too_many_.try_emplace(person, n.now()).first->second;
+  if (n.now() > since + 1) blame(name(person) + " keeps updates of too many ticks");
+}
+
 void Judge::turn(int person) {
   if (liars_.contains(person)) return;
   const node::Participant& p = network_.peer(person);
@@ -73,7 +87,7 @@ void Judge::turn(int person) {
       r.hash = h.hash;
       compare(h.tick, r);
     }
-    if (n.agreed().log().size() > kMostLog) blame(name(person) + " keeps updates of too many ticks");
+    check_kept(person, n);
   }
   heard_.clear();
 }

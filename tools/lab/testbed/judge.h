@@ -57,6 +57,7 @@ class Judge {
   void confirmed(int person, int incarnation, const sync::FoldState& s, std::uint64_t hash);
   void turn(int person);
   void check_drops(int person);
+  void check_kept(int person, const node::Replica& n);
   void compare(Tick t, Record r);
   void judge_pair(Tick t, const Record& a, const Record& b);
   bool is_liars(const node::Replica& seen_by, PeerId slot) const;
@@ -72,6 +73,7 @@ class Judge {
   Micros tolerated_ = 0;
   Micros longest_difference_ = 0;
   std::map<std::pair<int, int>, Difference> differences_;  ///< by persons
+  std::map<int, Tick> keeps_too_many_;                     ///< by person, since when
   std::uint64_t compared_ = 0;
   int held_apart_ = 0;
   std::string violation_;
