@@ -114,13 +114,19 @@ class FightWatcher {
 
   bool mine(PeerId p, EntityId b) const { return s_.replica(p).agreed().predicted_state().authority[b].holder() == p; }
 
+  // What the own avatar hits moves by that, before it is known to be the own.
+  bool pushed(PeerId p, EntityId b, const world::View& live) const {
+    const float apart = distance(live.position(b), live.position(live.avatar(p)));
+    return apart < scene_.bodies[b].radius + scene_.avatar.radius + length(live.velocity(b)) * kTickSeconds;
+  }
+
   void jumps(PeerId p, Tick t) {
     const std::vector<Vec2>& now = s_.replica(p).shown().positions();
     const world::View& live = s_.replica(p).live().world();
     for (EntityId e = 0; e < shown_[p].size(); ++e) {
       const Vec2 stride = now[e] - shown_[p][e];
       const Vec2 last = std::exchange(stride_[p][e], stride);
-      if (e == live.avatar(p) || (e < live.bodies() && mine(p, e))) continue;
+      if (e == live.avatar(p) || (e < live.bodies() && (mine(p, e) || pushed(p, e, live)))) continue;
       const float jump = distance_to_segment(stride, live.velocity(e) * kTickSeconds, last);
       if (jump > kLeap) ++out_.leaps;
       if (jump > kLeap || jump <= out_.largest_foreign_jump) continue;
