@@ -6,6 +6,7 @@
 #include <deque>
 
 #include "common/model/rng.h"
+#include "common/model/technique.h"
 #include "common/reckoning/price.h"
 #include "tests/seed.h"
 
@@ -134,9 +135,11 @@ TEST(LinkRate, BeginsAhead) {
   EXPECT_LT(l.measured.ahead(l.now), 0.1);
 }
 
-TEST(Price, GrowsWithWhatIsSentAhead) {
+TEST(Price, IsThatOfThePapersThresholdsAtMost) {
   EXPECT_EQ(price_of(0), 1);
   EXPECT_EQ(price_of(LinkRate::kMostAhead), 27);
+  EXPECT_NEAR(technique_by_name("full").threshold_high * price_of(LinkRate::kMostAhead),
+              technique_by_name("adaptive").threshold_high, 0.02);
 }
 
 }  // namespace
