@@ -2,6 +2,7 @@
 #
 #   docker build --target capture .   tcpdump, for a side-car
 #   docker build --target tc .        the kernel's netem, for a side-car
+#   docker build --target firewall .  the kernel's firewall and NAT, for a side-car
 #   docker build .                    every program of the project
 #
 # A way out to the Debian archive that your network needs (--network host, --build-arg http_proxy=...) is for the command
@@ -19,6 +20,12 @@ FROM debian:bookworm-slim AS tc
 RUN apt-get -q update && apt-get -q install -y --no-install-recommends iproute2 && rm -rf /var/lib/apt/lists/* /var/cache/*
 COPY tools/compose/image/tc.sh /usr/local/bin/compose-tc
 CMD ["compose-tc"]
+
+
+FROM debian:bookworm-slim AS firewall
+RUN apt-get -q update && apt-get -q install -y --no-install-recommends nftables && rm -rf /var/lib/apt/lists/* /var/cache/*
+COPY tools/compose/image/firewall.sh /usr/local/bin/compose-firewall
+CMD ["compose-firewall"]
 
 
 FROM debian:bookworm-slim AS build

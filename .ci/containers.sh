@@ -66,6 +66,7 @@ build() { # TARGET TAG
 if [[ -z ${PADR_CI_RUN:-} || $(cat "$built" 2>/dev/null) != "$PADR_CI_RUN" ]]; then
   build capture padr-capture:local
   build tc padr-tc:local
+  build firewall padr-firewall:local
   build runtime padr:local
   echo "${PADR_CI_RUN:-}" >"$built"
 fi
@@ -114,6 +115,7 @@ run_together churn:40 partition:30 lan:15
 run_together transatlantic:15 lossy-wifi:15 mobile-burst:15
 run_together asymmetric:15 capture:15 kernel-netem:15
 run_together crowd:15 monitor:15
+run_together narrow:20 nat:20 no-direct:20
 
 # The same file as a stack, where that is nobody's Swarm but ours.
 leave_swarm() {

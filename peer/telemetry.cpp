@@ -241,6 +241,7 @@ void Telemetry::tell_status(const Situation& s) {
   for (monitor::LinkStatus& l : status.links) {
     l.netem = shell::to_string(s.egress.spec_of(l.to, l.at));
     l.cut_in = l.cut_out = s.cuts.is_cut(l.at);
+    l.carrier = player.carrier(l.to);
   }
   send(status);
 }

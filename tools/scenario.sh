@@ -105,7 +105,7 @@ cars=() # beside them
 for service in $(compose config --services | sort -V); do
   case $service in
     peer*) peers+=("$service") ;;
-    capture* | tc*) cars+=("$service") ;;
+    capture* | tc* | firewall*) cars+=("$service") ;;
   esac
 done
 
@@ -197,10 +197,17 @@ play_partition() {
 export PADR_SEED=$seed PADR_DURATION=$duration
 case $name in churn | partition) export PADR_DURATION=0 ;; esac # until stopped
 
+# Without one, nobody could carry for others.
+case $name in nat | no-direct) needs_key=yes ;; *) needs_key=no ;; esac
+
 quietly compose down --volumes --remove-orphans --timeout 1
 if [[ $build == yes ]]; then
   echo "== building the images"
   compose build || fail "the images cannot be built"
+fi
+if [[ $needs_key == yes && -z ${PADR_KEY:-} ]]; then
+  PADR_KEY=$(docker run --rm --read-only --network none --cap-drop ALL "${PADR_IMAGE:-padr:local}" padr-peer keygen) || fail "there is no key"
+  export PADR_KEY
 fi
 rm -rf "$out"
 mkdir -p "$out"
@@ -242,6 +249,20 @@ began_lives=$(sed -n 's/^  "lives": \([0-9]*\),*$/\1/p' "$out/report/report.json
 if ((began_lives < ${#peers[@]} + lives)); then
   fail "only $began_lives lives in the report, not ${#peers[@]} and $lives more"
 fi
+
+# Those that do not reach each other said so, and by whom they do.
+must_be_carried() { # SERVICE...
+  local service
+  for service in "$@"; do
+    docker logs "$(containers "$service")" >"$log" 2>&1
+    grep -q 'is reached through peer' "$log" || fail "$service was carried by nobody"
+    echo "$service: $(sed -n 's/.*session: \(peer [0-9]* is reached through peer.*\)/\1/p' "$log" | head -n 1)"
+  done
+}
+case $name in
+  nat) must_be_carried peer3 peer4 ;;
+  no-direct) must_be_carried peer2 peer3 ;;
+esac
 
 # --- what the packets tell, by themselves
 

@@ -37,6 +37,9 @@ LinkStatus link_of(const node::Replica& replica, PeerId p) {
   l.judged_in = link.window.counted().judged;
   l.lost_in = link.window.counted().lost;
   l.silence_ms = milliseconds(static_cast<float>(replica.roster().silence(p)));
+  const sync::LinkRate& rate = link.out.rate();
+  if (rate.is_limited()) l.carries_kbit_s = static_cast<float>(rate.rate() * 8 / 1000);
+  l.queue_ms = milliseconds(rate.queue());
   l.dropped = link.dropped;
   l.cut_offs = link.cut_offs;
   return l;
@@ -162,6 +165,7 @@ Status Sampler::status(const node::Replica& replica) {
   s.replayed_steps = replica.agreed().replayed_steps();
   s.clock_lead_us = replica.clock_lead();
   s.own_error_m = replica.own_error();
+  s.price = replica.price();
   s.snaps = static_cast<std::uint32_t>(replica.shown().snaps());
   s.snap_m = replica.shown().snap_metres();
   s.present = 1;

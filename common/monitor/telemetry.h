@@ -128,9 +128,13 @@ struct LinkStatus {
   std::uint64_t lost_in = 0;    ///< of all since the link began
   std::uint64_t judged_in = 0;  ///< of how many
   float silence_ms = 0;         ///< since anything valid came
-  bool cut_out = false;         ///< cut by an order: nothing goes there
-  bool cut_in = false;          ///< nothing is taken from there
-  std::string netem;            ///< what the link out suffers; empty: nothing
+  // To there:
+  float carries_kbit_s = 0;  ///< 0: no limit was found
+  float queue_ms = 0;        ///< how long datagrams wait in the link's queue
+  PeerId carrier = kNoPeer;  ///< the member that carries; kNoPeer: it is reached directly
+  bool cut_out = false;      ///< cut by an order: nothing goes there
+  bool cut_in = false;       ///< nothing is taken from there
+  std::string netem;         ///< what the link out suffers; empty: nothing
   /// Datagrams from there that were not taken, by reason; of whoever has sat in the slot in this incarnation of the
   /// teller's.
   std::array<std::uint64_t, sync::kDropReasons> dropped{};
@@ -157,6 +161,7 @@ struct Status {
   std::int64_t worst_late_us = 0;  ///< of any
   std::int64_t clock_lead_us = 0;  ///< of this peer's session clock before the most senior other peer's
   float own_error_m = 0;           ///< live against predicted, over what it owns
+  float price = 1;                 ///< all thresholds are multiplied by it, 1 or more: see sync::price_of
   std::uint32_t snaps = 0;         ///< jumps of shown positions, of this incarnation
   double snap_m = 0;               ///< their sum
   int present = 0;                 ///< peers that are there, this one included

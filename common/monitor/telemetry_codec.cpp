@@ -13,6 +13,8 @@ constexpr std::uint32_t kCutOut = 4;
 constexpr std::uint32_t kCutIn = 8;
 
 constexpr float kMostMs = 1.0e9F;
+constexpr float kMostKbit = 1.0e6F;
+constexpr float kMostPrice = 1.0e6F;
 constexpr int kMostRate = 60;  // 1/s
 
 bool take_address(const file::Address& in, Endpoint& at) {
@@ -105,6 +107,9 @@ void put(const LinkStatus& l, file::Link& out) {
   out.set_lost_in(l.lost_in);
   out.set_judged_in(l.judged_in);
   out.set_silence_ms(l.silence_ms);
+  out.set_carries_kbit_s(l.carries_kbit_s);
+  out.set_queue_ms(l.queue_ms);
+  out.set_carrier(put_slot(l.carrier));
   out.set_netem(cut_text(l.netem));
   // Mostly there is nothing to tell, and a datagram has room for more links then.
   const auto last = std::find_if(l.dropped.rbegin(), l.dropped.rend(), [](std::uint64_t n) { return n > 0; });
@@ -133,6 +138,8 @@ bool take(const file::Link& in, LinkStatus& l) {
          take_between(in.delay_p50_ms(), -kMostMs, kMostMs, l.delay_p50_ms) &&
          take_between(in.delay_p95_ms(), -kMostMs, kMostMs, l.delay_p95_ms) &&
          take_between(in.loss_in(), 0, 1, l.loss_in) && take_between(in.silence_ms(), 0, kMostMs, l.silence_ms) &&
+         take_between(in.carries_kbit_s(), 0, kMostKbit, l.carries_kbit_s) &&
+         take_between(in.queue_ms(), 0, kMostMs, l.queue_ms) && take_slot(in.carrier(), l.carrier) &&
          take_text(in.netem(), l.netem);
 }
 
@@ -154,6 +161,7 @@ void put(const Status& s, file::Status& out) {
   out.set_worst_late_us(s.worst_late_us);
   out.set_clock_lead_us(s.clock_lead_us);
   out.set_own_error_m(s.own_error_m);
+  out.set_price(s.price);
   out.set_snaps(s.snaps);
   out.set_snap_m(s.snap_m);
   out.set_present(static_cast<std::uint32_t>(s.present));
@@ -187,7 +195,8 @@ bool take(const file::Status& in, Status& s) {
   s.untold = in.untold();
   for (const file::Link& l : in.links())
     if (!take(l, s.links.emplace_back())) return false;
-  return take_tick(in.tick(), s.tick) && take_between(in.own_error_m(), 0, kMostMetres, s.own_error_m);
+  return take_tick(in.tick(), s.tick) && take_between(in.own_error_m(), 0, kMostMetres, s.own_error_m) &&
+         take_between(in.price(), 0, kMostPrice, s.price);
 }
 
 void put(const Event& e, file::Event& out) {

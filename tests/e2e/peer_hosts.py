@@ -8,7 +8,10 @@ Usage: peer_hosts.py PATH_TO_PADR_PEER [unittest arguments]
 
 import os
 import re
+import socket
 import subprocess
+import threading
+import time
 
 from hosts import Machines, main_unless, why_no_namespaces
 from peers import PROGRAM, Case
@@ -103,6 +106,68 @@ class Apart(OnThreeMachines):
         for p in self.peers:
             self.assertNotRegex(p.text(), "silent for|is lost|joining anew")
         self.check_agreement(self.peers, least_common=5)
+
+
+class BesideADownload(OnThreeMachines):
+    """Two peers and a bulk flow of TCP share what leads to one of them: RFC 8085."""
+
+    RATE = 256  # kbit/s
+    SECONDS = 12
+
+    def narrow(self):
+        limit = ("rate", f"{self.RATE}kbit", "burst", "2000", "limit", "16000")  # half a second of queue
+        try:
+            self.machines.run("0", "tc", "qdisc", "replace", "dev", "port2", "root", "tbf", *limit)
+        except subprocess.CalledProcessError as error:
+            self.skipTest(f"no tbf here: {error.stderr.strip()}")
+
+    def download(self, until):
+        """From machine 1 to 2 and as fast as it goes; bytes that came."""
+        with self.machines.inside("2"):
+            door = socket.create_server(("10.99.0.2", 0))
+        with self.machines.inside("1"):
+            source = socket.create_connection(door.getsockname())
+        sink, _ = door.accept()
+        for s in (source, sink):
+            s.settimeout(0.2)
+
+        def pour():
+            while time.monotonic() < until:
+                try:
+                    source.send(bytes(4096))
+                except TimeoutError:
+                    pass
+
+        writer = threading.Thread(target=pour)
+        writer.start()
+        came = 0
+        while time.monotonic() < until:
+            try:
+                came += len(sink.recv(65536))
+            except TimeoutError:
+                pass
+        writer.join()
+        for s in (source, sink, door):
+            s.close()
+        return came
+
+    def test_both_live(self):
+        self.narrow()
+        common = ("--listen", "0.0.0.0:0", "--insecure", "--duration", self.SECONDS)
+        founder = self.peer(*common, "--wait-peers", 2, preexec_fn=self.machines.enter(1))
+        joiner = self.peer(*common, "--join", f"10.99.0.1:{founder.port()}", preexec_fn=self.machines.enter(2))
+        joiner.wait_for("play begins|peers starts in")
+        began = time.monotonic()
+        came = self.download(began + self.SECONDS - 2)
+        share = came * 8 / 1000 / (time.monotonic() - began) / self.RATE
+        self.assertEqual([p.end() for p in (founder, joiner)], [0, 0])
+        self.check_agreement([founder, joiner], least_common=self.SECONDS - 4)
+        for p in self.peers:
+            self.assertNotRegex(p.text(), "silent for|is lost|joining anew")
+        kbit = founder.summary()["sent"]["wire_bytes"] * 8 / 1000 / self.SECONDS
+        print(f"of {self.RATE} kbit/s TCP had {share:.0%}, the peer {kbit / self.RATE:.1%}")
+        self.assertGreater(share, 0.5)
+        self.assertGreater(kbit, 1)
 
 
 if __name__ == "__main__":

@@ -97,6 +97,9 @@ monitor::LinkStatus any_link(Rng& rng) {
   l.judged_in = rng.next_u64() >> (1 + rng.below(63));
   l.lost_in = rng.next_u64() % (l.judged_in + 1);
   l.silence_ms = static_cast<float>(rng.uniform(0, 5000));
+  l.carries_kbit_s = static_cast<float>(rng.uniform(0, 100));
+  l.queue_ms = static_cast<float>(rng.uniform(0, 3000));
+  l.carrier = rng.below(2) == 0 ? kNoPeer : static_cast<PeerId>(rng.below(8));
   l.cut_out = rng.chance(0.1);
   l.cut_in = rng.chance(0.1);
   l.netem = any_text(rng, 60);
@@ -116,6 +119,7 @@ monitor::Status any_status(Rng& rng) {
   s.worst_late_us = static_cast<std::int64_t>(rng.below(1'000'000)) - 500'000;
   s.clock_lead_us = static_cast<std::int64_t>(rng.below(1'000'000)) - 500'000;
   s.own_error_m = static_cast<float>(rng.uniform(0, 10));
+  s.price = static_cast<float>(rng.uniform(1, 27));
   s.snaps = rng.next_u32();
   s.snap_m = rng.uniform(0, 100);
   s.present = static_cast<int>(rng.below(kMaxPeers + 1));

@@ -72,7 +72,7 @@ std::optional<double> from_status(const PeerRecord& p, double (*value)(const Sta
   return p.status ? std::optional(value(*p.status)) : std::nullopt;
 }
 
-constexpr std::array<PeerMetric, 14> kPeerMetrics{{
+constexpr std::array<PeerMetric, 15> kPeerMetrics{{
     {"padr_peer_tick", "gauge", "Newest session tick told of",
      [](const PeerRecord& p) { return p.newest ? std::optional(double{1.0} * p.newest->tick) : std::nullopt; }},
     {"padr_peer_datagrams_sent_total", "counter", "Datagrams sent to other peers",
@@ -113,6 +113,8 @@ constexpr std::array<PeerMetric, 14> kPeerMetrics{{
      [](const PeerRecord& p) {
        return from_status(p, [](const Status& s) { return static_cast<double>(s.own_error_m); });
      }},
+    {"padr_peer_price", "gauge", "Factor by which links and budget have all thresholds multiplied",
+     [](const PeerRecord& p) { return from_status(p, [](const Status& s) { return double{s.price}; }); }},
     {"padr_peer_confirmed_tick", "gauge", "Newest confirmed tick",
      [](const PeerRecord& p) {
        return from_status(p, [](const Status& s) { return static_cast<double>(s.confirmed); });
@@ -131,13 +133,14 @@ struct LinkMetric {
   const char* type;
   const char* help;
   std::optional<double> (*value)(const LinkStatus&);
+  const char* other = "from";  ///< label of the other end: what comes from there, or goes `to` there
 };
 
 std::optional<double> if_measured(const LinkStatus& l, float ms) {
   return l.measured ? std::optional(double{ms} * 1e-3) : std::nullopt;
 }
 
-constexpr std::array<LinkMetric, 9> kLinkMetrics{{
+constexpr std::array<LinkMetric, 12> kLinkMetrics{{
     {"padr_link_delay_seconds", "gauge",
      "One-way delay from `from` to `peer`, by the two session clocks: median of recent datagrams",
      [](const LinkStatus& l) { return if_measured(l, l.delay_p50_ms); }},
@@ -156,6 +159,16 @@ constexpr std::array<LinkMetric, 9> kLinkMetrics{{
      [](const LinkStatus& l) { return std::optional(static_cast<double>(l.lost_in)); }},
     {"padr_link_judged_total", "counter", "Of how many datagrams these are: all that were sent but for the newest 8",
      [](const LinkStatus& l) { return std::optional(static_cast<double>(l.judged_in)); }},
+    {"padr_link_carries_bits_per_second", "gauge",
+     "What the link from `peer` to `to` was found to carry; none: no limit was found",
+     [](const LinkStatus& l) {
+       return l.carries_kbit_s > 0 ? std::optional(double{l.carries_kbit_s} * 1000) : std::nullopt;
+     },
+     "to"},
+    {"padr_link_queue_seconds", "gauge", "How long datagrams wait in that link's queue",
+     [](const LinkStatus& l) { return std::optional(double{l.queue_ms} * 1e-3); }, "to"},
+    {"padr_link_carried", "gauge", "1 if another member carries from `peer` to `to`, as the link does not work",
+     [](const LinkStatus& l) { return std::optional(l.carrier == kNoPeer ? 0.0 : 1.0); }, "to"},
     {"padr_link_cut", "gauge", "1 if the link is cut by an order",
      [](const LinkStatus& l) { return std::optional(l.cut_in || l.cut_out ? 1.0 : 0.0); }},
 }};
@@ -219,7 +232,7 @@ void peers(Writer& w, const ObservedSession& s, Micros now) {
     for (const PeerRecord* p : s.peers())
       for (const auto& [to, link] : p->links)
         if (const auto v = m.value(link); v && link.there)
-          w.value(label("from", std::to_string(to)) + "," + of(*p), *v);
+          w.value(label(m.other, std::to_string(to)) + "," + of(*p), *v);
   }
 }
 

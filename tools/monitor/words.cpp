@@ -132,6 +132,9 @@ void links(Json& j, const PeerRecord& p) {
         .field("loss_of", l.loss_of)
         .field("lost", l.lost_in)
         .field("judged", l.judged_in);
+    maybe(j, "carries_kbit_s", l.carries_kbit_s > 0 ? std::optional(double{l.carries_kbit_s}) : std::nullopt);
+    j.field("queue_ms", rounded(double{l.queue_ms}));
+    j.field("carried_by", l.carrier == kNoPeer ? std::nullopt : std::optional(int{l.carrier}));
     j.field("netem", l.netem).field("cut", l.cut_out || l.cut_in).end_object();
   }
   j.end_array();
@@ -165,7 +168,8 @@ void numbers_of(Json& j, const PeerRecord& p, Agreement::Verdict verdict) {
   const Status s = p.status.value_or(Status{});
   j.field("hash_mismatches", s.hash_mismatches).field("late_ticks", s.late_ticks);
   j.field("lateness_ms", static_cast<double>(s.worst_late_us) * 1e-3)
-      .field("own_error_m", rounded(double{s.own_error_m}));
+      .field("own_error_m", rounded(double{s.own_error_m}))
+      .field("price", rounded(double{s.price}));
   j.field("paused", s.paused);
 }
 

@@ -19,6 +19,7 @@ const COLUMNS = [
   { head: "fidelity error", title: "Distance of bodies to where the players' deeds alone put them, all summed; of recordings only", cell: (p, point) => number(point?.fidelity_m, 2, " m") },
   { head: "updates", title: "Entity state updates sent", cell: (p) => number(sum(p.rates?.updates_per_s), 1, " /s") },
   { head: "traffic", title: "Sent, with IP and UDP headers", cell: (p) => number(p.rates?.kbit_per_s, 1, " kbit/s") },
+  { head: "thresholds", title: "Where links or the budget are too narrow, all thresholds are multiplied by this", cell: (p) => number(p.price, 1, "×") },
   { head: "replayed", title: "Steps played again because something came late, for each tick", cell: (p) => number(p.rates?.replayed_per_tick, 1, " /tick") },
   { head: "late ticks", title: "Ticks that began late on that machine", cell: (p) => number(p.late_ticks, 0) },
   {
@@ -59,7 +60,7 @@ export class Tables {
   }
 
   updateLinks(peers) {
-    const head = [{ text: "from \\ to", title: "One-way delay (median and 95th percentile of the latest datagrams), loss of the latest ones, and the impairment that the sender puts on the link" }, ...peers.map((p) => ({ text: `peer ${p.slot}` }))];
+    const head = [{ text: "from \\ to", title: "One-way delay (median and 95th percentile of the latest datagrams), loss of the latest ones; who carries, if the link does not work; what it carries, if that is too little; and the impairment that the sender puts on it" }, ...peers.map((p) => ({ text: `peer ${p.slot}` }))];
     this.links.show(head, peers.map((from) => ({
       state: from.state,
       cells: [{ text: `peer ${from.slot}`, paint: (td) => dot(td, from.slot) }, ...peers.map((to) => linkCell(from, to))],
@@ -75,21 +76,27 @@ export class Tables {
   }
 }
 
+/** Delay and loss are what the receiver measures, the rest is what the sender does. */
 function linkCell(from, to) {
   if (from.slot === to.slot) return { text: "" };
-  const link = from.links.find((l) => l.to === to.slot);
-  if (!link) return { text: "–" };
-  if (link.cut) return { text: "✂ cut", paint: (td) => { td.dataset.cut = "yes"; } };
-  const parts = [`${number(link.delay_ms, 0, " ms")}, p95 ${number(link.delay_p95_ms, 0, " ms")}`];
-  if (link.loss_percent > 0) parts.push(`${number(link.loss_percent, 1, " %")} of ${link.loss_of} lost`);
-  const netem = link.netem ? ` [${link.netem}]` : "";
-  return { text: parts.join(", "), title: linkTitle(link), paint: (td) => { td.dataset.netem = netem; delete td.dataset.cut; } };
+  const sends = from.links.find((l) => l.to === to.slot);
+  const hears = to.links.find((l) => l.to === from.slot);
+  if (!sends || !hears) return { text: "–" };
+  if (sends.cut) return { text: "✂ cut", paint: (td) => { td.dataset.cut = "yes"; } };
+  const parts = [`${number(hears.delay_ms, 0, " ms")}, p95 ${number(hears.delay_p95_ms, 0, " ms")}`];
+  if (hears.loss_percent > 0) parts.push(`${number(hears.loss_percent, 1, " %")} of ${hears.loss_of} lost`);
+  if (sends.carried_by !== null) parts.push(`by peer ${sends.carried_by}`);
+  if (sends.carries_kbit_s !== null) parts.push(`carries ${number(sends.carries_kbit_s, 1, " kbit/s")}`);
+  const netem = sends.netem ? ` [${sends.netem}]` : "";
+  return { text: parts.join(", "), title: linkTitle(sends, hears), paint: (td) => { td.dataset.netem = netem; delete td.dataset.cut; } };
 }
 
-function linkTitle(link) {
-  const delay = `one-way delay: median ${number(link.delay_ms, 1, " ms")}, 95th percentile ${number(link.delay_p95_ms, 1, " ms")}, least ${number(link.delay_least_ms, 1, " ms")}`;
-  const lost = link.judged > 0 ? `lost since the link began: ${link.lost} of ${link.judged}, ${number(100 * link.lost / link.judged, 2, " %")}` : "lost: not known yet";
-  return `${delay}\n${lost}\nnetem: ${link.netem || "none"}`;
+function linkTitle(sends, hears) {
+  const delay = `one-way delay: median ${number(hears.delay_ms, 1, " ms")}, 95th percentile ${number(hears.delay_p95_ms, 1, " ms")}, least ${number(hears.delay_least_ms, 1, " ms")}`;
+  const lost = hears.judged > 0 ? `lost since the link began: ${hears.lost} of ${hears.judged}, ${number(100 * hears.lost / hears.judged, 2, " %")}` : "lost: not known yet";
+  const carries = sends.carries_kbit_s === null ? "carries more than is sent" : `carries ${number(sends.carries_kbit_s, 1, " kbit/s")}, and datagrams wait ${number(sends.queue_ms, 0, " ms")} in its queue`;
+  const way = sends.carried_by === null ? "reached directly" : `the link does not work: peer ${sends.carried_by} carries`;
+  return `${delay}\n${lost}\n${carries}\n${way}\nnetem: ${sends.netem || "none"}`;
 }
 
 // What the network says twice or late is nobody's fault.
