@@ -8,6 +8,7 @@
 #include "shell/netem_text.h"
 #include "shell/technique_text.h"
 #include "tools/lab/compare/comparison.h"
+#include "tools/plot/plot.h"
 
 namespace padr::lab::compare {
 namespace {
@@ -128,6 +129,22 @@ TEST(Compare, TooManyPeersIsTheUsersMistake) {
   Plan p = plan("full", 1);
   p.setting.peers = kMaxPeers + 1;
   EXPECT_THROW(run_plan(p), UserError);
+}
+
+// gnuplot takes a logarithmic axis for a nonlinear one: undoing nonlinear after that leaves it linear.
+TEST(Frontier, HasLogarithmicAxes) {
+  plot::ScatterPlot p;
+  p.name = "frontier";
+  p.x.log = p.y.log = true;
+  p.series.push_back({.title = "full", .marks = {{1, 0.01, "a"}, {10, 100, "b"}}});
+  const auto files = plot::files(p);
+  const auto script = std::find_if(files.begin(), files.end(), [](const auto& f) { return f.name == "frontier.gp"; });
+  ASSERT_NE(script, files.end());
+  for (const std::string axis : {"x", "y"}) {
+    const auto log = script->text.rfind("set logscale " + axis);
+    ASSERT_NE(log, std::string::npos);
+    EXPECT_LT(script->text.rfind("unset nonlinear " + axis), log);
+  }
 }
 
 }  // namespace

@@ -115,7 +115,7 @@ def draw_techniques(m, path):
 set terminal svg size 860,380 font "sans,13" background rgb "white"
 set output "{path}"
 set logscale y
-set yrange [0.1:300]
+set yrange [0.01:300]
 set grid ytics lc rgb "#dddddd"
 set border 3
 set tics nomirror

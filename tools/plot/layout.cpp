@@ -79,12 +79,13 @@ std::string axis(char name, const Axis& a) {
   const std::string n(1, name);
   const auto end = [](const std::optional<double>& v) { return v ? number(*v) : std::string("*"); };
   std::string s = "set " + n + "label " + in_quotes(a.label) + " noenhanced\n";
-  s += (a.log ? "set logscale " : "unset logscale ") + n + "\n";
+  // A logarithmic axis is a nonlinear one to gnuplot, so that goes before.
+  s += "unset nonlinear " + n + "\n" + (a.log ? "set logscale " : "unset logscale ") + n + "\n";
   if (a.root && a.to)
     s += "set nonlinear " + n + " via sqrt(" + n + ") inverse " + n + "*" + n + "\nset " + n + "tics (" +
          root_ticks(*a.to) + ")\n";
   else
-    s += "unset nonlinear " + n + "\nset " + n + "tics autofreq\n";
+    s += "set " + n + "tics autofreq\n";
   return s + "set " + n + "range [" + end(a.from) + ":" + end(a.to) + "]\n";
 }
 

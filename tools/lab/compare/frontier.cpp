@@ -24,7 +24,7 @@ plot::MarkSeries& series_of(const Contestant& c, plot::ScatterPlot& p) {
   plot::MarkSeries fresh;
   fresh.title = c.series;
   fresh.look = plot::look_of(c.series, variant);
-  fresh.joined = c.group == Group::kAlternative;  // one knob, step by step
+  fresh.joined = c.group == Group::kAlternative || c.series == "full";  // one knob, step by step
   p.series.push_back(std::move(fresh));
   return p.series.back();
 }
