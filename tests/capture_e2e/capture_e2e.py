@@ -22,7 +22,7 @@ if SPEED:
 import pcap  # noqa: E402
 from peers import PATIENCE, PLAYING, Case, main, signal, time  # noqa: E402
 
-LINK = "delay 30ms 15ms loss 8% duplicate 2% corrupt 1%"
+LINK = "delay 30ms 15ms loss 8% duplicate 6% corrupt 1%"
 
 
 class Tcpdump:
