@@ -17,6 +17,11 @@ std::string seconds_text(float seconds) {
   return "for " + shell::fixed(static_cast<double>(seconds), 1) + " s";
 }
 
+std::string cut_text(const monitor::Cut& c) {
+  constexpr std::array<const char*, 3> kWhat{"", ", what goes there", ", what comes from there"};
+  return seconds_text(c.seconds) + kWhat[static_cast<std::size_t>(c.ways)];
+}
+
 Technique turned(const Technique& now, const monitor::Knob& k) {
   if (k.name == "technique") return technique_by_name(k.value);
   const auto knobs = shell::knobs();
@@ -64,9 +69,9 @@ void Controls::follow(const monitor::Netem& n, std::uint32_t order, Micros now) 
 
 void Controls::follow(const monitor::Cut& c, std::uint32_t order, Micros now) {
   const std::optional<PeerId> peer = other(c.peer);
-  cuts_.cut(peer, peer ? player_.replica().seat(*peer).at : Endpoint{}, now + in_micros(c.seconds));
-  player_.remark({"cut", c.peer, seconds_text(c.seconds)});
-  say(EventKind::kCut, order, c.peer, seconds_text(c.seconds));
+  cuts_.cut(peer, peer ? player_.replica().seat(*peer).at : Endpoint{}, now + in_micros(c.seconds), c.ways);
+  player_.remark({"cut", c.peer, cut_text(c)});
+  say(EventKind::kCut, order, c.peer, cut_text(c));
   update(now);
 }
 

@@ -1,40 +1,41 @@
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <vector>
 
 #include "common/model/endpoint.h"
 #include "common/model/ids.h"
+#include "common/monitor/orders.h"
 
 namespace padr::peer {
 
-/// Links that are cut for a while: with one peer, or with everybody.
+/// Links that are cut for a while, in one direction or both: with one peer, or with everybody.
 class LinkCuts {
  public:
+  using Ways = monitor::Ways;
   /// `peer` absent: all. `at`: where that peer is. Until `until`, microseconds; whole again at once if that is past.
-  void cut(std::optional<PeerId> peer, const Endpoint& at, Micros until) {
+  void cut(std::optional<PeerId> peer, const Endpoint& at, Micros until, Ways ways = Ways::kBoth) {
     if (peer) {
-      by_peer_[*peer] = {at, until};
+      by_peer_[*peer] = {at, until, ways};
     } else {
-      all_until_ = until;
+      all_ = {at, until, ways};
     }
   }
 
-  bool is_cut(const Endpoint& with) const {
-    if (all_until_) return true;
-    for (const auto& [peer, c] : by_peer_)
-      if (same_place(c.at, with)) return true;
-    return false;
-  }
-  bool any() const { return all_until_ || !by_peer_.empty(); }
+  /// Nothing goes there.
+  bool is_cut_out(const Endpoint& to) const { return is_cut(to, Ways::kIn); }
+  /// Nothing that comes from there is heard.
+  bool is_cut_in(const Endpoint& from) const { return is_cut(from, Ways::kOut); }
+  bool any() const { return all_ || !by_peer_.empty(); }
 
   /// Takes out what is over by `now`; kNoPeer stands for all.
   std::vector<PeerId> take_over(Micros now) {
     std::vector<PeerId> over;
-    if (all_until_ && now >= *all_until_) {
+    if (all_ && now >= all_->until) {
       over.push_back(kNoPeer);
-      all_until_.reset();
+      all_.reset();
     }
     for (const auto& [peer, c] : by_peer_)
       if (now >= c.until) over.push_back(peer);
@@ -42,7 +43,8 @@ class LinkCuts {
     return over;
   }
   std::optional<Micros> next_due() const {
-    std::optional<Micros> due = all_until_;
+    std::optional<Micros> due;
+    if (all_) due = all_->until;
     for (const auto& [peer, c] : by_peer_)
       if (!due || c.until < *due) due = c.until;
     return due;
@@ -52,8 +54,15 @@ class LinkCuts {
   struct Cut {
     Endpoint at;
     Micros until = 0;
+    Ways ways = Ways::kBoth;
   };
-  std::optional<Micros> all_until_;
+  bool is_cut(const Endpoint& with, Ways but_for) const {
+    if (all_ && all_->ways != but_for) return true;
+    return std::any_of(by_peer_.begin(), by_peer_.end(),
+                       [&](const auto& c) { return c.second.ways != but_for && same_place(c.second.at, with); });
+  }
+
+  std::optional<Cut> all_;
   std::map<PeerId, Cut> by_peer_;
 };
 

@@ -42,7 +42,7 @@ std::vector<std::string> Loop::shape_links() {
     lines.push_back("link to " + where + ": " + shell::describe(n.spec));
   }
   egress_ = std::make_unique<Egress>(std::move(specs), [this](const Endpoint& to, std::span<const std::byte> bytes) {
-    if (!cuts_.is_cut(to)) socket_->post(to, bytes);
+    if (!cuts_.is_cut_out(to)) socket_->post(to, bytes);
   });
   return lines;
 }
@@ -83,7 +83,7 @@ void Loop::finish() {
 }
 
 void Loop::take(const Endpoint& from, std::span<const std::byte> datagram) {
-  if (cuts_.is_cut(from)) return;
+  if (cuts_.is_cut_in(from)) return;
   if (packets_) packets_->received(from, datagram, PacketLog::now());
   if (!ending()) receive(from, datagram, clock_.now());
 }

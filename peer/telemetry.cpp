@@ -240,7 +240,8 @@ void Telemetry::tell_status(const Situation& s) {
   status.untold = stats_.untold;
   for (monitor::LinkStatus& l : status.links) {
     l.netem = shell::to_string(s.egress.spec_of(l.to, l.at));
-    l.cut_in = l.cut_out = s.cuts.is_cut(l.at);
+    l.cut_out = s.cuts.is_cut_out(l.at);
+    l.cut_in = s.cuts.is_cut_in(l.at);
     l.carrier = player.carrier(l.to);
   }
   send(status);

@@ -22,6 +22,7 @@ struct Put {
   }
   void operator()(const Cut& c) const {
     out.mutable_cut()->set_peer(put_slot(c.peer));
+    out.mutable_cut()->set_ways(static_cast<std::uint32_t>(c.ways));
     out.mutable_cut()->set_seconds(c.seconds);
   }
   void operator()(const Pause& p) const { out.mutable_pause()->set_seconds(p.seconds); }
@@ -61,6 +62,8 @@ bool take_what(const file::Order& in, What& what) {
     }
     case file::Order::kCut: {
       Cut& c = what.emplace<Cut>();
+      if (in.cut().ways() >= kWaysNames.size()) return false;
+      c.ways = static_cast<Ways>(in.cut().ways());
       return take_slot(in.cut().peer(), c.peer) && take_between(in.cut().seconds(), 0, kMostSeconds, c.seconds);
     }
     case file::Order::kPause:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <variant>
@@ -41,10 +42,14 @@ struct Netem {
   friend bool operator==(const Netem&, const Netem&) = default;
 };
 
-/// Nothing passes between the peer and another one, either way.
+enum class Ways : std::uint8_t { kBoth, kOut, kIn };
+inline constexpr std::array<const char*, 3> kWaysNames{"both", "out", "in"};
+
+/// Nothing passes from the peer to another one, from there to the peer, or either way.
 struct Cut {
   PeerId peer = kNoPeer;  ///< kNoPeer: all others
   float seconds = 0;      ///< 0 .. 600; 0: whole again at once
+  Ways ways = Ways::kBoth;
   friend bool operator==(const Cut&, const Cut&) = default;
 };
 

@@ -176,6 +176,8 @@ TEST(MonitorCodec, ValuesOutOfRangeAreRefusedOnBothSidesOfTheirLimits) {
   EXPECT_TRUE(taken(monitor::Drive{Kind::kPoint, {1.0e6F, 0}}));
   EXPECT_FALSE(taken(monitor::Drive{Kind::kPoint, {1.1e6F, 0}}));
   EXPECT_TRUE(taken(monitor::Cut{5, 600}));
+  EXPECT_TRUE(taken(monitor::Cut{5, 600, monitor::Ways::kIn}));
+  EXPECT_FALSE(taken(monitor::Cut{5, 600, static_cast<monitor::Ways>(3)}));
   EXPECT_FALSE(taken(monitor::Cut{5, 600.1F}));
   EXPECT_FALSE(taken(monitor::Cut{5, -0.1F}));
   EXPECT_TRUE(taken(monitor::Cut{63, 1}));

@@ -17,16 +17,31 @@ TEST(LinkCuts, OneOrAllUntilTheirTime) {
   peer::LinkCuts cuts;
   EXPECT_FALSE(cuts.any());
   cuts.cut(PeerId{2}, at(2), 1000);
-  EXPECT_TRUE(cuts.is_cut(at(2)));
-  EXPECT_FALSE(cuts.is_cut(at(3)));
+  EXPECT_TRUE(cuts.is_cut_out(at(2)));
+  EXPECT_FALSE(cuts.is_cut_out(at(3)));
   cuts.cut({}, {}, 500);
-  EXPECT_TRUE(cuts.is_cut(at(3)));
+  EXPECT_TRUE(cuts.is_cut_out(at(3)));
   EXPECT_EQ(cuts.next_due(), 500);
   EXPECT_EQ(cuts.take_over(499), std::vector<PeerId>{});
   EXPECT_EQ(cuts.take_over(500), std::vector<PeerId>{kNoPeer});
-  EXPECT_FALSE(cuts.is_cut(at(3)));
+  EXPECT_FALSE(cuts.is_cut_out(at(3)));
   EXPECT_EQ(cuts.take_over(1000), std::vector<PeerId>{2});
   EXPECT_FALSE(cuts.any());
+}
+
+TEST(LinkCuts, OneWay) {
+  peer::LinkCuts cuts;
+  cuts.cut(PeerId{2}, at(2), 1000, monitor::Ways::kOut);
+  EXPECT_TRUE(cuts.is_cut_out(at(2)));
+  EXPECT_FALSE(cuts.is_cut_in(at(2)));
+  cuts.cut({}, {}, 500, monitor::Ways::kIn);
+  EXPECT_TRUE(cuts.is_cut_in(at(2)));
+  EXPECT_TRUE(cuts.is_cut_in(at(3)));
+  EXPECT_FALSE(cuts.is_cut_out(at(3)));
+  cuts.cut(PeerId{2}, at(2), 1000);
+  EXPECT_EQ(cuts.take_over(500), std::vector<PeerId>{kNoPeer});
+  EXPECT_TRUE(cuts.is_cut_in(at(2)));
+  EXPECT_TRUE(cuts.is_cut_out(at(2)));
 }
 
 // In a session with a key a peer is known by its key, and its datagrams by where they come from.
@@ -35,8 +50,8 @@ TEST(LinkCuts, WhoeverIsThere) {
   known.key[0] = 7;
   peer::LinkCuts cuts;
   cuts.cut(PeerId{2}, known, 1000);
-  EXPECT_TRUE(cuts.is_cut(at(2)));
-  EXPECT_TRUE(cuts.is_cut(known));
+  EXPECT_TRUE(cuts.is_cut_out(at(2)));
+  EXPECT_TRUE(cuts.is_cut_out(known));
 }
 
 }  // namespace

@@ -214,7 +214,8 @@ monitor::Order any_order(Rng& rng) {
       o.what = monitor::Netem{any_slot(rng), any_text(rng, 200)};
       break;
     case 3:
-      o.what = monitor::Cut{any_slot(rng), static_cast<float>(rng.uniform(0, 600))};
+      o.what = monitor::Cut{any_slot(rng), static_cast<float>(rng.uniform(0, 600)),
+                            static_cast<monitor::Ways>(rng.below(3))};
       break;
     case 4:
       o.what = monitor::Pause{static_cast<float>(rng.uniform(0, 600))};

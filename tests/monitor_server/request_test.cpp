@@ -45,6 +45,7 @@ TEST(Request, WhatAPageMaySay) {
   EXPECT_EQ(command(R"({"type":"netem","peer":1,"to":3,"spec":"trace mobile"})"),
             (Command{1, Netem{3, "trace mobile"}}));
   EXPECT_EQ(command(R"({"type":"cut","peer":3,"with":"all","seconds":5})"), (Command{3, Cut{kNoPeer, 5}}));
+  EXPECT_EQ(command(R"({"type":"cut","peer":3,"with":1,"seconds":5,"ways":"in"})"), (Command{3, Cut{1, 5, Ways::kIn}}));
   EXPECT_EQ(command(R"({"type":"pause","peer":2,"on":true})"), (Command{2, Pause{600}}));
   EXPECT_EQ(command(R"({"type":"pause","peer":"all","on":false})"), (Command{kNoPeer, Pause{0}}));
   EXPECT_EQ(command(R"({"type":"push","peer":"any","body":5,"velocity":[3,0]})"), (Command{kNoPeer, Push{5, {3, 0}}}));
@@ -87,6 +88,7 @@ TEST(Request, WhatItMayNotIsAnsweredWithTheFieldThatIsWrong) {
       {R"({"type":"netem","peer":1,"to":1.5,"spec":""})", "to: is not a whole number"},
       {R"({"type":"cut","peer":3,"with":3,"seconds":5})", "with: is the peer itself"},
       {R"({"type":"cut","peer":3,"with":1,"seconds":601})", "seconds: "},
+      {R"({"type":"cut","peer":3,"with":1,"seconds":5,"ways":"up"})", "ways: is none of both, out, in"},
       {R"({"type":"pause","peer":3,"on":1})", "on: is neither true nor false"},
       {R"({"type":"push","peer":"any","body":65535,"velocity":[1,1]})", "body: "},
       {R"({"type":"push","peer":"any","body":1,"velocity":[40,1]})", "velocity: is more than 40 m/s"},

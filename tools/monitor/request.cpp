@@ -133,7 +133,12 @@ Request netem(const Fields& f) {
 
 Request cut(const Fields& f) {
   const PeerId peer = f.peer("peer", nullptr);
-  const Cut c{f.peer("with", "all"), static_cast<float>(f.number("seconds", 0, double{kMostSeconds}))};
+  Cut c{f.peer("with", "all"), static_cast<float>(f.number("seconds", 0, double{kMostSeconds}))};
+  if (f.has("ways")) {
+    const auto found = std::find(kWaysNames.begin(), kWaysNames.end(), f.text("ways", 10));
+    if (found == kWaysNames.end()) Fields::fail("ways", "is none of both, out, in");
+    c.ways = static_cast<Ways>(found - kWaysNames.begin());
+  }
   if (c.peer == peer) Fields::fail("with", "is the peer itself");
   return Command{peer, c};
 }

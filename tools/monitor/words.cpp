@@ -135,7 +135,12 @@ void links(Json& j, const PeerRecord& p) {
     maybe(j, "carries_kbit_s", l.carries_kbit_s > 0 ? std::optional(double{l.carries_kbit_s}) : std::nullopt);
     j.field("queue_ms", rounded(double{l.queue_ms}));
     j.field("carried_by", l.carrier == kNoPeer ? std::nullopt : std::optional(int{l.carrier}));
-    j.field("netem", l.netem).field("cut", l.cut_out || l.cut_in).end_object();
+    j.field("netem", l.netem).key("cut");
+    if (!l.cut_out && !l.cut_in)
+      j.null();
+    else
+      j.value(kWaysNames[static_cast<std::size_t>(!l.cut_in ? Ways::kOut : !l.cut_out ? Ways::kIn : Ways::kBoth)]);
+    j.end_object();
   }
   j.end_array();
 }

@@ -24,7 +24,7 @@ export class Knobs {
     const $ = (name) => panel.querySelector(`[name="${name}"]`);
     this.inputs = Object.fromEntries(
       ["peer", "technique", "high", "low", "body", "replay", "model", "predictor", "convergence", "other", "value",
-        "from", "to", "network", "spec", "cutPeer"].map((n) => [n, $(n)]));
+        "from", "to", "network", "spec", "cutPeer", "cutWith", "cutWays"].map((n) => [n, $(n)]));
     this.network = panel.querySelector(".network .status");
     this.technique = panel.querySelector(".technique .status");
     this.actions = panel.querySelector(".actions .status");
@@ -69,9 +69,15 @@ export class Knobs {
     });
     this.button("pause", () => this.orders.pause(this.peer(), true), "paused");
     this.button("resume", () => this.orders.pause(this.peer(), false), "going on");
-    this.button("cut", () => this.orders.cut(Number(inputs.cutPeer.value), "all", 5), "cut off for 5 s");
+    this.button("cut", () => this.cut(5), "cut off for 5 s");
     this.button("throw", () => this.throwBody(), "thrown");
     this.button("topple", () => this.orders.push(0, [2.5, 0]), "pushed the first one");
+  }
+
+  cut(seconds) {
+    const { cutPeer, cutWith, cutWays } = this.inputs;
+    const partner = cutWith.value === "all" ? "all" : Number(cutWith.value);
+    return this.orders.cut(Number(cutPeer.value), partner, seconds, cutWays.value);
   }
 
   button(name, action, done) {
@@ -152,6 +158,7 @@ export class Knobs {
     panel.querySelector(".why").textContent = whyNot(session, peers);
     for (const name of ["peer", "from", "to"]) options(inputs[name], ["all", ...(name === "to" ? session.present().map((p) => p.slot) : slots)], (s) => (s === "all" ? "all peers" : `peer ${s}`));
     options(inputs.cutPeer, slots, (s) => `peer ${s}`);
+    options(inputs.cutWith, ["all", ...session.present().map((p) => p.slot)], (s) => (s === "all" ? "all" : `peer ${s}`));
     if (session.scene) {
       panel.querySelector("button.topple").hidden = session.scene.name !== "dominoes";
       panel.querySelector("button.throw").hidden = session.scene.bodies.length === 0;

@@ -15,8 +15,8 @@ export class Orders {
     return this.connection.ask({ type: "netem", peer, to, spec });
   }
 
-  cut(peer, partner, seconds) {
-    return this.connection.ask({ type: "cut", peer, with: partner, seconds });
+  cut(peer, partner, seconds, ways = "both") {
+    return this.connection.ask({ type: "cut", peer, with: partner, seconds, ways });
   }
 
   pause(peer, on) {

@@ -82,7 +82,7 @@ function linkCell(from, to) {
   const sends = from.links.find((l) => l.to === to.slot);
   const hears = to.links.find((l) => l.to === from.slot);
   if (!sends || !hears) return { text: "–" };
-  if (sends.cut) return { text: "✂ cut", paint: (td) => { td.dataset.cut = "yes"; } };
+  if (sends.cut === "both" || sends.cut === "out" || hears.cut === "both" || hears.cut === "in") return { text: "✂ cut", paint: (td) => { td.dataset.cut = "yes"; } };
   const parts = [`${number(hears.delay_ms, 0, " ms")}, p95 ${number(hears.delay_p95_ms, 0, " ms")}`];
   if (hears.loss_percent > 0) parts.push(`${number(hears.loss_percent, 1, " %")} of ${hears.loss_of} lost`);
   if (sends.carried_by !== null) parts.push(`by peer ${sends.carried_by}`);
