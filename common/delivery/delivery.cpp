@@ -171,18 +171,23 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
   p.have_beyond = c.have_beyond;
   p.seen_seq = heard_seq_;
   p.seen_age = static_cast<std::uint32_t>(std::max(0, c.now - heard_at_));
-  std::sort(chosen_.begin(), chosen_.end());
-  for (const std::uint32_t i : chosen_) {
-    Flight& f = flight(i);
-    if (f.times > 0) ++repeats_;
-    f.sent = c.now;
-    ++f.times;
-    p.updates.push_back(pool_.copy(own[i - first]));
-  }
+  take_chosen(c.now, own, first);
   last_sent_ = c.now;
   missed_ = false;
   marked_ = !urgent || only_mark;
   return &p;
+}
+
+// They are on their way now.
+void OutLink::take_chosen(Tick now, const Ring<Bundle>& own, std::uint32_t first) {
+  std::sort(chosen_.begin(), chosen_.end());
+  for (const std::uint32_t i : chosen_) {
+    Flight& f = flight(i);
+    if (f.times > 0) ++repeats_;
+    f.sent = now;
+    ++f.times;
+    packet_.updates.push_back(pool_.copy(own[i - first]));
+  }
 }
 
 void OutLink::on_packet(const StatePacket& p, Tick now) {

@@ -76,6 +76,7 @@ class OutLink {
   Tick interval(const Context& c, std::uint32_t end) const;
   Flight& flight(std::uint32_t index);
   void empty_packet();
+  void take_chosen(Tick now, const Ring<Bundle>& own, std::uint32_t first);
   void sample(float rtt);
   bool last_were_missed(Tick now) const;
 

@@ -265,6 +265,7 @@ void Membership::find_paths() {
     if (!roster().seats[c.to].there()) continue;
     const auto kind = c.by == kNoPeer ? SessionEvent::Kind::kDirect : SessionEvent::Kind::kCarried;
     commands_.tell({.kind = kind, .peer = c.to, .by = c.by});
+    replica_.remark({"way", c.to, c.by == kNoPeer ? "direct" : "by " + std::to_string(c.by)});
   }
   auto telling = paths_.due(roster(), links_);
   if (!telling) return;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 
 #include "common/model/rng.h"
@@ -156,6 +157,31 @@ TEST(Report, WhoWasInterferedWithIsNoted) {
   };
   EXPECT_EQ(std::count_if(r.notes.begin(), r.notes.end(), says(what)), 1);
   EXPECT_EQ(std::count_if(r.notes.begin(), r.notes.end(), says("peer 0 was")), 0);
+}
+
+TEST(Report, WhoCarriedForALinkAndForHowLong) {
+  test::RunConfig c;
+  c.ticks = 60;
+  c.before_step = [](Tick t, const auto& nodes) {
+    if (t == 20) nodes[1]->remark({"way", 0, "by 2"});
+    if (t == 30) nodes[1]->remark({"way", 0, "by 3"});
+    if (t == 40) nodes[1]->remark({"way", 0, "direct"});
+    if (t == 50) nodes[0]->remark({"way", 1, "by 2"});
+    if (t == 55) nodes[0]->remark({"way", 1, "by nobody"});
+  };
+  const test::RecordedRun run(c);
+  const report::Report r = report::analyse(labelled(run.traces));
+  ASSERT_EQ(r.peers[1].carried.size(), 2U);
+  const auto [first, second] = std::pair(r.peers[1].carried[0], r.peers[1].carried[1]);
+  EXPECT_EQ((std::array{first.to, first.by, second.to, second.by}), (std::array<PeerId, 4>{0, 2, 0, 3}));
+  EXPECT_EQ(first.until - first.from, 10);
+  EXPECT_EQ(second.from, first.until);
+  EXPECT_EQ(second.until - second.from, 10);
+  ASSERT_EQ(r.peers[0].carried.size(), 1U);
+  EXPECT_EQ(r.peers[0].carried[0].until - r.peers[0].carried[0].from, 5);
+  EXPECT_EQ(r.peers[1].remarks, 0U);
+  EXPECT_NE(report::table(r).find("who carried"), std::string::npos) << report::table(r);
+  EXPECT_NE(report::json(r, {}).find("\"by\": 3"), std::string::npos);
 }
 
 TEST(Report, WhatIsDroppedOfWhomAndWhoIsCutOffIsToldAndIsNoInterference) {

@@ -1,9 +1,11 @@
 #include "tools/report/analysis.h"
 
 #include <algorithm>
+#include <charconv>
 #include <map>
 #include <memory>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "common/model/user_error.h"
@@ -19,6 +21,8 @@
 
 namespace padr::report {
 namespace {
+
+constexpr Tick kOpen = -1;  ///< still carried
 
 /// A state datagram's packet; nothing if it is damaged or of another kind.
 std::optional<std::pair<PeerId, sync::StatePacket>> packet_of(std::span<const std::byte> datagram) {
@@ -193,11 +197,24 @@ class Analysis {
     if (fidelity_ && p.body < session_.bodies) fidelity_->pushed(p.body, c.peer.last_tick + 1);
   }
   static void take(Cursor& c, const trace::Remark& m) {
-    // Its own decision, and no interference.
+    // Its own decisions, and no interference.
     if (m.kind == "cut_off" && m.peer != kNoPeer)
       ++drops_of(c, m.peer).cut_offs;
+    else if (m.kind == "way" && m.peer != kNoPeer)
+      note_way(c, m);
     else
       ++c.peer.remarks;
+  }
+  static void note_way(Cursor& c, const trace::Remark& m) {
+    std::vector<Carried>& all = c.peer.carried;
+    for (Carried& one : all)
+      if (one.to == m.peer && one.until == kOpen) one.until = c.peer.last_tick;
+    constexpr std::string_view kBy = "by ";
+    int by = -1;
+    if (!m.text.starts_with(kBy)) return;
+    const auto [end, wrong] = std::from_chars(m.text.data() + kBy.size(), m.text.data() + m.text.size(), by);
+    if (wrong == std::errc() && end == m.text.data() + m.text.size() && by >= 0 && by < kMaxPeers)
+      all.push_back({m.peer, static_cast<PeerId>(by), c.peer.last_tick, kOpen});
   }
   static void take(Cursor& c, const trace::Footer& f) {
     c.peer.dropped = f.dropped;
@@ -222,6 +239,8 @@ class Analysis {
       p.label = c->reader.label();
       p.header = c->reader.header();
       p.clean = c->reader.clean();
+      for (Carried& one : p.carried)
+        if (one.until == kOpen) one.until = p.went();
       p.inconsistency = meter_.result(c->incarnation);
       p.series = meter_.series(c->incarnation);
       if (fidelity_) take_fidelity(*c);

@@ -71,6 +71,18 @@ void put_drops(Json& j, const Peer& p) {
   j.end_array();
 }
 
+void put_carried(Json& j, const Peer& p) {
+  j.key("carried").begin_array();
+  for (const Carried& c : p.carried)
+    j.begin_object()
+        .field("to", int{c.to})
+        .field("by", int{c.by})
+        .field("from_tick", c.from)
+        .field("until_tick", c.until)
+        .end_object();
+  j.end_array();
+}
+
 void put_peer(Json& j, const Report& r, const Peer& p) {
   j.begin_object();
   j.field("peer", p.header.peer).field("name", p.name).field("incarnation", p.header.incarnation);
@@ -94,6 +106,7 @@ void put_peer(Json& j, const Report& r, const Peer& p) {
   j.field("late_ticks", p.late_ticks).field("worst_lateness_us", p.worst_lateness);
   j.field("damaged_datagrams_received", p.damaged);
   put_drops(j, p);
+  put_carried(j, p);
   j.key("interference").begin_object();
   j.field("knobs_turned", p.retunes).field("pushes", p.pushes).field("links_and_pauses", p.remarks).end_object();
   put_provenance(j, p);

@@ -57,6 +57,14 @@ struct Drops {
   std::uint64_t cut_offs = 0;            ///< how often it stopped listening to it, for good or for a while
 };
 
+/// A link that did not work, and the member that carried for it.
+struct Carried {
+  PeerId to = kNoPeer;
+  PeerId by = kNoPeer;
+  Tick from = 0;
+  Tick until = 0;
+};
+
 /// One incarnation of a peer, from its coming until it says goodbye: what it sees and sends while it makes sure that
 /// everybody has its last updates is left out of inconsistency and traffic.
 struct Peer {
@@ -92,7 +100,8 @@ struct Peer {
   std::uint64_t remarks = 0;  ///< impairments, cuts, pauses
   /// What it dropped in all, by reason, told at a clean end only; who did not know all reasons tells fewer.
   std::vector<std::uint64_t> dropped;
-  std::vector<Drops> drops;  ///< by slot, where there is something to tell
+  std::vector<Drops> drops;      ///< by slot, where there is something to tell
+  std::vector<Carried> carried;  ///< as they began
   Tick went() const { return left_at >= 0 ? left_at : last_tick; }
   Tick played() const { return went() - came; }
   double seconds() const { return static_cast<double>(played()) / kTicksPerSecond; }

@@ -185,6 +185,19 @@ std::string drops_table(const Report& r) {
   return any ? "\nDatagrams dropped for their content, and peers cut off, for ever or for a while.\n" + g.text() : "";
 }
 
+std::string carried_table(const Report& r) {
+  Table g({"from", "to", "by", "from s", "to s"});
+  bool any = false;
+  const auto seconds = [](Tick t) { return fixed(static_cast<double>(t) / kTicksPerSecond, 2); };
+  for (const Peer& p : r.peers)
+    for (const Carried& c : p.carried) {
+      any = true;
+      g.row({"peer " + p.name, "slot " + std::to_string(c.to), "slot " + std::to_string(c.by), seconds(c.from),
+             seconds(c.until)});
+    }
+  return any ? "\nLinks that did not work, and who carried for them.\n" + g.text() : "";
+}
+
 std::string lives_table(const Report& r) {
   if (!comings_and_goings(r)) return "";
   Table g({"who", "came s", "went s", "how", "trace"});
@@ -234,7 +247,7 @@ std::string table(const Report& r) {
       "\nTraffic until the peer leaves. Rates of a peer, with IPv4 and UDP headers; then entity updates by cause, each "
       "counted once.\n" +
       traffic.text();
-  s += links_table(r) + peers_table(r) + drops_table(r) + lives_table(r) + hand_overs_line(r);
+  s += links_table(r) + peers_table(r) + drops_table(r) + carried_table(r) + lives_table(r) + hand_overs_line(r);
   for (const std::string& n : r.notes) s += "\nNote: " + n + "\n";
   return s + verdict(r);
 }
