@@ -103,9 +103,7 @@ void Joiner::advance(Micros local) {
   give_up_if_late(local);
   if (session_.phase == SessionPhase::kFailed) return;
   start_over_if_unheard(local);
-  if (local - asked_ >=
-      std::min(SessionPace::kJoin << std::max(0, asks_ - SessionPace::kJoins), SessionPace::kRareJoin))
-    ask(local);
+  if (local - asked_ >= (asks_ <= SessionPace::kJoins ? SessionPace::kJoin : SessionPace::kRareJoin)) ask(local);
 }
 
 std::optional<Joiner::Introduction> Joiner::introduction(Micros local) const {

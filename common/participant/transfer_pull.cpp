@@ -81,7 +81,7 @@ void TransferPull::on_unreachable(const Endpoint& at) {
 }
 
 void TransferPull::advance(Micros local) {
-  lost_ = lost_ || local - heard_ > patience();
+  lost_ = lost_ || local - heard_ > kPatience;
   if (lost_)
     return session_.fail(
         "peer at " + to_string(by_) +
@@ -95,18 +95,13 @@ void TransferPull::advance(Micros local) {
 // out.
 void TransferPull::measure(Micros local) {
   const bool measures = offset_.samples() < OffsetEstimator::kKept;
-  if (local - heard_ > patience()) return;  // it has ended, or has forgotten us
-  const std::size_t beyond = static_cast<std::size_t>(std::max(0, unanswered_ - static_cast<int>(kSamples)));
-  const Micros often = std::min(kPing << std::min((beyond + kPairs - 1) / kPairs, kDoublings), kIdlePing);
+  if (local - heard_ > kPatience) return;  // it has ended, or has forgotten us
+  const Micros often =
+      std::min(kPing << std::min(static_cast<std::size_t>(unanswered_) / kSamples, kDoublings), kIdlePing);
   if (local - pinged_ < (measures ? often : kIdlePing) || (!measures && entering_)) return;
   pinged_ = local;
   ++unanswered_;
   session_.send(by_, wire::Ping{local});
-}
-
-// What was sent to be welcomed may still be in a queue before the first Ping.
-Micros TransferPull::patience() const {
-  return offset_.samples() == 0 && pieces_.empty() ? 2 * kPatience : kPatience;
 }
 
 void TransferPull::clock_is_ahead(Micros at_least) {

@@ -37,24 +37,20 @@ class TransferPull {
   const Endpoint& by() const { return by_; }
   Micros round_trip() const { return offset_.round_trip(); }
 
-  /// Between the first kSamples Pings; after every kPairs more without an answer, twice that, and again.
-  static constexpr Micros kPing = 10'000;
-  static constexpr std::size_t kPairs = 2;
+  static constexpr Micros kPing = 10'000;  ///< twice that, and again, after every kSamples without an answer
   static constexpr Micros kIdlePing = 500'000;
   static constexpr Micros kOldestPong = 5'000'000;
   static constexpr std::size_t kSamples = 8;
   static constexpr Micros kAgain = 50'000;    ///< between the first Enters, and from the last piece to a Pull at least
   static constexpr Micros kRarely = 200'000;  ///< between two Enters after kOften of them
   static constexpr int kOften = 4;
-  static constexpr std::size_t kDoublings = 6;  ///< of the time between Pings at most
-  static constexpr int kPullDoublings = 2;      ///< of the time between Pulls at most
-  static constexpr int kMostWanted = 64;        ///< pieces that a Pull asks for
-  static constexpr Micros kPatience =
-      2'500'000;  ///< longest silence of the introducer; twice that before its first answer
+  static constexpr std::size_t kDoublings = 6;    ///< of the time between Pings at most
+  static constexpr int kPullDoublings = 2;        ///< of the time between Pulls at most
+  static constexpr int kMostWanted = 64;          ///< pieces that a Pull asks for
+  static constexpr Micros kPatience = 2'500'000;  ///< longest silence of the introducer
 
  private:
   void pull(Micros local);
-  Micros patience() const;
   bool pull_is_due(Micros local) const;
   void finish_if_complete();
 

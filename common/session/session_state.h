@@ -54,11 +54,11 @@ struct SessionDatagram {
 
 /// How often peers repeat themselves, and how long they wait; us.
 struct SessionPace {
-  static constexpr Micros kTick = 10'000;         ///< timers are looked at this often
-  static constexpr Micros kJoin = 200'000;        ///< between the first Joins, then twice that, and again
-  static constexpr int kJoins = 2;                ///< of them
-  static constexpr Micros kRareJoin = 1'600'000;  ///< at most: a Join is padded, and the link may be narrow
-  static constexpr Micros kUnheard = 700'000;     ///< after a redirect, until it asks the first address again
+  static constexpr Micros kTick = 10'000;       ///< timers are looked at this often
+  static constexpr Micros kJoin = 200'000;      ///< between the first Joins
+  static constexpr int kJoins = 4;              ///< of them
+  static constexpr Micros kRareJoin = 400'000;  ///< between later ones
+  static constexpr Micros kUnheard = 700'000;   ///< after a redirect, until it asks the first address again
   /// After a redirect, until a newcomer that has heard nothing asks through the member that has redirected it, too.
   static constexpr Micros kDirectly = 300'000;
 };

@@ -63,18 +63,6 @@ TEST(SessionStart, OverNarrowLinks) {
   EXPECT_EQ(party.judge().violation(), "") << party.story();
 }
 
-// A newcomer whose way out is narrow: Joins are padded, so a few of them fill it for seconds.
-TEST(SessionStart, FromBehindANarrowUplink) {
-  lab::VirtualNetworkConfig config = party_config(2, "delay 50ms", seed(1));
-  config.scene = scenarios::load_embedded("arena", 1);
-  config.seal = wire::SealMode::kAuth;
-  Party party(config, [](lab::VirtualNetwork& net) {
-    net.shape(1, 0, shell::parse_netem("delay 50ms rate 12kbit limit 100"));
-  });
-  EXPECT_TRUE(party.run_until(15, [&] { return party.started(); })) << party.story();
-  EXPECT_EQ(party.judge().violation(), "") << party.story();
-}
-
 TEST(SessionStart, LossDuplicatesReorderingAndCorruption) {
   const std::uint64_t first = seed(1);
   for (std::uint64_t seed = first; seed < first + 40; ++seed) {
