@@ -10,8 +10,8 @@ namespace padr::sync {
 
 /// What a directed link carries, and whether it may be sent something now. The acknowledgements show by how much each
 /// datagram was later than the quickest of late. A queue of what we have sent explains that for exactly one rate of the
-/// link: the estimate. Nothing but marks is sent while that queue, as the estimate has it, is not empty, so what is sent is
-/// never older than the link makes it. While something is held back and no queue shows, the estimate grows.
+/// link: the estimate. Nothing but marks is sent while that queue, as the estimate has it, is not empty, so what is
+/// sent is never older than the link makes it. While something is held back and no queue shows, the estimate grows.
 ///
 /// Over seconds less is to be sent than the link carries, and no more than a share of a budget: see `ahead`.
 ///
