@@ -197,15 +197,13 @@ play_partition() {
 export PADR_SEED=$seed PADR_DURATION=$duration
 case $name in churn | partition) export PADR_DURATION=0 ;; esac # until stopped
 
-# Without one, nobody could carry for others.
-case $name in nat | no-direct) needs_key=yes ;; *) needs_key=no ;; esac
-
 quietly compose down --volumes --remove-orphans --timeout 1
 if [[ $build == yes ]]; then
   echo "== building the images"
   compose build || fail "the images cannot be built"
 fi
-if [[ $needs_key == yes && -z ${PADR_KEY:-} ]]; then
+# Without a key, nobody could carry for others.
+if [[ $name =~ ^(nat|no-direct)$ && -z ${PADR_KEY:-} ]]; then
   PADR_KEY=$(docker run --rm --read-only --network none --cap-drop ALL "${PADR_IMAGE:-padr:local}" padr-peer keygen) || fail "there is no key"
   export PADR_KEY
 fi
@@ -252,11 +250,11 @@ fi
 
 # Those that do not reach each other said so, and by whom they do.
 must_be_carried() { # SERVICE...
-  local service
+  local service line
   for service in "$@"; do
     docker logs "$(containers "$service")" >"$log" 2>&1
-    grep -q 'is reached through peer' "$log" || fail "$service was carried by nobody"
-    echo "$service: $(sed -n 's/.*session: \(peer [0-9]* is reached through peer.*\)/\1/p' "$log" | head -n 1)"
+    line=$(grep -m 1 -o 'peer [0-9]* is reached through peer.*' "$log") || fail "$service was carried by nobody"
+    echo "$service: $line"
   done
 }
 case $name in

@@ -159,9 +159,12 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
   // Without answers nobody would learn that what is taken for a queue is none, or is over.
   const bool only_mark = !rate_.may_send(c.now);
   if (only_mark && !mark_is_due(c)) return nullptr;
-  if (only_mark) chosen_.clear();
+  if (only_mark) {
+    chosen_.clear();
+    repeated_.clear();
+  }
   for (const std::uint32_t i : repeated_)
-    if (!only_mark && fits(i)) chosen_.push_back(i);
+    if (fits(i)) chosen_.push_back(i);
   empty_packet();
   StatePacket& p = packet_;
   p.seq = ++seq_;

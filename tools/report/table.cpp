@@ -185,15 +185,18 @@ std::string drops_table(const Report& r) {
   return any ? "\nDatagrams dropped for their content, and peers cut off, for ever or for a while.\n" + g.text() : "";
 }
 
+std::string in_seconds(Tick t) {
+  return fixed(static_cast<double>(t) / kTicksPerSecond, 2);
+}
+
 std::string carried_table(const Report& r) {
   Table g({"from", "to", "by", "from s", "to s"});
   bool any = false;
-  const auto seconds = [](Tick t) { return fixed(static_cast<double>(t) / kTicksPerSecond, 2); };
   for (const Peer& p : r.peers)
     for (const Carried& c : p.carried) {
       any = true;
-      g.row({"peer " + p.name, "slot " + std::to_string(c.to), "slot " + std::to_string(c.by), seconds(c.from),
-             seconds(c.until)});
+      g.row({"peer " + p.name, "slot " + std::to_string(c.to), "slot " + std::to_string(c.by), in_seconds(c.from),
+             in_seconds(c.until)});
     }
   return any ? "\nLinks that did not work, and who carried for them.\n" + g.text() : "";
 }
@@ -201,10 +204,9 @@ std::string carried_table(const Report& r) {
 std::string lives_table(const Report& r) {
   if (!comings_and_goings(r)) return "";
   Table g({"who", "came s", "went s", "how", "trace"});
-  const auto seconds = [](Tick t) { return fixed(static_cast<double>(t) / kTicksPerSecond, 2); };
   for (const Peer& p : r.peers) {
     const char* how = p.left_at >= 0 ? "left" : p.superseded ? "began anew" : p.clean ? "ended" : "broke off";
-    g.row({"peer " + p.name, seconds(p.came), seconds(p.went()), how, p.label});
+    g.row({"peer " + p.name, in_seconds(p.came), in_seconds(p.went()), how, p.label});
   }
   return "\nWho came and went.\n" + g.text();
 }
