@@ -60,12 +60,12 @@ class ComparisonTest : public test::Shell {
     d.payload = payload;
     c.add(d);
   }
-  /// Of peer 0's datagrams, those for which `has` says so; of peer 1's the one that tells who it is.
-  LinkStory link(const std::function<bool(Tick)>& has) const {
+  /// Of peer 0's datagrams, those for which `has` says so; of peer 1's, if `both`, the one that tells who it is.
+  LinkStory link(const std::function<bool(Tick)>& has, bool both = true) const {
     Comparison c;
     trace_of(0, c);
     trace_of(1, c);
-    capture(datagram(1, 1), 1, c);
+    if (both) capture(datagram(1, 1), 1, c);
     for (Tick t = 1; t <= kSent; ++t)
       if (has(t)) capture(datagram(static_cast<std::uint32_t>(t)), 0, c);
     for (const LinkStory& l : c.links())
@@ -90,6 +90,14 @@ TEST_F(ComparisonTest, WhatArrivedAndIsMissingInTheMiddleContradicts) {
   const LinkStory l = link([](Tick t) { return t >= 200 && t != 400; });
   ASSERT_EQ(l.contradictions.size(), 1U);
   EXPECT_EQ(l.contradictions.front().tick, 400);
+}
+
+// Whoever has left sends nothing more, and gets more for a while.
+TEST_F(ComparisonTest, WhatIsSentToSomebodyWhoSaysNothingIsNoContradiction) {
+  const LinkStory l = link([](Tick t) { return t >= 500; }, false);
+  EXPECT_EQ(l.to.slot, 1);
+  EXPECT_TRUE(l.contradictions.empty());
+  EXPECT_EQ(l.captured, 101U);
 }
 
 }  // namespace

@@ -39,6 +39,7 @@ useradd --create-home somebody
 as_somebody() { (cd ~somebody && setpriv --reuid=somebody --regid=somebody --clear-groups env HOME="$PWD" "$@"); }
 as_somebody padr-demo --duration 5 --page off | tail -n 4
 [[ -s ~somebody/out/demo/report.json ]] || fail "no report of the demo"
+: >/var/cache/said # there before the first look into it
 as_somebody padr-demo --duration 6 --page 0 >/var/cache/said 2>&1 &
 demo=$!
 port=

@@ -115,6 +115,14 @@ void Comparison::add(const Datagram& d) {
                        static_cast<Tick>(scan.mark_tick)});
 }
 
+Incarnation Comparison::receiver_of(const Captured& c) const {
+  if (const auto found = who_.find({c.to, c.to_incarnation}); found != who_.end())
+    return {found->second, c.to_incarnation};
+  for (PeerId slot = 0; slot < kMaxPeers; ++slot)
+    if (told_.contains({c.from, {slot, c.to_incarnation}, c.content})) return {slot, c.to_incarnation};
+  return {kNoPeer, c.to_incarnation};
+}
+
 std::vector<LinkStory> Comparison::links() const {
   std::map<Key, Passage> all = told_;
   struct Range {
@@ -123,8 +131,7 @@ std::vector<LinkStory> Comparison::links() const {
   };
   std::map<std::pair<Incarnation, Incarnation>, Range> ranges;
   for (const Captured& c : captured_) {
-    const auto found = who_.find({c.to, c.to_incarnation});
-    const Incarnation to{found == who_.end() ? kNoPeer : found->second, c.to_incarnation};
+    const Incarnation to = receiver_of(c);
     Passage& p = all[{c.from, to, c.content}];
     p.seq = c.seq;
     p.tick = c.tick;

@@ -73,6 +73,8 @@ class Comparison {
     Tick tick = 0;
   };
   void from_trace(std::span<const std::byte> datagram, const TraceStory& story, PeerId to);
+  /// By the address that it was sent to, or, where the capture has nothing that was sent from there, by the traces.
+  Incarnation receiver_of(const Captured& c) const;
 
   std::vector<TraceStory> traces_;
   std::map<Key, Passage> told_;  ///< by the traces
