@@ -16,6 +16,7 @@ node::SessionConfig session_config(const Options& o, const std::optional<Endpoin
   c.join = join;
   c.wanted = o.wait_peers;
   c.slots = o.slots;
+  c.spectates = o.spectates;
   c.scenario = o.scenario.label + " seed " + std::to_string(o.scenario.seed);
   c.seed = shell::unpredictable();
   c.secret = shell::unpredictable();
@@ -36,7 +37,10 @@ EventLoop::EventLoop(const Options& options, Log& log, const shell::Clock& clock
   if (telemetry_) controls_ = std::make_unique<Controls>(*player_, *egress_, cuts_, *telemetry_, log);
   say_where(links);
   if (join_) log_.session->info("joining {} ({})", options.join->text, to_string(*join_));
-  if (!join_) log_.session->info("founded, waiting for {} peers in all", options.wait_peers);
+  if (!join_)
+    log_.session->info("founded, waiting for {}", options.spectates
+                                                      ? fmt::format("{} players", options.wait_peers)
+                                                      : fmt::format("{} peers in all", options.wait_peers));
 }
 
 void EventLoop::open_all_files() {

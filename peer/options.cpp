@@ -87,7 +87,7 @@ void declare_session(CLI::App& app, Raw& raw, Options& o) {
       ->type_name("HOST:PORT")
       ->group(group);
   app.add_option("--wait-peers", raw.wait_peers,
-                 "Founder: start when this number of peers is there, the founder included [2]")
+                 "Founder: start when this number of players is there, the founder included if it plays [2]")
       ->type_name("N")
       ->group(group);
   app.add_option("--slots", raw.slots,
@@ -100,6 +100,14 @@ void declare_session(CLI::App& app, Raw& raw, Options& o) {
       ->type_name("S")
       ->check(shell::between(0.0, 86400.0, "seconds"))
       ->capture_default_str()
+      ->group(group);
+  app.add_flag("--spectate", o.spectates,
+               "Only watch: a member without an avatar. It takes a slot, and --wait-peers does not count it")
+      ->group(group);
+  app.add_flag(
+         "--meeting-point", o.meeting_point,
+         "As --spectate, for a machine that all peers can reach: it introduces peers that cannot reach each other,\n"
+         "carries for them without the limit that players have, and waits for the first ones for ever")
       ->group(group);
   app.add_flag("--insecure", o.insecure,
                "Without a key: allow addresses that other machines can reach; senders are then not authenticated")
@@ -294,6 +302,18 @@ void take_sizes(const Raw& raw, Options& o) {
   o.slots = check("--slots", raw.slots.value_or(std::max(o.wait_peers, std::min(most, kUsualSlots))), o.wait_peers);
 }
 
+void take_spectator(const CLI::App& app, Options& o) {
+  const char* flag = o.meeting_point ? "--meeting-point" : "--spectate";
+  if (!o.spectates && !o.meeting_point) return;
+  for (const char* other : {"--input", "--crowd"})
+    if (app.count(other) > 0)
+      throw UserError(std::string(flag) + ": cannot be used with " + other + "; leave one of them out");
+  if (o.meeting_point && !o.key)
+    o.warnings.push_back("--meeting-point: without a key members do not carry for one another (see docs/links.md)");
+  if (o.meeting_point && app.count("--join-timeout") == 0) o.join_timeout = 0;
+  o.spectates = true;
+}
+
 NetemOverride parse_override(const std::string& text, std::vector<std::string>* warnings) {
   const auto equals = text.find('=');
   if (equals == std::string::npos)
@@ -381,6 +401,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   take_log_levels(raw, o);
   take_addresses(raw, o);
   take_key(raw, o);
+  take_spectator(app, o);
   take_monitor(raw, o);
   o.technique = raw.technique.technique();
   o.netem = raw.netem.spec(&o.warnings);

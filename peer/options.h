@@ -52,6 +52,8 @@ struct Options {
   wire::SealMode seal = wire::SealMode::kNone;  ///< kNone without a key, and only then
   std::string keylog;                           ///< file; empty: none
   double join_timeout = 30;                     ///< s, until the session must have started; 0: no limit
+  bool spectates = false;                       ///< it has no avatar
+  bool meeting_point = false;                   ///< likewise, and it passes on as much as others ask it to
 
   shell::LoadedScenario scenario;     ///< of a session
   std::optional<CrowdOptions> crowd;  ///< it plays in a crowd, in place of a session

@@ -32,6 +32,9 @@ Totals operator+(const Totals& a, const Totals& b) {
   return sum;
 }
 
+/// Of a meeting point, bytes/s; at 64 kbit/s each, those of 125 players.
+constexpr double kMeetingPointCarries = 1e6;
+
 }  // namespace
 
 Player::Player(const Options& options, const node::SessionConfig& session, std::optional<node::ChannelConfig> channels,
@@ -51,6 +54,7 @@ node::ParticipantConfig Player::config(const node::SessionConfig& session,
   c.channels = std::move(channels);
   c.replica.technique = options_.technique;
   c.linger = in_micros(options_.linger);
+  if (options_.meeting_point) c.carries = kMeetingPointCarries;
   c.recording = [this](int incarnation) {
     history_.begin(incarnation);
     return recordings_.of(incarnation);

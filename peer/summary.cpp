@@ -32,7 +32,8 @@ void put_session(Json& j, const Report& r) {
   const node::SessionStats& s = session.stats();
   j.key("session").begin_object();
   j.field("listen", to_string(r.local)).field("number", session.number());
-  j.field("started", r.player.has_begun()).field("peers", session.present()).field("slots", session.slots());
+  j.field("started", r.player.has_begun()).field("peers", session.present());
+  j.field("spectators", session.spectators()).field("spectates", r.options.spectates).field("slots", session.slots());
   // To whoever let us in.
   j.field("round_trip_ms", static_cast<double>(session.round_trip()) / 1e3);
   j.key("datagrams").begin_object();

@@ -90,6 +90,7 @@ Admissions::Guest* Admissions::take_in(const Endpoint& from, const wire::Join& j
   g.cookie = cookie_for(from, join.nonce);
   g.slot = *slot;
   g.since = local;
+  g.spectator = join.spectator;
   g.incarnation = incarnation_for(join.nonce, view);
   if (g.incarnation >= sync::kEndOfNumbers) {
     refuse(from, join, "this session has had too many members; found another", out);
@@ -213,6 +214,7 @@ void Admissions::on_enter(const Endpoint& from, const wire::Enter& enter, const 
   a.first = view.log.have(guest->slot);
   a.at = from;
   a.have = guest->have;
+  a.spectator = guest->spectator;
   sync::Bundle order;
   order.admission = std::move(a);
   out.publish(order);

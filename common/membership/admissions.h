@@ -55,6 +55,7 @@ class Admissions {
     std::size_t sent = 0;             ///< pieces sent, each time counted
     std::vector<std::uint32_t> have;  ///< by slot: with the pieces, the joiner has all updates below this
     bool ordered = false;
+    bool spectator = false;
   };
   std::uint32_t incarnation_for(std::uint64_t nonce, const View& view) const;
   static bool is_of(const Guest& g, const Endpoint& where);

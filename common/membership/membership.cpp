@@ -276,10 +276,16 @@ void Membership::find_paths() {
 }
 
 void Membership::count_present() {
-  int present = 1;
-  for (PeerId p = 0; p < session_.slots; ++p)
-    if (p != session_.self && roster().seats[p].there()) ++present;
-  commands_.count_present(present);
+  const Replica& replica = replica_.replica();
+  const bool region = replica.live().world().scene().region.has_value();
+  int present = 0;
+  int spectators = 0;
+  for (PeerId p = 0; p < session_.slots; ++p) {
+    if (p != session_.self && !roster().seats[p].there()) continue;
+    ++present;
+    if (!region && replica.agreed().predicted_state().spectates(p)) ++spectators;
+  }
+  commands_.count_present(present, spectators);
 }
 
 std::vector<MemberChange> Membership::take_changes() {

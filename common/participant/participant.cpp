@@ -19,8 +19,7 @@ namespace {
 constexpr Tick kSteerEvery = kTicksPerSecond / 2;
 /// When all peers are stopped at once, this many leave in one tick, because every peer answers every leave update.
 constexpr int kFarewells = 4;
-/// Datagrams of others are passed on at this rate at least, bytes/s, and so many bytes at once.
-constexpr double kCarriedAtLeast = 8'000;
+/// Most bytes of others that are passed on at once.
 constexpr double kCarriedAtOnce = 64'000;
 /// The same for newcomers, between which and the coordinator this peer carries; they take nothing from members.
 constexpr double kIntroducedAtLeast = 16'000;
@@ -47,7 +46,7 @@ Participant::Participant(const Scene& scene, ParticipantConfig config, Micros lo
       local_(local),
       warned_(local - kWarnAgain),
       began_(local),
-      for_members_(kCarriedAtLeast, kCarriedAtOnce, 0, local),
+      for_members_(config_.carries, kCarriedAtOnce, 0, local),
       for_newcomers_(kIntroducedAtLeast, kIntroducedAtOnce, kIntroducedAtOnce, local) {
   if (config_.channels) {
     auto& may = config_.channels->may_carry;
@@ -253,7 +252,8 @@ bool Participant::done(Micros local) const {
   if (!playing()) return waited;
   if (nobody_to_tell() && replica().orders() == 0) return local > *left_at_;
   if (farewell_) return false;
-  return waited || (replica().delivered() && !(stays_ && session().present() > 1));
+  const int others = session().players() - (config_.session.spectates ? 0 : 1);
+  return waited || (replica().delivered() && !(stays_ && others > 0));
 }
 
 bool Participant::nobody_to_tell() const {

@@ -21,6 +21,8 @@ struct ParticipantConfig {
   std::optional<ChannelConfig> channels;  ///< the session has a key; otherwise nothing is sealed
   /// Steers its session's clock with its steps. Otherwise the caller does, as in a crowd, where a peer has one clock.
   bool steers = true;
+  /// Rate at which this peer passes on datagrams of other members, besides as much as it sends itself, bytes/s.
+  double carries = 8'000;
   /// Longest wait after leave() for the others to acknowledge this peer's last updates, us.
   Micros linger = 3 * kMicrosPerSecond;
   /// Where the n-th incarnation of this peer (0, 1, ...) is recorded to; empty or nothing returned: nowhere.

@@ -31,6 +31,7 @@ ReplicaConfig Participant::replica_config(const Session& session) const {
   c.session_id = session.id();
   c.incarnation = session.incarnation();
   c.wanted = session.wanted();
+  c.spectates = config_.session.spectates;
   if (channels_)
     c.sign = [key = channels_->signing_key(), said = wire::Said{c.session_id, c.incarnation}](const sync::Bundle& b) {
       return wire::sign_update(key, said, b);
@@ -198,11 +199,11 @@ void Participant::look_for_way_back(Micros local) {
 void Participant::give_up_waiting(Micros local) {
   const Micros patience = config_.session.patience;
   const sync::Start start = replica().start();
-  const bool all_there = session().present() >= start.wanted;
+  const int players = session().players();
+  const bool all_there = players >= start.wanted;
   if (left_at_ || patience == 0 || all_there || local - began_ < patience) return;
-  current_.session->state().failure = "only " + std::to_string(session().present()) + " of " +
-                                      std::to_string(start.wanted) + " peers came within " +
-                                      std::to_string(patience / kMicrosPerSecond) + " s";
+  current_.session->state().failure = "only " + std::to_string(players) + " of " + std::to_string(start.wanted) +
+                                      " peers came within " + std::to_string(patience / kMicrosPerSecond) + " s";
   leave(local);
 }
 

@@ -70,6 +70,9 @@ class Session {
   int wanted() const { return session_.wanted; }
   /// Members present, this one included.
   int present() const { return session_.present; }
+  int spectators() const { return session_.spectators; }
+  /// Members present that have an avatar.
+  int players() const { return session_.present - session_.spectators; }
   /// Least round trip to our introducer so far, us; 0 for the founder.
   Micros round_trip() const { return pull_ ? pull_->round_trip() : 0; }
   const SessionStats& stats() const { return stats_; }

@@ -26,7 +26,7 @@ void Joiner::ask(Micros local) {
   asked_ = local;
   ++asks_;
   const SessionConfig& c = session_.config;
-  session_.send(target_, wire::Join{nonce_, c.scene_hash, c.fingerprint, c.authority, c.scenario});
+  session_.send(target_, wire::Join{nonce_, c.scene_hash, c.fingerprint, c.authority, c.scenario, c.spectates});
 }
 
 void Joiner::on_join(const Endpoint& from, const wire::Join& join, Micros local) {

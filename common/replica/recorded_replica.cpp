@@ -39,6 +39,7 @@ trace::Header trace_header(const Scene& scene, const ReplicaConfig& config, cons
   h.bodies = static_cast<int>(scene.bodies.size());
   h.technique = config.technique;
   h.is_signed = static_cast<bool>(config.sign);
+  h.spectates = config.spectates;
   return h;
 }
 

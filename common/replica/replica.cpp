@@ -181,6 +181,7 @@ void Replica::report(Vec2 target, Vec2 velocity_before) {
     publish(last);
     return;
   }
+  if (config_.spectates) return report_as_spectator();
   sync::Reporter::Situation s;
   s.live = &live_;
   s.predicted = &agreed_.predicted_state();
@@ -223,6 +224,16 @@ void Replica::report(Vec2 target, Vec2 velocity_before) {
   }
 }
 
+// A founder has an avatar until it says that it spectates.
+void Replica::report_as_spectator() {
+  if (agreed_.predicted_state().spectates(config_.self)) return publish_heartbeat();
+  sync::Bundle last;
+  last.peer = config_.self;
+  last.tick = now();
+  last.spectates = true;
+  publish(last);
+}
+
 // The avatar is where its owner has published it. Bodies follow when the predicted state is adopted.
 void Replica::take_on_rounded(const sync::Bundle& told) {
   if (config_.technique.precision != Precision::kRounded || !told.avatar || !told.avatar->awake) return;
@@ -260,7 +271,8 @@ void Replica::retune(const Technique& technique) {
 }
 
 bool Replica::may_push(EntityId b) const {
-  if (!member() || gone_ || roster_.leaving || !playing() || b >= live_.world().bodies()) return false;
+  if (!member() || config_.spectates || gone_ || roster_.leaving || !playing() || b >= live_.world().bodies())
+    return false;
   return !config_.technique.authority || reporter_.may_change(agreed_.predicted_state(), b);
 }
 

@@ -36,6 +36,7 @@ struct ReplicaConfig {
   std::uint32_t incarnation = 0;  ///< of this peer in its slot; above 0 for a peer that joined later
   std::uint16_t session = 0;      ///< in every datagram's header
   SessionId session_id{};         ///< in every signature
+  bool spectates = false;         ///< this peer has no avatar
   Technique technique;
   sync::Fault fault;             ///< for tests only
   std::size_t kept_ticks = 512;  ///< see AgreedConfig
@@ -233,6 +234,7 @@ class Replica {
   /// `as_stepped`: as in LiveWorld::adopt.
   void adopt(bool as_stepped = false);
   void report(Vec2 target, Vec2 velocity_before);
+  void report_as_spectator();
   void take_on_rounded(const sync::Bundle& told);
   void look_ahead(Vec2 target);
   std::vector<EntityId> push_bodies();

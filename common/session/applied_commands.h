@@ -31,7 +31,10 @@ class AppliedCommands final : public Commands {
   void give_up(PeerId p, bool for_good) override { replica_.give_up(p, for_good); }
   void cut_off(PeerId p, const std::string& why) override { replica_.cut_off(p, why); }
   void relay(const wire::Fetched& updates, PeerId by) override { replica_.relay(updates, by); }
-  void count_present(int members) override { session_.present = members; }
+  void count_present(int members, int spectators) override {
+    session_.present = members;
+    session_.spectators = spectators;
+  }
   void tell(SessionEvent event) override { session_.tell(std::move(event)); }
 
  private:

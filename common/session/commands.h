@@ -37,8 +37,8 @@ class Commands {
   /// Files updates that member `by` relayed.
   virtual void relay(const wire::Fetched& updates, PeerId by) = 0;
 
-  /// Sets the number of members present, this one included.
-  virtual void count_present(int members) = 0;
+  /// Sets the number of members present, this one included, and of the spectators among them.
+  virtual void count_present(int members, int spectators) = 0;
   virtual void tell(SessionEvent event) = 0;
 };
 

@@ -16,13 +16,14 @@ namespace padr::node {
 struct SessionConfig {
   std::optional<Endpoint> join;  ///< any member; absent: found a session
   // Set by the founder:
-  int wanted = 2;  ///< members that must be present for play to begin, 1 .. slots
+  int wanted = 2;  ///< avatars that must be present for play to begin, 1 .. slots
   int slots = 2;   ///< avatar slots, wanted .. kMaxPeers
   // The same for all members; a Participant fills them in:
   std::uint64_t scene_hash = 0;
   std::uint64_t fingerprint = 0;  ///< of physics: see world::physics_fingerprint, which takes some milliseconds once
   bool authority = true;
-  std::string scenario;  ///< for messages to people: name and seed
+  bool spectates = false;  ///< this peer has no avatar
+  std::string scenario;    ///< for messages to people: name and seed
   /// Seed of the session's number, or of the joiner's nonce. No two runs may have the same.
   std::uint64_t seed = 0;
   /// Key of the cookies by which a joiner proves its address. No other peer may know or guess it.
@@ -72,7 +73,8 @@ struct SessionView {
   SessionId id{};
   int slots = 0;
   int wanted = 0;
-  int present = 0;  ///< members present, this one included
+  int present = 0;     ///< members present, this one included
+  int spectators = 0;  ///< of them
   SessionClock clock;
 };
 

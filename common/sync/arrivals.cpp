@@ -52,7 +52,7 @@ void Arrivals::apply_to(Fold& fold, bool time_stamps) {
 
 // Takes out of it what is older than what has been here.
 void Arrivals::keep_newest(Bundle& b) {
-  if (b.leave) newest_avatar_[b.peer] = std::numeric_limits<Tick>::max();
+  if (b.leave || b.spectates) newest_avatar_[b.peer] = std::numeric_limits<Tick>::max();
   if (b.admission) {
     newest_avatar_[b.admission->slot] = -1;
     newest_body_[b.admission->slot].assign(newest_body_[b.admission->slot].size(), -1);

@@ -26,11 +26,14 @@ Fold::Fold(const Scene& scene, int slots, int peers, bool authority, int wanted)
 void Fold::apply(const Bundle& bundle) {
   if (!members_[bundle.peer].present) return;
   if (bundle.leave) return remove(bundle.peer);
+  if (bundle.spectates) return remove_avatar(bundle.peer);
   for (const Removal& r : bundle.removals)
     if (members_[r.slot].present && members_[r.slot].incarnation == r.incarnation) remove(r.slot);
   if (bundle.admission) admit(*bundle.admission, bundle.tick);
   if (bundle.going && world_.scene().region) members_[bundle.peer].going = *bundle.going;
   for (const Passage& p : bundle.passages) pass(bundle.peer, p, bundle.tick);
+  const bool spectates = !avatars_[bundle.peer].present && !world_.scene().region;
+  if (spectates) return;
   if (bundle.avatar) apply_avatar(bundle.peer, *bundle.avatar, bundle.tick);
   for (const BodyUpdate& u : bundle.bodies) apply_body(bundle.peer, u, bundle.tick);
 }
@@ -63,12 +66,12 @@ void Fold::admit(const Admission& a, Tick tick) {
   members_[a.slot] = {true, a.incarnation, false};
   avatars_[a.slot] = {};
   // In a region its owner first has to say where it is.
-  avatars_[a.slot].present = !world_.scene().region;
+  avatars_[a.slot].present = !world_.scene().region && !a.spectator;
   const EntityId e = world_.avatar(a.slot);
   world_.set_state(e, {world_.scene().avatar.spawns[a.slot], 0, {}, 0, true});
   world_.set_present(e, avatars_[a.slot].present);
-  const auto present = std::count_if(members_.begin(), members_.end(), [](const Member& m) { return m.present; });
-  if (start_.wanted > 0 && present >= start_.wanted) start_ = {0, tick + kStartLead};
+  const auto players = std::count_if(avatars_.begin(), avatars_.end(), [](const AvatarModel& m) { return m.present; });
+  if (start_.wanted > 0 && players >= start_.wanted) start_ = {0, tick + kStartLead};
 }
 
 // Who enters a slot begins with a record that nothing said of whoever was there before can beat.
@@ -103,10 +106,14 @@ void Fold::leave_free(EntityId body) {
   world_.set_state(body, {d.position, d.angle, {}, 0, false});
 }
 
-// What it owned goes on by physics alone, for everybody alike, until somebody touches it.
 void Fold::remove(PeerId p) {
   members_[p].present = false;
   members_[p].going = false;
+  remove_avatar(p);
+}
+
+// What it owned goes on by physics alone, for everybody alike, until somebody touches it.
+void Fold::remove_avatar(PeerId p) {
   avatars_[p] = {};
   world_.set_present(world_.avatar(p), false);
   for (EntityId b = 0; b < world_.bodies(); ++b) {

@@ -41,6 +41,8 @@ struct FoldState {
   std::vector<PeerSet> holds;        ///< by body: whose avatars hold it
   Residents residents;               ///< of a region of a crowd
   bool playing() const { return start.reached(tick); }
+  /// Whether p is a member without an avatar, in a session that is no region of a crowd.
+  bool spectates(PeerId p) const { return members[p].present && !avatars[p].present; }
 };
 
 /// The deterministic fold of a log of updates: bodies play out by physics, avatars follow their models, a modelled
@@ -95,6 +97,7 @@ class Fold {
   void apply_body(PeerId p, const BodyUpdate& u, Tick told);
   void admit(const Admission& a, Tick tick);
   void remove(PeerId p);
+  void remove_avatar(PeerId p);
   void pass(PeerId p, const Passage& passage, Tick tick);
   void leave_free(EntityId body);
   void set_hold(PeerId p, EntityId body, bool held);

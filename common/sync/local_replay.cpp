@@ -13,7 +13,8 @@ constexpr int kMostAttempts = 4;
 constexpr std::size_t kContactsOfAStep = 50;
 
 bool is_order(const Bundle& b) {
-  return b.leave || b.going || b.admission || !b.removals.empty() || !b.passed_on.empty() || !b.passages.empty();
+  return b.leave || b.spectates || b.going || b.admission || !b.removals.empty() || !b.passed_on.empty() ||
+         !b.passages.empty();
 }
 
 }  // namespace

@@ -58,6 +58,7 @@ struct Admission {
   std::uint32_t first = 0;        ///< number of its first update: a slot's numbers go on from one peer to the next
   Endpoint at;
   std::vector<std::uint32_t> have;  ///< by slot: it has that slot's updates below this
+  bool spectator = false;           ///< it has no avatar
   friend bool operator==(const Admission&, const Admission&) = default;
 };
 
@@ -103,6 +104,7 @@ struct Bundle {
   std::uint32_t index = 0;  ///< 0, 1, 2, ... in the sender's log
   Tick tick = 0;            ///< at which every state in it is true, before the step to the next
   bool leave = false;       ///< the sender's last bundle: its avatar goes
+  bool spectates = false;   ///< in an update of its own: the sender's avatar goes, the sender stays as a spectator
   std::optional<AvatarUpdate> avatar;
   std::vector<BodyUpdate> bodies;  ///< by ascending body id, each once
   // What only the coordinator says, each in an update of its own:

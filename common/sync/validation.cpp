@@ -56,6 +56,8 @@ DropReason check_bundle(const Bundle& b, const Checker& check) {
   for (const Removal& r : b.removals)
     if (!is_removal(r, check) || r.slot == b.peer) return DropReason::kValue;
   if (b.going && !check.scene.region) return DropReason::kValue;
+  const bool spectator = b.spectates || (b.admission && b.admission->spectator);
+  if (spectator && check.scene.region) return DropReason::kValue;
   for (const Passage& p : b.passages)
     if (!is_passage(p, check)) return DropReason::kValue;
   for (const Bundle& p : b.passed_on) {

@@ -52,6 +52,7 @@ struct Header : Provenance {
   int bodies = 0;
   Technique technique;
   bool is_signed = false;  ///< the peer signs its updates
+  bool spectates = false;  ///< the peer has no avatar
   SessionId session_id{};  ///< in every signature; all zeros: no key, or a trace from before this was told
   int entities() const { return bodies + slots; }
 };

@@ -97,6 +97,7 @@ void put_header(const Header& h, file::Header& out) {
   out.set_start_unix_us(h.start_unix_us);
   out.set_incarnation(h.incarnation);
   out.set_is_signed(h.is_signed);
+  out.set_spectates(h.spectates);
   out.set_wanted(static_cast<std::uint32_t>(h.wanted));
   if (h.session_id != SessionId{}) out.set_session_id(h.session_id.data(), h.session_id.size());
 }
@@ -134,6 +135,7 @@ std::string take_header(const file::Header& in, Header& h) {
   h.start_unix_us = in.start_unix_us();
   h.incarnation = in.incarnation();
   h.is_signed = in.is_signed();
+  h.spectates = in.spectates();
   h.wanted = static_cast<int>(in.wanted());
   std::copy(in.session_id().begin(), in.session_id().end(), h.session_id.begin());
   return {};

@@ -132,7 +132,7 @@ std::size_t size_of(const sync::Admission& a) {
   std::size_t have = 0;
   for (const std::uint32_t count : a.have) have += varint(count);
   return number(a.slot) + number(a.incarnation) + number(a.first) + with_length(address_bytes(a.at).size()) +
-         number(a.at.port) + with_length(have);
+         number(a.at.port) + with_length(have) + (a.spectator ? number(1) : 0);
 }
 
 /// Of the column that its values are told in.
@@ -171,6 +171,7 @@ std::size_t size_of(const Bundle& b) {
   std::size_t n = size_of_entities(b);
   if (b.leave) n += number(1);
   if (b.going) n += 1 + number(1);  // its key has two bytes
+  if (b.spectates) n += 1 + number(1);
   for (const sync::Passage& p : b.passages) n += with_length(size_of(p));
   if (b.signature) n += with_length(b.signature->size());
   if (b.admission) n += with_length(size_of(*b.admission));

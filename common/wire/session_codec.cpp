@@ -53,6 +53,7 @@ struct Encoder {
     j.set_fingerprint(m.fingerprint);
     j.set_authority(m.authority);
     j.set_scenario(printable(m.scenario, kMaxLabel));
+    j.set_spectator(m.spectator);
     pad(out, j, kMaxPayload);
   }
   void operator()(const Welcome& m) const {
@@ -112,7 +113,8 @@ struct Encoder {
 
 std::optional<SessionMessage> take(const Session::Join& in) {
   if (in.nonce() == 0 || in.scenario().size() > kMaxLabel) return std::nullopt;
-  return Join{in.nonce(), in.scene_hash(), in.fingerprint(), in.authority(), printable(in.scenario(), kMaxLabel)};
+  return Join{in.nonce(),    in.scene_hash(), in.fingerprint(), in.authority(), printable(in.scenario(), kMaxLabel),
+              in.spectator()};
 }
 
 std::optional<SessionMessage> take(const Session::Welcome& in) {

@@ -21,6 +21,7 @@ struct Join {
   std::uint64_t fingerprint = 0;
   bool authority = true;
   std::string scenario;  ///< at most kMaxLabel bytes
+  bool spectator = false;
   friend bool operator==(const Join&, const Join&) = default;
 };
 

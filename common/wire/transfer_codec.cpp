@@ -133,8 +133,8 @@ class Reader {
 
   // For nobody once as many are there.
   static bool waits(const FoldState& s) {
-    return s.start.wanted == 0 || std::count_if(s.members.begin(), s.members.end(),
-                                                [](const sync::Member& m) { return m.present; }) < s.start.wanted;
+    return s.start.wanted == 0 || std::count_if(s.avatars.begin(), s.avatars.end(),
+                                                [](const sync::AvatarModel& m) { return m.present; }) < s.start.wanted;
   }
 
   bool read_entities(world::Snapshot& out) const {
@@ -193,9 +193,8 @@ class Reader {
       const Vec2 control{a.numbers(2), a.numbers(3)};
       if (length(velocity) > limits.max_speed || length(control) > limits.max_control) return false;
       if (a.model() > static_cast<unsigned>(Model::kInput) || a.since() > in_.tick()) return false;
-      // In a region whoever has come in is not seen before it has said where it is.
-      const bool unseen = scene_.region && a.member() && !a.present();
-      if ((a.present() != a.member() && !unseen) || a.incarnation() >= kMost) return false;
+      // A spectator has no avatar, nor has whoever has come into a region before it has told where it is.
+      if ((a.present() && !a.member()) || a.incarnation() >= kMost) return false;
       if (a.going() && !(scene_.region && a.member())) return false;
       out.members.push_back({a.member(), a.incarnation(), a.going()});
       out.avatars.push_back(

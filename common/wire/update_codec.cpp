@@ -118,6 +118,7 @@ void put_orders(const Bundle& b, Update& out) {
     a.set_first(b.admission->first);
     put_endpoint(b.admission->at, a);
     for (const std::uint32_t have : b.admission->have) a.add_have(have);
+    a.set_spectator(b.admission->spectator);
   }
   for (const sync::Removal& r : b.removals) {
     Removal& to = *out.add_removals();
@@ -145,6 +146,7 @@ bool take_orders(const Update& in, int depth, Bundle& out) {
     to.incarnation = a.incarnation();
     to.first = a.first();
     to.have.assign(a.have().begin(), a.have().end());
+    to.spectator = a.spectator();
   }
   for (const Removal& r : in.removals()) {
     if (r.slot() >= kMaxPeers || (!out.removals.empty() && r.slot() <= out.removals.back().slot)) return false;
@@ -162,18 +164,15 @@ bool take_orders(const Update& in, int depth, Bundle& out) {
 
 /// A farewell, an order of the coordinator's and what is told of entities are updates of their own each.
 bool is_of_one_sort(const Update& in) {
-  const std::array<bool, 7> sorts{in.leave(),
-                                  in.has_admission(),
-                                  in.removals_size() > 0,
-                                  in.has_passed_on(),
-                                  in.passages_size() > 0,
-                                  in.going() != 0,
-                                  in.avatar() != 0 || in.bodies_size() > 0};
+  const std::array<bool, 8> sorts{
+      in.leave(),         in.spectates(),         in.has_admission(), in.removals_size() > 0,
+      in.has_passed_on(), in.passages_size() > 0, in.going() != 0,    in.avatar() != 0 || in.bodies_size() > 0};
   return std::count(sorts.begin(), sorts.end(), true) <= 1;
 }
 
 void clear(Bundle& b) {
   b.leave = false;
+  b.spectates = false;
   b.avatar.reset();
   b.bodies.clear();
   b.admission.reset();
@@ -192,6 +191,7 @@ bool take_within(const Update& in, Tick mark_tick, std::uint32_t mark_count, int
   out.index = mark_count - 1 - in.index_back();
   out.tick = mark_tick - static_cast<Tick>(in.tick_back());
   out.leave = in.leave();
+  out.spectates = in.spectates();
   if (!in.signature().empty()) {
     if (in.signature().size() != sizeof(sync::Signature)) return false;
     const auto bytes = std::as_bytes(std::span(in.signature()));
@@ -208,6 +208,7 @@ void put_update(const Bundle& b, Tick mark_tick, std::uint32_t mark_count, Updat
   out.set_index_back(mark_count - 1 - b.index);
   out.set_tick_back(static_cast<std::uint32_t>(mark_tick - b.tick));
   out.set_leave(b.leave);
+  out.set_spectates(b.spectates);
   if (b.avatar) put_avatar(*b.avatar, out);
   unsigned next = 0;
   for (const BodyUpdate& body : b.bodies) {

@@ -37,7 +37,8 @@ def state_lines(decoded):
 
 
 def update_lines(prefix, update):
-    lines = of(prefix, update, ("index", "tick")) + ([f"{prefix}.leave = 1"] if update["leave"] else [])
+    lines = of(prefix, update, ("index", "tick"))
+    lines += [f"{prefix}.{flag} = 1" for flag in ("leave", "spectates") if update[flag]]
     if update["avatar"]:
         lines += of(f"{prefix}.avatar", update["avatar"], ("cause", "model", "awake", "position", "velocity", "control"))
     for body in update["bodies"]:
@@ -53,6 +54,7 @@ def order_lines(prefix, update):
     if admission:
         lines += of(f"{prefix}.admission", admission, ("slot", "incarnation", "first", "address", "port"))
         lines += [f"{prefix}.admission.have[{slot}] = {have}" for slot, have in enumerate(admission["have"])]
+        lines += [f"{prefix}.admission.spectator = 1"] if admission["spectator"] else []
     for removal in update["removals"]:
         lines.append(f"{prefix}.removal[{removal['slot']}] = {removal['incarnation']} {removal['count']}")
     if update["signature"]:

@@ -5,7 +5,7 @@ from rules import is_address, require, require_place
 KNOWN_FIELDS = {1: ("address", "bytes"), 2: ("port", "uint32"), 3: ("in", "fixed32 column"), 4: ("seeks", "fixed32 column")}
 SESSION_MESSAGES = {
     1: ("join", {1: ("nonce", "fixed64"), 2: ("scene_hash", "fixed64"), 3: ("fingerprint", "fixed64"),
-                 4: ("authority", "bool"), 5: ("scenario", "text"), 6: ("padding", "bytes")}),
+                 4: ("authority", "bool"), 5: ("scenario", "text"), 6: ("padding", "bytes"), 7: ("spectator", "bool")}),
     2: ("welcome", {1: ("nonce", "fixed64"), 2: ("peer", "uint32"), 3: ("slots", "uint32"), 4: ("wanted", "uint32"),
                     6: ("incarnation", "uint32"), 7: ("cookie", "fixed64"), 8: ("session", "bytes")}),
     3: ("redirect", {1: ("nonce", "fixed64"), 2: ("address", "bytes"), 3: ("port", "uint32")}),

@@ -19,7 +19,7 @@ MOST_STEPS = (1 << 24) - 1
 
 ADMISSION_FIELDS = {
     1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("first", "uint32"), 4: ("address", "bytes"),
-    5: ("port", "uint32"), 6: ("have", "uint32 column"),
+    5: ("port", "uint32"), 6: ("have", "uint32 column"), 7: ("spectator", "bool"),
 }
 REMOVAL_FIELDS = {1: ("slot", "uint32"), 2: ("incarnation", "uint32"), 3: ("count", "uint32")}
 PASSED_ON_FIELDS = {1: ("slot", "uint32"), 2: ("index", "uint32"), 3: ("tick", "uint32")}
@@ -33,14 +33,14 @@ UPDATE_FIELDS = {
     5: ("state", "float column"), 6: ("rounded", "sint32 column"), 10: ("leave", "bool"),
     11: ("admission", Single(ADMISSION_FIELDS)), 12: ("removals", REMOVAL_FIELDS),
     13: ("passed_on", Single(PASSED_ON_FIELDS)), 14: ("signature", "bytes"),
-    15: ("passages", PASSAGE_FIELDS), 16: ("going", "uint32"),
+    15: ("passages", PASSAGE_FIELDS), 16: ("going", "uint32"), 17: ("spectates", "bool"),
 }
 PASSED_ON_FIELDS[4] = ("update", Single(UPDATE_FIELDS))
 
 
 def decode_update(raw, mark_tick, mark_count, depth=0):
     sorts = (raw["leave"], raw["admission"] is not None, bool(raw["removals"]), raw["passed_on"] is not None,
-             raw["avatar"] != 0 or len(raw["bodies"]) > 0, bool(raw["passages"]), raw["going"] != 0)  # fmt: skip
+             raw["avatar"] != 0 or len(raw["bodies"]) > 0, bool(raw["passages"]), raw["going"] != 0, raw["spectates"])  # fmt: skip
     require(sum(sorts) <= 1, "an update of two sorts")
     require(raw["index_back"] < mark_count, "a number below 0")
     require(raw["tick_back"] <= mark_tick, "a tick before the start")
@@ -53,6 +53,7 @@ def decode_update(raw, mark_tick, mark_count, depth=0):
     values.end()
     require(len(bodies) <= (MOST_SIGNED_BODIES if signature else MOST_BODIES), "too many bodies")
     return {"index": mark_count - 1 - raw["index_back"], "tick": tick, "leave": raw["leave"],
+            "spectates": raw["spectates"],
             "avatar": avatar, "bodies": bodies, "admission": decode_admission(raw["admission"]),
             "removals": decode_removals(raw["removals"]), "passed_on": decode_passed_on(raw["passed_on"], depth),
             "signature": signature, "passages": decode_passages(raw["passages"]), "going": decode_going(raw["going"])}  # fmt: skip

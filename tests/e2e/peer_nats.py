@@ -75,6 +75,7 @@ class Plan:
     prepare: Callable  # given the Trial: what stands between the members
     founder: str = "0.0.0.0:0"  # where it listens
     members: tuple = (("0.0.0.0:0", FOUNDER),) * 2  # where each listens and joins
+    founds: tuple = ("--wait-peers", 3)  # flags of the founder
 
 
 class Trial:
@@ -161,7 +162,7 @@ class Trial:
         return self.peers[-1]
 
     def start(self):
-        port = self.peer("founder", "--wait-peers", 3, "--listen", self.plan.founder).port()
+        port = self.peer("founder", *self.plan.founds, "--listen", self.plan.founder).port()
         for machine, (listen, founder) in zip("ab", self.plan.members):
             self.peer(machine, "--listen", listen, "--join", f"{founder}:{port}")
 
@@ -303,6 +304,9 @@ def plans():
             yield Plan(" - ".join(names), seal, way, seconds, lambda trial, kinds=kinds: trial.behind(*kinds))
     restricted, in_the_open = KINDS["port-restricted"], KINDS["open"]
     yield Plan("two behind one, no hairpin", "auth", LATER, max(SECONDS, LATER_PLAYS), lambda trial: trial.behind_one(restricted))
+    symmetric = [KINDS[name] for name in HARDEST]
+    meeting_point = ("--meeting-point", "--wait-peers", 2)
+    yield Plan("symmetric, meeting point", "auth", False, SECONDS, lambda trial: trial.behind(*symmetric), founds=meeting_point)
     v4, by_v4, by_v6 = ("0.0.0.0:0", FOUNDER), ("[::]:0", FOUNDER), ("[::]:0", f"[{FOUNDER_V6}]")
     for name, seal, way, prepare, members in (
         ("IPv6 - open IPv4", "encrypt", False, lambda trial: trial.of_two_families(in_the_open), (by_v6, v4)),

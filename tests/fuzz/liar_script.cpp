@@ -119,6 +119,7 @@ sync::Admission admission(const LiarsKnowledge& with, const Values& v) {
   a.incarnation = number(with.replica.roster().newest_incarnation() + 1, v[2], v[3]);
   a.first = number(have(with, a.slot), v[4], v[5]);
   a.at = place(with, v[6]);
+  a.spectator = v[3] % 4 == 3;
   const std::size_t slots = with.replica.roster().seats.size() - (v[7] == 255 ? 1 : 0);
   for (PeerId p = 0; p < slots; ++p) a.have.push_back(number(have(with, p), p % 2 == 0 ? v[7] : 0, v[8]));
   return a;
@@ -212,7 +213,7 @@ void change_update(Bundle& b, const LieEntry& e, const LiarsKnowledge& with) {
   if (kind >= 4 && kind <= 6) b = emptied(b);
   if (kind == 1) change_avatar(b, e.v);
   if (kind == 2) change_bodies(b, with, e.v);
-  if (kind == 3) b.leave = e.v[0] % 2 == 0;
+  if (kind == 3) (e.v[0] % 4 == 1 ? b.spectates : b.leave) = e.v[0] % 4 != 3;
   if (kind == 4) b.admission = admission(with, e.v);
   if (kind == 5) b.removals = removals(with, e.v);
   if (kind == 6) b.passed_on = {of_another(with, e.v, b.tick - 1)};

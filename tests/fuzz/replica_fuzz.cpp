@@ -24,6 +24,7 @@ sync::Bundle any_said(Rng& rng, PeerId peer, std::uint32_t index, Tick tick) {
   switch (rng.below(6)) {
     case 0:
       b.admission = sync::Admission{slot, 1 + some(), some(), {}, {some(), some(), some(), some()}};
+      b.admission->spectator = rng.chance(0.2);
       b.admission->at.address[15] = 1;
       b.admission->at.port = 1;
       break;
@@ -35,7 +36,7 @@ sync::Bundle any_said(Rng& rng, PeerId peer, std::uint32_t index, Tick tick) {
       if (!b.passed_on.empty()) b.passed_on[0].passed_on.clear();
       break;
     case 3:
-      b.leave = rng.chance(0.2);
+      (rng.chance(0.5) ? b.leave : b.spectates) = rng.chance(0.2);
       break;
     default:
       b.avatar = sync::AvatarUpdate{};

@@ -44,7 +44,7 @@ class ListedCommands final : public node::Commands {
   void give_up(PeerId p, bool /*for_good*/) override { given_up.push_back(p); }
   void cut_off(PeerId p, const std::string& /*why*/) override { cut_offs.push_back(p); }
   void relay(const wire::Fetched& updates, PeerId) override { relayed.push_back(updates); }
-  void count_present(int /*members*/) override {}
+  void count_present(int /*members*/, int /*spectators*/) override {}
   void tell(node::SessionEvent event) override { events.push_back(std::move(event)); }
 
   /// All messages of that kind that were sent.

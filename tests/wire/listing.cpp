@@ -80,6 +80,7 @@ std::string order_lines(const std::string& at, const Bundle& b) {
     s += o + line(".first = %u\n", a.first) + o + ".address = " + address_of(a.at) + "\n";
     s += o + line(".port = %d\n", int{a.at.port});
     for (std::size_t p = 0; p < a.have.size(); ++p) s += o + line(".have[%zu] = %u\n", p, a.have[p]);
+    if (a.spectator) s += o + ".spectator = 1\n";
   }
   for (const sync::Removal& r : b.removals)
     s += at + line(".removal[%d] = %u %u\n", int{r.slot}, r.incarnation, r.count);
@@ -98,6 +99,7 @@ std::string order_lines(const std::string& at, const Bundle& b) {
 std::string list(const std::string& at, const Bundle& b) {
   std::string s = at + line(".index = %u\n", b.index) + at + line(".tick = %d\n", b.tick);
   if (b.leave) s += at + ".leave = 1\n";
+  if (b.spectates) s += at + ".spectates = 1\n";
   if (b.avatar) s += avatar_lines(at + ".avatar", *b.avatar);
   for (const BodyUpdate& u : b.bodies) s += body_lines(at + line(".body[%d]", int{u.body}), u);
   return s + order_lines(at, b);
@@ -157,7 +159,7 @@ struct SessionLister {
   std::string operator()(const wire::Join& m) const {
     return line("join.nonce = %llu\njoin.scene_hash = %llu\n", ull(m.nonce), ull(m.scene_hash)) +
            line("join.fingerprint = %llu\njoin.authority = %d\n", ull(m.fingerprint), flag(m.authority)) +
-           "join.scenario = " + m.scenario + "\n";
+           "join.scenario = " + m.scenario + line("\njoin.spectator = %d\n", flag(m.spectator));
   }
   std::string operator()(const wire::Welcome& m) const {
     return line("welcome.nonce = %llu\nwelcome.peer = %d\n", ull(m.nonce), int{m.peer}) +

@@ -91,6 +91,7 @@ PeerId other_than(Rng& rng, PeerId peer) {
 sync::Admission any_admission(Rng& rng, PeerId by) {
   sync::Admission a{other_than(rng, by), 1 + any_count(rng), any_count(rng), any_endpoint(rng), {}};
   for (std::uint32_t n = rng.below(kMaxPeers + 1); n > 0; --n) a.have.push_back(any_count(rng));
+  a.spectator = rng.chance(0.2);
   return a;
 }
 
@@ -178,7 +179,7 @@ Bundle any_bundle(Rng& rng, PeerId peer, std::uint32_t index, Tick tick, int dep
   b.tick = tick;
   const std::uint32_t sort = rng.below(10);
   if (sort == 0) {
-    b.leave = true;
+    (rng.chance(0.5) ? b.leave : b.spectates) = true;
   } else if (sort == 1) {
     b.admission = any_admission(rng, peer);
   } else if (sort == 2) {

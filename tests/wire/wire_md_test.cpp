@@ -168,6 +168,18 @@ StatePacket passed_on() {
   return order(b);
 }
 
+StatePacket spectates() {
+  Bundle b;
+  b.spectates = true;
+  return order(b);
+}
+
+StatePacket admission_of_spectator() {
+  StatePacket p = admission();
+  p.updates[0].admission->spectator = true;
+  return p;
+}
+
 const std::string& document() {
   static const std::string kDocument(reinterpret_cast<const char*>(kText), sizeof kText - 1);
   return kDocument;
@@ -194,6 +206,8 @@ TEST(WireMd, HasTheVectorsOfStateDatagrams) {
 
 TEST(WireMd, HasTheVectorsOfOrders) {
   expect_in_document(admission());
+  expect_in_document(admission_of_spectator());
+  expect_in_document(spectates());
   expect_in_document(removals());
   expect_in_document(passed_on());
 }

@@ -40,6 +40,7 @@ class SessionFields {
     r_.flag("padr.join.authority", m.authority);
     r_.text("padr.join.scenario", m.scenario);
     r_.number("padr.join.padding", length_within(payload_, 1, 6));
+    r_.flag("padr.join.spectator", m.spectator);
   }
   void operator()(const wire::Welcome& m) const {
     r_.hex64("padr.nonce", m.nonce);

@@ -64,6 +64,7 @@ void put_orders(Record& r, const Bundle& b) {
     r.address("padr.admission.address", a.at);
     r.number("padr.admission.port", a.at.port);
     for (const std::uint32_t have : a.have) r.number("padr.admission.have", have);
+    r.flag("padr.admission.spectator", a.spectator);
   }
   for (const sync::Removal& m : b.removals) {
     r.number("padr.removal.slot", m.slot);
@@ -107,6 +108,7 @@ void put_update(Record& r, const Bundle& b, Tick mark_tick, std::uint32_t mark_c
   r.number("padr.update.index", b.index);
   r.number("padr.update.tick", static_cast<std::uint64_t>(b.tick));
   if (b.leave) r.flag("padr.update.leave", true);
+  if (b.spectates) r.flag("padr.update.spectates", true);
   if (b.signature) r.bytes("padr.update.signature", *b.signature);
   if (b.avatar) put_avatar(r, *b.avatar);
   for (const sync::BodyUpdate& u : b.bodies) put_body(r, u, b.peer, b.tick);

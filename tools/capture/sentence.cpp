@@ -50,6 +50,7 @@ std::string state(const Record& r) {
       out += ", " + std::string(bodies->size() == 1 ? "body " : "bodies ") + joined(bodies);
   }
   if (r.find("padr.update.leave") != nullptr) out += ", leaves";
+  if (r.find("padr.update.spectates") != nullptr) out += ", spectates";
   if (const auto* in = r.find("padr.admission.slot")) out += ", admits " + joined(in);
   if (const auto* gone = r.find("padr.removal.slot")) out += ", declares gone " + joined(gone);
   if (const auto* passed = r.find("padr.passed_on.slot")) out += ", passes on of " + joined(passed);

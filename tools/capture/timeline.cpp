@@ -11,6 +11,7 @@ const char* const kEventsHelp =
     "  join, welcome, refuse           before a peer is in; refuse has the reason\n"
     "  heard                           the first state datagram of a peer\n"
     "  admission, leave, removal       peers come and go; `other` is the peer that comes or is removed\n"
+    "  spectates                       a founder puts its avatar away, and stays as a spectator\n"
     "  contact_begin, contact_end      the peer's avatar touches or leaves a body (`entity`; empty: told of the "
     "avatar)\n"
     "  proxy                           a body joins or leaves the chain that the avatar moves\n"
@@ -100,7 +101,10 @@ class Fold {
       say(e, "leave");
       let_go(e, e.by.slot);
     }
-    if (b.admission) say(e, "admission", b.admission->slot, "incarnation " + std::to_string(b.admission->incarnation));
+    if (b.spectates) say(e, "spectates");
+    if (b.admission)
+      say(e, "admission", b.admission->slot,
+          "incarnation " + std::to_string(b.admission->incarnation) + (b.admission->spectator ? ", a spectator" : ""));
     for (const sync::Removal& r : b.removals) {
       say(e, "removal", r.slot,
           "incarnation " + std::to_string(r.incarnation) + " from update " + std::to_string(r.count));

@@ -45,6 +45,7 @@ node::ReplicaConfig config_of(const trace::Header& h) {
   c.incarnation = h.incarnation;
   c.session = h.session;
   c.session_id = h.session_id;
+  c.spectates = h.spectates;
   c.technique = h.technique;
   return c;
 }

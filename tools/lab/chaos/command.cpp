@@ -58,6 +58,7 @@ void ChaosCommand::declare(CLI::App& app) {
       "--sealed", [this] { how_.seal = wire::SealMode::kAuth; }, "Sessions have a key");
   app.add_flag("--cuts", cuts_,
                "Links between two peers fail, too, in one direction or both, for a while or again and again");
+  app.add_flag("--spectators", how_.spectators, "Some peers have no avatar");
   liar_option_ = app.add_option("--liar", liar_name_,
                                 "One of 4 peers or more lies; implies --sealed. The behaviour is "
                                 "drawn for each script, unless it is named")

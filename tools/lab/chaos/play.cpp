@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "common/model/rng.h"
 #include "shell/netem_text.h"
 #include "tools/lab/chaos/liar_part.h"
 #include "tools/lab/testbed/judge.h"
@@ -130,6 +131,13 @@ VirtualNetworkConfig config_of(const ChaosPlay& how, const ChaosScript& script) 
   config.wanted = script.founders;
   config.most_ppm = 200;                   // as much as cheap quartz is off
   config.refusals = script.seed % 2 == 1;  // some networks tell, some do not
+  if (!how.spectators) return config;
+  const bool founder = script.founders >= 3 && script.seed % 3 == 0;
+  if (founder) --config.wanted;
+  config.spectates = [founder, seed = script.seed, founders = script.founders](int person) {
+    if (person < founders) return person == 0 && founder;
+    return derive_seed(seed, 0x5BEC, static_cast<std::uint64_t>(person)) % 3 == 0;
+  };
   return config;
 }
 

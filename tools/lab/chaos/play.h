@@ -35,6 +35,7 @@ struct ChaosPlay {
   Micros differ = 30 * kMicrosPerSecond;        ///< where one lies: longest time for which confirmed worlds may differ
   HarmBounds bounds;                            ///< where one lies
   bool story = false;
+  bool spectators = false;  ///< some of those who come later have no avatar, and some founders of three or more
   /// As in VirtualNetworkConfig.
   std::function<std::optional<node::RecordedReplica::Recording>(int person, int incarnation)> recording;
 };

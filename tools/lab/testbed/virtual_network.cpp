@@ -49,6 +49,7 @@ int VirtualNetwork::start(std::optional<int> by, bool over_loopback) {
   if (by) c.session.join = over_loopback ? on_loopback(persons_[at(*by)].place) : persons_[at(*by)].place;
   p.by = by;
   c.session.wanted = config_.wanted;
+  c.session.spectates = config_.spectates && config_.spectates(n);
   c.session.slots = config_.slots;
   c.session.fingerprint = 1;
   c.session.scenario = config_.scene.name;

@@ -33,6 +33,7 @@ struct VirtualNetworkConfig {
   /// The machine a person runs on. Who is on the same one can be reached at its loopback address, too. Empty: everybody
   /// has a machine of their own.
   std::function<int(int person)> host;
+  std::function<bool(int person)> spectates;  ///< who has no avatar; empty: nobody
   /// Where a person's incarnation 0, 1, ... is recorded to.
   std::function<std::optional<node::RecordedReplica::Recording>(int person, int incarnation)> recording;
 };

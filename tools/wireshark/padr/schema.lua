@@ -3,7 +3,7 @@ local schema = {}
 
 local admission = {
   { "slot", "uint32" }, { "incarnation", "uint32" }, { "first", "uint32" }, { "address", "bytes" }, { "port", "uint32" },
-  { "have", "uint32s" },
+  { "have", "uint32s" }, { "spectator", "bool" },
 }
 local removal = { { "slot", "uint32" }, { "incarnation", "uint32" }, { "count", "uint32" } }
 local passed_on = { { "slot", "uint32" }, { "index", "uint32" }, { "tick", "uint32" } }
@@ -15,7 +15,7 @@ schema.update = {
   { "index_back", "uint32" }, { "tick_back", "uint32" }, { "avatar", "uint32" }, { "bodies", "uint32s" },
   { "state", "floats" }, { "rounded", "sint32s" }, [10] = { "leave", "bool" }, [11] = { "admission", one = admission },
   [12] = { "removals", many = removal }, [13] = { "passed_on", one = passed_on }, [14] = { "signature", "bytes" },
-  [15] = { "passages", many = passage }, [16] = { "going", "uint32" },
+  [15] = { "passages", many = passage }, [16] = { "going", "uint32" }, [17] = { "spectates", "bool" },
 }
 passed_on[4] = { "update", one = schema.update }
 
@@ -34,7 +34,7 @@ schema.session = {
     "join",
     one = {
       { "nonce", "fixed64" }, { "scene_hash", "fixed64" }, { "fingerprint", "fixed64" }, { "authority", "bool" },
-      { "scenario", "text" }, { "padding", "bytes" },
+      { "scenario", "text" }, { "padding", "bytes" }, { "spectator", "bool" },
     },
   },
   {

@@ -14,6 +14,7 @@ end
 -- What an update tells besides avatar and bodies; nil if nothing.
 local function order(update)
   if update.leave then return "leaves" end
+  if update.raw.spectates.v then return "spectates" end
   if update.admission then return ("admits peer %d"):format(update.admission.slot.v) end
   if #update.removals > 0 then return "removes peer " .. peers(update.removals) end
   if update.inner then

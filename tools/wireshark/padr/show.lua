@@ -193,6 +193,7 @@ end
 local function update_label(update)
   local what = {}
   if update.leave then what[#what + 1] = "leaves" end
+  if update.raw.spectates.v then what[#what + 1] = "spectates" end
   if update.avatar then what[#what + 1] = "avatar" end
   if #update.bodies > 0 then what[#what + 1] = #update.bodies == 1 and "1 body" or #update.bodies .. " bodies" end
   if update.admission then what[#what + 1] = "admission" end
@@ -213,6 +214,7 @@ function Show:update(tree, update, first)
   self:add(node, "padr.update.index", update.index)
   self:add(node, "padr.update.tick", update.tick)
   if update.leave then self:value(node, "padr.update.leave", raw.leave) end
+  if raw.spectates.v then self:value(node, "padr.update.spectates", raw.spectates) end
   if raw.going.v ~= 0 then self:value(node, "padr.update.going", raw.going) end
   local signature = #raw.signature.v > 0 and self:range(raw.signature.at, raw.signature.stop)
   if signature then self:raw(node, "padr.update.signature", signature) end

@@ -141,7 +141,7 @@ local function count_sorts(raw)
   local function one(is) return is and 1 or 0 end
   local entities = raw.avatar.v ~= 0 or #raw.bodies > 0
   return one(raw.leave.v) + one(raw.admission) + one(#raw.removals > 0) + one(raw.passed_on) + one(entities)
-    + one(#raw.passages > 0) + one(raw.going.v ~= 0)
+    + one(#raw.passages > 0) + one(raw.going.v ~= 0) + one(raw.spectates.v)
 end
 
 -- Steps of bodies from one region to another.
