@@ -2,6 +2,7 @@
 #include "tests/membership/cut.h"
 #include "tests/membership/party.h"
 #include "tests/seed.h"
+#include "tools/lab/testbed/harm.h"
 
 namespace padr::test {
 namespace {
@@ -95,6 +96,33 @@ TEST(HearingInBursts, NobodyIsDeclaredGone) {
       EXPECT_EQ(party.net().peer(p).incarnation(), 0) << "seed " << s << "\n" << party.story();
     EXPECT_EQ(party.judge().violation(), "") << "seed " << s;
   }
+}
+
+// How chaos counts who was declared gone without need.
+TEST(HarmMeter, KnowsWhoWasEvictedAndWhetherOthersReachedIt) {
+  Party party(4, "delay 20ms", test::seed(77));
+  const std::set<int> nobody;
+  lab::HarmMeter meter(party.net(), nobody);
+  const auto run = [&](double s) {
+    for (double t = 0; t < s; t += 0.1) {
+      party.run(0.1);
+      meter.look();
+    }
+  };
+  run(15);
+  party.net().cut(0, 3, true);
+  party.net().cut(3, 0, true);
+  run(15);  // others reach both
+  EXPECT_EQ(meter.harm().evicted, 0);
+  party.net().kill(1);  // does not count
+  run(15);
+  EXPECT_EQ(meter.harm().evicted, 0);
+  party.net().divide({{3, 1}});
+  run(8);
+  EXPECT_GE(meter.harm().evicted, 1);
+  party.net().divide({});
+  run(15);
+  EXPECT_EQ(meter.harm().evicted_reachable, 0);
 }
 
 }  // namespace

@@ -134,6 +134,8 @@ std::string ChaosCommand::json(const std::vector<std::string>& command,
     if (const ChaosScript script = script_of(i); script.liar) {
       j.field("liar", script.liar->how->name).field("led_by_liar", o.led_by_liar).field("lies", o.lies);
       tell_harm(o.harm, o.differed, j);
+    } else {
+      j.field("evicted", o.harm.evicted).field("evicted_reachable", o.harm.evicted_reachable);
     }
     j.field("violation", o.violation).end_object();
   }
@@ -178,15 +180,20 @@ std::string ChaosCommand::summary(const std::vector<ChaosOutcome>& outcomes) con
   std::uint64_t compared = 0;
   double slowest = 0;
   std::ptrdiff_t bad = 0;
+  int evicted = 0;
+  int reachable = 0;
   for (const ChaosOutcome& o : outcomes) {
+    evicted += o.harm.evicted;
+    reachable += o.harm.evicted_reachable;
     compared += o.compared;
     slowest = std::max(slowest, o.slowest_join);
     if (!o.violation.empty()) ++bad;
   }
   return std::to_string(outcomes.size()) + " scripts, seeds " + std::to_string(seed_) + " to " +
          std::to_string(seed_ + outcomes.size() - 1) + ", " + std::to_string(compared) +
-         " hashes compared, slowest join " + seconds(slowest) + " s: " + std::to_string(bad) + " violations\n" +
-         harm(outcomes).text();
+         " hashes compared, slowest join " + seconds(slowest) + " s, " + std::to_string(evicted) +
+         " evicted while they ran (" + std::to_string(reachable) + " of them reachable): " + std::to_string(bad) +
+         " violations\n" + harm(outcomes).text();
 }
 
 int ChaosCommand::run(const std::vector<std::string>& command) {

@@ -38,6 +38,7 @@ void HarmTable::add(std::string_view behaviour, const ChaosOutcome& o) {
   worst.out = std::max(worst.out, o.harm.out);
   worst.stalled = std::max(worst.stalled, o.harm.stalled);
   worst.evicted += o.harm.evicted;
+  worst.evicted_reachable += o.harm.evicted_reachable;
   worst.begun_anew += o.harm.begun_anew;
   worst.kept_out += o.harm.kept_out;
   it->differed = std::max(it->differed, o.differed);
@@ -57,7 +58,8 @@ std::string HarmTable::text() const {
 void tell_harm(const Harm& harm, Micros differed, shell::Json& j) {
   j.field("unconfirmed_s", in_seconds(harm.unconfirmed)).field("out_s", in_seconds(harm.out));
   j.field("differed_s", in_seconds(differed)).field("stalled_s", in_seconds(harm.stalled));
-  j.field("evicted", harm.evicted).field("begun_anew", harm.begun_anew).field("kept_out", harm.kept_out);
+  j.field("evicted", harm.evicted).field("evicted_reachable", harm.evicted_reachable);
+  j.field("begun_anew", harm.begun_anew).field("kept_out", harm.kept_out);
 }
 
 void HarmTable::tell(shell::Json& j) const {

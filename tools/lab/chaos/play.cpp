@@ -174,7 +174,7 @@ class Performance {
 
   ChaosOutcome outcome() const {
     ChaosOutcome out;
-    out.violation = judge_.violation().empty() ? meter_.violation() : judge_.violation();
+    out.violation = judge_.violation().empty() && liar_ ? meter_.violation() : judge_.violation();
     out.compared = judge_.compared();
     out.harm = meter_.harm();
     out.harm.kept_out += judge_.held_apart();
@@ -188,14 +188,13 @@ class Performance {
   }
 
  private:
-  bool holds() const { return judge_.violation().empty() && meter_.violation().empty(); }
+  // Bounds on harm are for where somebody lies: without a lie, networks alone may do worse.
+  bool holds() const { return judge_.violation().empty() && !(liar_ && !meter_.violation().empty()); }
   void run_to(Micros t) {
     while (holds() && network_.now() < t) {
       stage_.undo_until(network_.now());
-      const Micros step = liar_ ? HarmMeter::kEvery : kMicrosPerSecond;
-      network_.run_to(std::min({t, stage_.next_undo(), network_.now() + step}));
-      if (!liar_) continue;
-      liar_->advance();
+      network_.run_to(std::min({t, stage_.next_undo(), network_.now() + HarmMeter::kEvery}));
+      if (liar_) liar_->advance();
       meter_.look();
     }
   }

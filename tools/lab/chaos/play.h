@@ -19,7 +19,7 @@ struct ChaosOutcome {
   int peers = 0;                   ///< that ever started
   int incarnations = 0;            ///< begun by them, returns included
   double slowest_join = 0;         ///< s, from the start of a process to its first tick
-  Harm harm;                       ///< to the honest, where one lies
+  Harm harm;                       ///< to the honest
   Micros differed = 0;             ///< longest time for which two honest peers confirmed different worlds, us
   std::uint64_t lies = 0;          ///< datagrams that the liar changed, added or withheld
   bool led_by_liar = false;        ///< the liar took itself for the coordinator at some time while it lied

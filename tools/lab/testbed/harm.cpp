@@ -8,6 +8,9 @@
 namespace padr::lab {
 namespace {
 
+/// Whoever was out of reach lately may have been declared gone for it.
+constexpr Micros kLately = 10 * kMicrosPerSecond;
+
 std::string title(int person) {
   return "person " + std::to_string(person);
 }
@@ -51,8 +54,40 @@ std::set<int> HarmMeter::largest_group() const {
   return {largest.begin(), largest.end()};
 }
 
+bool HarmMeter::is_reachable(int person) const {
+  std::vector<int> others;
+  for (int q = 0; q < network_.persons(); ++q)
+    if (q != person && plays(q) && !network_.paused(q)) others.push_back(q);
+  const auto reaches = [&](int from, int to) {
+    return network_.connected(from, to) || std::any_of(others.begin(), others.end(), [&](int by) {
+             return by != from && by != to && network_.connected(from, by) && network_.connected(by, to);
+           });
+  };
+  return !network_.paused(person) &&
+         std::all_of(others.begin(), others.end(), [&](int q) { return reaches(person, q) && reaches(q, person); });
+}
+
+// Whoever was declared gone is not told so: others know it. Those who join anew themselves may be the ones who are
+// gone.
+std::vector<int> HarmMeter::evictors_of(int person) const {
+  const node::Replica& n = network_.peer(person).replica();
+  std::vector<int> found;
+  for (int q = 0; q < network_.persons(); ++q) {
+    if (q == person || !honest(q) || !plays(q) || network_.peer(q).returning()) continue;
+    const node::Seat& seat = network_.peer(q).replica().seat(n.self());
+    if (seat.incarnation == n.config().incarnation && seat.presence == node::Presence::kAbsent) found.push_back(q);
+  }
+  return found;
+}
+
+bool HarmMeter::was_reachable(int person) {
+  return network_.now() - watched_[person].unreachable_at > kLately;
+}
+
 void HarmMeter::look() {
   const std::set<int> group = largest_group();
+  for (int p = 0; p < network_.persons(); ++p)
+    if (plays(p) && !is_reachable(p)) watched_[p].unreachable_at = network_.now();
   for (int p = 0; p < network_.persons(); ++p) {
     if (!honest(p)) continue;
     if (plays(p))
@@ -68,11 +103,16 @@ void HarmMeter::look_at(int person, bool in) {
   const Micros now = network_.now();
   Watched& w = watched_[person];
   if (w.incarnation >= 0 && peer.incarnation() > w.incarnation) ++harm_.begun_anew;
-  if (n.expelled() && !w.expelled) ++harm_.evicted;
   const bool fresh = w.incarnation < 0;
   const bool changed = peer.incarnation() != w.incarnation;
   w.incarnation = peer.incarnation();
-  w.expelled = n.expelled();
+  if (changed) w.evicted = false;
+  if (const std::vector<int> by = evictors_of(person); !w.evicted && !by.empty()) {
+    w.evicted = true;
+    ++harm_.evicted;
+    const auto reached = [this](int q) { return was_reachable(q); };
+    if (was_reachable(person) && std::any_of(by.begin(), by.end(), reached)) ++harm_.evicted_reachable;
+  }
   if (in) w.was_in = true;
   const Tick confirmed = n.agreed().confirmed().tick;
   if (fresh || network_.paused(person)) w.confirmed_at = w.in_at = w.stepped_at = now;

@@ -12,12 +12,13 @@ namespace padr::lab {
 
 /// What honest peers suffered, longest times in us. Times in which a peer stood still itself do not count.
 struct Harm {
-  Micros unconfirmed = 0;  ///< one confirmed nothing new
-  Micros out = 0;          ///< one that had been in was not a member of the largest group of the honest
-  Micros stalled = 0;      ///< one's live world made no step
-  int evicted = 0;         ///< times that one was declared gone
-  int begun_anew = 0;      ///< incarnations begun after the first
-  int kept_out = 0;        ///< joiners that gave up, were refused, or got into a session of the liar's own
+  Micros unconfirmed = 0;     ///< one confirmed nothing new
+  Micros out = 0;             ///< one that had been in was not a member of the largest group of the honest
+  Micros stalled = 0;         ///< one's live world made no step
+  int evicted = 0;            ///< times that one was declared gone
+  int evicted_reachable = 0;  ///< of them, though it and one of those who did it were in reach of all others lately
+  int begun_anew = 0;         ///< incarnations begun after the first
+  int kept_out = 0;           ///< joiners that gave up, were refused, or got into a session of the liar's own
 };
 
 /// How long harm may last, us; whatever lasts longer is a violation.
@@ -27,7 +28,7 @@ struct HarmBounds {
   Micros stalled = kMicrosPerSecond;
 };
 
-/// Watches the honest peers of a session in which somebody lies.
+/// Watches the honest peers of a session.
 class HarmMeter {
  public:
   /// Both must outlive it. `liars` may grow.
@@ -45,7 +46,7 @@ class HarmMeter {
   using Seat = std::pair<PeerId, std::uint32_t>;  ///< slot, incarnation
   struct Watched {
     int incarnation = -1;
-    bool expelled = false;
+    bool evicted = false;
     bool was_in = false;
     bool ended = false;
     Tick confirmed = -1;
@@ -53,11 +54,16 @@ class HarmMeter {
     Micros in_at = 0;
     Tick now = -1;
     Micros stepped_at = 0;
+    Micros unreachable_at = -kMicrosPerSecond * 1000;
   };
   bool honest(int person) const { return !liars_.contains(person); }
   bool plays(int person) const;
   bool know_each_other(int a, int b) const;
   std::set<int> largest_group() const;
+  bool is_reachable(int person) const;
+  /// Within the last kLately.
+  bool was_reachable(int person);
+  std::vector<int> evictors_of(int person) const;
   void look_at(int person, bool in);
   void look_at_ended(int person);
   void look_for_bans(int person);

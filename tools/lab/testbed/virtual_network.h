@@ -56,6 +56,8 @@ class VirtualNetwork {
   /// Datagrams between persons of different sides vanish; by person, who are not named are on side 0.
   void divide(std::map<int, int> sides) { sides_ = std::move(sides); }
   bool divided() const { return !sides_.empty(); }
+  /// Whether what one person sends comes to another, unless its link loses it.
+  bool connected(int from, int to) const;
   /// Whom a person was told of when it started; nothing if it founded.
   std::optional<int> introducer_of(int person) const { return persons_[at(person)].by; }
   /// What one person sends another vanishes, or no longer; the other way goes on as it is.
@@ -130,7 +132,6 @@ class VirtualNetwork {
   void deliver();
   void turn(int person);
   void end_if_done(Person& p);
-  bool connected(int a, int b) const;
   /// Who is at this place as somebody sees it.
   std::optional<int> at_place(const Person& seen_by, const Endpoint& place) const;
   /// `loopback`: over that address of a machine that both are on.
