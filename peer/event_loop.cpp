@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/model/own_address.h"
 #include "common/model/user_error.h"
 #include "peer/addresses.h"
 #include "peer/summary.h"
@@ -11,7 +12,8 @@
 namespace padr::peer {
 namespace {
 
-node::SessionConfig session_config(const Options& o, const std::optional<Endpoint>& join, const Endpoint& local) {
+node::SessionConfig session_config(const Options& o, const std::optional<Endpoint>& join, const Endpoint& local,
+                                   const PortMapping* mapping) {
   node::SessionConfig c;
   c.join = join;
   c.wanted = o.wait_peers;
@@ -22,6 +24,8 @@ node::SessionConfig session_config(const Options& o, const std::optional<Endpoin
   c.secret = shell::unpredictable();
   c.patience = in_micros(o.join_timeout);
   c.own_addresses = own_addresses(local);
+  if (mapping != nullptr && mapping->outside()) c.own_addresses.insert(c.own_addresses.begin(), *mapping->outside());
+  if (c.own_addresses.size() > kMostOwnAddresses) c.own_addresses.resize(kMostOwnAddresses);
   return c;
 }
 
@@ -32,8 +36,8 @@ EventLoop::EventLoop(const Options& options, Log& log, const shell::Clock& clock
   open_all_files();
   if (options.monitor) telemetry_ = std::make_unique<Telemetry>(io_, options, log, clock);
   player_ =
-      std::make_unique<Player>(options, session_config(options, join_, local_), gate_config(options, keylog_.get()),
-                               log, *recordings_, telemetry_.get(), clock_.now());
+      std::make_unique<Player>(options, session_config(options, join_, local_, mapping_.get()),
+                               gate_config(options, keylog_.get()), log, *recordings_, telemetry_.get(), clock_.now());
   if (telemetry_) controls_ = std::make_unique<Controls>(*player_, *egress_, cuts_, *telemetry_, log);
   say_where(links);
   if (join_) log_.session->info("joining {} ({})", options.join->text, to_string(*join_));

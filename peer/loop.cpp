@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdio>
 
+#include "common/model/user_error.h"
 #include "peer/addresses.h"
 #include "shell/netem_flags.h"
 #include "shell/run_main.h"
@@ -22,6 +23,21 @@ Loop::Loop(const Options& options, Log& log, const shell::Clock& clock)
   socket_ = std::make_unique<shell::UdpSocket>(io_, listen_address(io_, options, join));
   local_ = shell::to_endpoint(socket_->local());
   if (join) join_ = shell::to_endpoint(*join);
+  if (options.map_port) map_port();
+}
+
+void Loop::map_port() {
+  const std::string port = std::to_string(local_.port);
+  if (local_.is_loopback()) throw UserError("--map-port: --listen is a loopback address; give 0.0.0.0:PORT");
+  mapping_ = std::make_unique<PortMapping>(
+      local_.port, [this, port] { log_.net->warn("the router no longer renews the mapping of port {}", port); });
+  if (const auto& at = mapping_->outside())
+    log_.net->info("the router forwards {} to this peer, by {}", to_string(*at), mapping_->protocol());
+  else
+    log_.net->warn(
+        "no router maps ports here, by NAT-PMP or UPnP: peers outside can ask this one only if UDP port {} "
+        "is forwarded to it otherwise",
+        port);
 }
 
 std::vector<std::string> Loop::shape_links() {

@@ -16,6 +16,7 @@
 #include "peer/log.h"
 #include "peer/options.h"
 #include "peer/packet_log.h"
+#include "peer/port_mapping.h"
 #include "shell/clock.h"
 #include "shell/files.h"
 #include "shell/handler_memory.h"
@@ -74,6 +75,7 @@ class Loop {
   boost::asio::io_context io_;
   std::optional<Endpoint> join_;  ///< whom; nothing: it founds
   std::unique_ptr<shell::UdpSocket> socket_;
+  std::unique_ptr<PortMapping> mapping_;  ///< null: not asked for
   Endpoint local_;
   std::unique_ptr<Egress> egress_;
   LinkCuts cuts_;
@@ -82,6 +84,7 @@ class Loop {
   std::string reason_;
 
  private:
+  void map_port();
   void flush();
   void take(const Endpoint& from, std::span<const std::byte> datagram);
   void set_timer(Micros now);

@@ -101,6 +101,11 @@ void declare_session(CLI::App& app, Raw& raw, Options& o) {
       ->check(shell::between(0.0, 86400.0, "seconds"))
       ->capture_default_str()
       ->group(group);
+  app.add_flag(
+         "--map-port", o.map_port,
+         "Ask the router, by NAT-PMP or UPnP, to forward the port of --listen, so that others can join this peer\n"
+         "from outside; the log says where. Takes up to 4 s")
+      ->group(group);
   app.add_flag("--spectate", o.spectates,
                "Only watch: a member without an avatar. It takes a slot, and --wait-peers does not count it")
       ->group(group);
@@ -267,6 +272,8 @@ void take_log_levels(const Raw& raw, Options& o) {
 }
 
 void take_addresses(const Raw& raw, Options& o) {
+  if (o.map_port && raw.listen.empty())
+    throw UserError("--map-port: without --listen nobody else reaches this peer; give --listen 0.0.0.0:PORT, too");
   if (!raw.listen.empty()) o.listen = parse_host_port("--listen", raw.listen, 0);
   if (!raw.join.empty()) o.join = parse_host_port("--join", raw.join, 1);
 }
@@ -299,7 +306,8 @@ void take_sizes(const Raw& raw, Options& o) {
                     o.scenario.scene.name + "'");
   };
   o.wait_peers = check("--wait-peers", raw.wait_peers.value_or(2), 1);
-  o.slots = check("--slots", raw.slots.value_or(std::max(o.wait_peers, std::min(most, kUsualSlots))), o.wait_peers);
+  const int least = o.wait_peers + (o.spectates ? 1 : 0);
+  o.slots = check("--slots", raw.slots.value_or(std::max(least, std::min(most, kUsualSlots))), least);
 }
 
 void take_spectator(const CLI::App& app, Options& o) {

@@ -47,6 +47,7 @@ struct Options {
   std::optional<shell::HostPort> join;    ///< absent: found a session
   int wait_peers = 2;                     ///< founder: peers of the session, this one included
   int slots = 2;                          ///< founder: avatar slots, >= wait_peers
+  bool map_port = false;
   bool insecure = false;
   std::optional<wire::Key> key;                 ///< of the session; absent: nothing is sealed
   wire::SealMode seal = wire::SealMode::kNone;  ///< kNone without a key, and only then

@@ -12,7 +12,8 @@ Installs what is missing of the Debian packages of the named groups (default: bu
   run     what the programs call at run time: gnuplot for plots, rsvg-convert for film strips
   test    GoogleTest, Google Benchmark, RapidCheck, Python; Chromium and Selenium, for the page of padr-monitor; tshark
           and tcpdump, for the Wireshark plugin and captures; iproute2 and nftables, for networks that fall apart and NATs
-  check   formatting, linting, clang builds, fuzzing, the clean-clone check, Compose and a base image for containers
+  check   formatting, linting, clang builds, fuzzing, the clean-clone check, Compose and a base image for containers,
+          a router's miniupnpd
   docs    mkdocs and its theme, for the documents as a site; pandas, to read the data that the programs write
   package help2man and dpkg-dev, for tools/package.sh
   all     every group above
@@ -30,12 +31,13 @@ TEXT
 packages_of() {
   case $1 in
     build) echo g++ cmake ninja-build ccache pkg-config libbox2d-dev libboost-dev protobuf-compiler \
-      libprotobuf-dev libsodium-dev libspdlog-dev libfmt-dev libcli11-dev nlohmann-json3-dev libjs-dygraphs ;;
+      libprotobuf-dev libsodium-dev libspdlog-dev libfmt-dev libcli11-dev nlohmann-json3-dev libjs-dygraphs \
+      libminiupnpc-dev libnatpmp-dev ;;
     run) echo 'gnuplot-nox|gnuplot-qt|gnuplot-x11' librsvg2-bin ;;
     test) echo libgtest-dev libbenchmark-dev librapidcheck-dev python3 chromium chromium-driver \
       python3-selenium tshark tcpdump iproute2 nftables ;;
     check) echo 'clang-14|clang-@' 'clang-format-14|clang-format-@' 'clang-tidy-14|clang-tidy-@' \
-      'libclang-rt-14-dev|libclang-rt-@-dev' git shellcheck docker-compose mmdebstrap ;;
+      'libclang-rt-14-dev|libclang-rt-@-dev' git shellcheck docker-compose mmdebstrap 'miniupnpd-nftables|miniupnpd' ;;
     docs) echo mkdocs mkdocs-material python3-pandas ;;
     package) echo help2man python3 dpkg-dev ;;
     pictures) echo ffmpeg gifsicle ;;

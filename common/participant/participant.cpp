@@ -33,9 +33,10 @@ void check_founder(const SessionConfig& c, const Scene& scene) {
   if (c.slots < 1 || static_cast<std::size_t>(c.slots) > most)
     throw UserError("slots: " + std::to_string(c.slots) + " is not allowed; give 1 to " + std::to_string(most) +
                     ", the scenario's places to start from");
-  if (c.wanted < 1 || c.wanted > c.slots)
-    throw UserError("wanted: " + std::to_string(c.wanted) + " is not allowed; give 1 to " + std::to_string(c.slots) +
-                    ", the slots");
+  const int room = c.slots - (c.spectates ? 1 : 0);
+  if (c.wanted < 1 || c.wanted > room)
+    throw UserError("wanted: " + std::to_string(c.wanted) + " is not allowed; give 1 to " + std::to_string(room) +
+                    ", the slots for players");
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ for line in open({database!r}):
 sys.exit(0 if found or not names else 1)
 """
 BUILD = ("g++ cmake ninja-build ccache pkg-config libbox2d-dev libboost-dev protobuf-compiler libprotobuf-dev libsodium-dev "
-         "libspdlog-dev libfmt-dev libcli11-dev nlohmann-json3-dev libjs-dygraphs").split()  # fmt: skip
+         "libspdlog-dev libfmt-dev libcli11-dev nlohmann-json3-dev libjs-dygraphs libminiupnpc-dev libnatpmp-dev").split()  # fmt: skip
 
 
 class Deps(Case):
