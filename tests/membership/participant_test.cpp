@@ -87,8 +87,8 @@ TEST(Participant, ASessionThatTheSceneHasNoRoomForIsAMistakeOfTheCallers) {
   };
   const std::string places = std::to_string(std::min<std::size_t>(arena(1).avatar.spawns.size(), kMaxPeers));
   EXPECT_EQ(mistake(2, 80), "slots: 80 is not allowed; give 1 to " + places + ", the scenario's places to start from");
-  EXPECT_EQ(mistake(0, 2), "wanted: 0 is not allowed; give 1 to 2, the slots");
-  EXPECT_EQ(mistake(3, 2), "wanted: 3 is not allowed; give 1 to 2, the slots");
+  EXPECT_EQ(mistake(0, 2), "wanted: 0 is not allowed; give 1 to 2, the slots for players");
+  EXPECT_EQ(mistake(3, 2), "wanted: 3 is not allowed; give 1 to 2, the slots for players");
   EXPECT_EQ(mistake(1, 1), "");
 }
 
