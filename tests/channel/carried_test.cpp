@@ -13,6 +13,9 @@ namespace {
 
 using node::ChannelDrop;
 
+/// By the carrier, and by strangers: 10^6 in all.
+constexpr int kForgeries = 500'000;
+
 /// Three peers at the places 1, 2 and 3 that all know one another. Whoever tests carries everything.
 struct Three {
   explicit Three(wire::SealMode mode = wire::SealMode::kAuth) {
@@ -137,7 +140,7 @@ TEST(Carried, TheCarrierCannotRepeatOrChangeOrMakeThem) {
   EXPECT_FALSE(t.deliver(1, 2, sealed_again(inner)));
   EXPECT_EQ(t.dropped(1, ChannelDrop::kReplay), replays + 1);
   Rng rng(test::seed());
-  for (int i = 0; i < 20'000; ++i) {
+  for (int i = 0; i < kForgeries; ++i) {
     wire::Bytes changed = inner;
     for (std::uint32_t n = 1 + rng.below(3); n > 0; --n)
       changed[rng.below(static_cast<std::uint32_t>(changed.size()))] ^= static_cast<std::byte>(1 + rng.below(255));
@@ -190,7 +193,7 @@ TEST(Carried, NotForStrangers) {
   Rng rng(test::seed());
   std::size_t in = 0;
   std::size_t out = 0;
-  for (int i = 0; i < 20'000; ++i) {
+  for (int i = 0; i < kForgeries; ++i) {
     wire::Bytes d = good;
     d[rng.below(static_cast<std::uint32_t>(d.size()))] ^= static_cast<std::byte>(1 + rng.below(255));
     in += d.size();
