@@ -9,7 +9,8 @@ namespace padr::node {
 /// A datagram for the shell to send.
 struct Parcel {
   Endpoint to;
-  PeerId state_to = kNoPeer;  ///< the receiver's number, if it is a state datagram
+  /// Number of the peer at `to`, if this is a state datagram, or is carried.
+  PeerId state_to = kNoPeer;
   wire::Bytes bytes;
 };
 

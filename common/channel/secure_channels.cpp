@@ -122,7 +122,10 @@ void SecureChannels::send(const Endpoint& to, PeerId state_to, std::span<const s
     if (c == nullptr) c = make(to.key, to, local);
     if (c == nullptr) return;
     c->name = to;
-    if (state_to != kNoPeer) c->hearsay = false;  // the address of a member does not change
+    if (state_to != kNoPeer) {
+      c->number = state_to;
+      c->hearsay = false;  // the address of a member does not change
+    }
     if (!c->met) c->at = c->home = to.place();
   } else {
     c = lately_at(to, local);
@@ -225,7 +228,7 @@ void SecureChannels::transmit(Channel& to, PeerId state_to, std::span<const std:
   if (by == nullptr) return transmit_directly(to, state_to, sealed);
   wire::encode_carried({to.id, sealed}, carried_);
   wire::seal_with(by->keys.out(), config_.mode, id_, ++number_, carried_, outer_);
-  transmit_directly(*by, state_to, outer_);
+  transmit_directly(*by, by->number, outer_);
 }
 
 void SecureChannels::transmit_directly(Channel& to, PeerId state_to, std::span<const std::byte> sealed) {
@@ -301,7 +304,7 @@ void SecureChannels::pass_on(const Channel& by, std::uint32_t to) {
     wire::seal_with(c.keys.out(), config_.mode, id_, ++number_, unsealed_, sealed_);
     ++stats_.carried;
     stats_.carried_bytes += sealed_.size();
-    transmit_directly(c, kNoPeer, sealed_);
+    transmit_directly(c, c.number, sealed_);
   }
 }
 

@@ -146,10 +146,11 @@ class SecureChannels {
     PublicKey key;
     std::uint32_t id;
     ChannelKeys keys;
-    Endpoint name;  ///< as we were told of it, or first met it
-    Endpoint at;    ///< where it is, by what it sent last
-    Endpoint home;  ///< where it was before, until it has settled there
-    int here = 0;   ///< of its newest datagrams in a row, how many came from there; counted to kSettled
+    PeerId number = kNoPeer;  ///< as which it was sent a state datagram last
+    Endpoint name;            ///< as we were told of it, or first met it
+    Endpoint at;              ///< where it is, by what it sent last
+    Endpoint home;            ///< where it was before, until it has settled there
+    int here = 0;             ///< of its newest datagrams in a row, how many came from there; counted to kSettled
     /// It answers at `at`: it has echoed a nonce that was sent there, or `at` is where we were told that it is.
     bool answers = true;
     bool mutual = false;     ///< an echo has shown that what either sends comes directly to the other, which is at `at`

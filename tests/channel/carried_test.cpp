@@ -172,6 +172,25 @@ TEST(Carried, OnlyForWhomTheCarrierAllowsAndHears) {
   for (const auto& p : taken(t.peers[2])) EXPECT_FALSE(wire::read_sealed(p.bytes)) << "a greeting at most";
 }
 
+// What is carried goes over the link to the carrier, and then over the carrier's own.
+TEST(Carried, GoesOverTheLinkOfWhoCarries) {
+  Three t;
+  const auto number = [](std::size_t n) { return static_cast<PeerId>(20 + n); };
+  for (const std::size_t to : {1U, 2U}) t.peers[0].send(t.name_of(to), number(to), words("state"), t.now);
+  t.peers[2].send(t.name_of(1), number(1), words("state"), t.now);
+  t.settle();
+  t.peers[0].carry(t.peers[1].key(), t.peers[2].key(), false, t.now);
+  t.peers[0].send(t.name_of(1), number(1), words("carried"), t.now);
+  const auto out = taken(t.peers[0]);
+  ASSERT_EQ(out.size(), 1U);
+  EXPECT_TRUE(same_place(out[0].to, place(3)));
+  EXPECT_EQ(out[0].state_to, number(2));
+  t.deliver(2, 0, out[0].bytes);
+  const auto on = taken(t.peers[2]);
+  ASSERT_EQ(on.size(), 1U);
+  EXPECT_EQ(on[0].state_to, number(1));
+}
+
 // Both arrive, as two datagrams.
 TEST(Carried, DirectlyTooIfNobodyKnowsWhatWorks) {
   Three t;
