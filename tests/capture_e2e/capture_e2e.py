@@ -165,6 +165,23 @@ class Captures(Case):
         keys[1] = self.file("none", "padr-key 12\n")
         self.assertEqual(self.capture("summary", capture, *keys, code=2), "")
 
+    def test_carried_pairs_and_spectators(self):
+        """Peers 1 and 2 do not reach each other, and peer 0, a meeting point, carries: any one's capture has it all."""
+        key = ["--key-file", self.file("key", "5a" * 32), "--netem", "delay 20ms 5ms loss 2%", "--duration", 6]
+        own = [[*self.own(i), *key, "--keylog", self.path(f"{i}.keys")] for i in range(3)]
+        peers = [self.peer("--listen", "127.0.0.1:0", "--meeting-point", "--wait-peers", 2, *own[0])]
+        for i, other in ((1, 2), (2, 1)):
+            join = ["--join", f"127.0.0.1:{peers[0].port()}", "--netem-to", f"{other}=loss 100%"]
+            peers.append(self.peer(*join, *own[i]))
+            peers[i].wait_for(f"this is peer {i}|admitted at tick .* as peer {i}")
+        self.assertEqual([p.end() for p in peers], [0, 0, 0])
+        self.assertRegex(peers[1].text(), "peer 2 is reached through peer 0")
+        traces = [self.path(f"{i}.trace") for i in range(3)]
+        for i in range(3):
+            capture, keys = self.path(f"{i}.pcapng"), ["--keylog", self.path(f"{i}.keys")]
+            self.check_rebuilt(capture, *keys, least=6)
+            self.assertTrue(self.as_json("compare", capture, *traces, *keys)["agree"])
+
     def test_everybody_has_seen_the_same(self):
         tcpdump = Tcpdump(self.path("lo.pcap"))
         peers = self.session(2, "--netem", LINK, "--duration", 6, own=[self.own(0), self.own(1)])
