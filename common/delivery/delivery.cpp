@@ -103,6 +103,7 @@ void OutLink::empty_packet() {
 // once.
 void OutLink::begin_marks(Tick now) {
   if (last_sent_ != kNever || fresh_) return;
+  rate_.begin_window();
   last_sent_ = now - 1;
   marked_ = true;
 }
@@ -195,6 +196,7 @@ void OutLink::take_chosen(Tick now, const Ring<Bundle>& own, std::uint32_t first
 
 void OutLink::on_packet(const StatePacket& p, Tick now) {
   if (p.seq > heard_seq_) {
+    if (heard_seq_ == 0) rate_.begin_window();
     if (p.updates.empty()) loss_ = p.loss;
     heard_seq_ = p.seq;
     heard_at_ = now;

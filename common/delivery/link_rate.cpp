@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace padr::sync {
 namespace {
@@ -63,7 +64,7 @@ bool LinkRate::may_tell(Tick now) {
 
 bool LinkRate::may_send(Tick now) {
   drain(now);
-  const bool may = queued_ <= 0;
+  const bool may = queued_ <= 0 && unacknowledged_ < window_;
   held_back_ = held_back_ || !may;
   return may;
 }
@@ -71,6 +72,7 @@ bool LinkRate::may_send(Tick now) {
 void LinkRate::sent(std::size_t bytes, Tick now) {
   drain(now);
   queued_ += static_cast<double>(bytes);
+  unacknowledged_ += static_cast<double>(bytes);
   ahead_ = std::min(2 * kMostAhead, ahead_ + static_cast<double>(bytes) / meant());
   sent_.push_back({now, bytes});
   if (sent_.size() <= kRemembered) return;
@@ -154,8 +156,16 @@ void LinkRate::set_rate(double rate, Tick now) {
   queued_ = std::min(queued_, kLongestWait * rate_);
 }
 
+void LinkRate::widen_window(std::size_t later) {
+  const double before = std::exchange(unacknowledged_, 0);
+  for (std::size_t i = 0; i < later; ++i) unacknowledged_ += static_cast<double>(sent_[sent_.size() - 1 - i].bytes);
+  window_ += std::max(0.0, before - unacknowledged_);
+  if (is_limited() || window_ > kLastWindow) window_ = kMost;
+}
+
 void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_trip) {
   const std::size_t place = sent_.size() - 1 - later;
+  widen_window(later);
   receipts_.push_back({forgotten_ + place, received - sent_[place].at});
   while (receipts_.size() > kReceipts || receipts_.front().number < forgotten_) receipts_.pop_front();
   note_transit({receipts_.back().transit, sent_[place].bytes}, now);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -22,6 +23,9 @@ class LinkRate {
   static constexpr double kMost = 1.25e7;
   /// Longest that may be sent ahead, s.
   static constexpr double kMostAhead = 2;
+  /// From now on no more may be unacknowledged than a few datagrams, and twice as much with each round trip, until the
+  /// link has shown what it carries, or that it is wide enough not to matter.
+  void begin_window() { window_ = std::min(window_, kFirstWindow); }
   /// What is told over seconds is to keep within this.
   void bound(double most) { most_ = most; }
 
@@ -67,8 +71,11 @@ class LinkRate {
   // Datagrams whose time of sending is remembered: 4 s at one a tick.
   static constexpr std::size_t kRemembered = 256;
   static constexpr std::size_t kReceipts = 8;
+  static constexpr double kFirstWindow = 600;   ///< bytes
+  static constexpr double kLastWindow = 4'000;  ///< from here on there is none
 
   void drain(Tick now);
+  void widen_window(std::size_t later);
   double meant() const;
   void note_transit(const Quickest& q, Tick now);
   const Quickest& quickest() const;
@@ -83,6 +90,8 @@ class LinkRate {
   std::size_t forgotten_ = 0;  ///< datagrams sent before those
   double rate_ = kMost;        ///< the estimate; no limit until a queue shows
   double most_ = kMost;
+  double window_ = kMost;          ///< bytes that may be unacknowledged
+  double unacknowledged_ = 0;      ///< bytes sent after what is known to have arrived
   double queued_ = 0;              ///< bytes that wait in the link's queue, by the estimate
   double ahead_ = kMostAhead / 4;  ///< s; a beginning is told roughly
   Tick drained_ = 0;               ///< when those were last computed

@@ -67,6 +67,24 @@ TEST(LinkRate, IsThatOfANarrowLinkWhoseQueueStaysShort) {
   }
 }
 
+// Before it knows the rate, a sender that waits for acknowledgements fills no queue.
+TEST(LinkRate, AWindowKeepsTheFirstQueueShort) {
+  Link without;
+  without.rate = 250;
+  Link with = without;
+  with.measured.begin_window();
+  without.run(10 * kTicksPerSecond);
+  with.run(10 * kTicksPerSecond);
+  EXPECT_GT(without.longest_queue, 10 * kTicksPerSecond);
+  EXPECT_LT(with.longest_queue, 4 * kTicksPerSecond);
+  Link wide;
+  wide.measured.begin_window();
+  wide.run(kTicksPerSecond);
+  Link free;
+  free.run(kTicksPerSecond);
+  EXPECT_GT(wide.sent, free.sent * 3 / 4) << "a wide link is hardly held up";
+}
+
 TEST(LinkRate, HasNoLimitWhereNoQueueShows) {
   Link l;
   l.run(60 * kTicksPerSecond);
