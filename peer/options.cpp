@@ -421,7 +421,10 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
     o.scenario = raw.scenario.load();
     take_sizes(raw, o);
     // Which avatar it will drive is not known yet, but what is wrong with it is the same for all.
-    shell::load_input(o.input, o.scenario.scene, 0, o.scenario.seed);
+    if (o.spectates)
+      o.input = "none";
+    else
+      shell::load_input(o.input, o.scenario.scene, 0, o.scenario.seed);
   }
   o.trace = raw.trace;
   o.json = raw.json;

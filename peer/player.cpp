@@ -125,7 +125,8 @@ void Player::begin_incarnation() {
     log_.session->warn("{}: life {} begins at tick {}, as peer {}", ours, known_incarnation_ + 1, next, self());
     return;
   }
-  input_ = shell::load_input(options_.input, options_.scenario.scene, self(), options_.scenario.seed);
+  const std::string input = options_.spectates ? "rest" : options_.input;
+  input_ = shell::load_input(input, options_.scenario.scene, self(), options_.scenario.seed);
   const double round_trip_ms = static_cast<double>(s.round_trip()) / 1e3;
   waited_ = !replica().playing() || replica().config().incarnation == 0;
   if (replica().config().incarnation == 0) return;

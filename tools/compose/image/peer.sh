@@ -82,10 +82,16 @@ if [ -n "${PADR_OWN_CAPTURE:-}" ]; then set -- "$@" --pcap "$file.pcapng"; fi
 # The network is the session's own; see there. A key, if there is one, padr-peer takes from PADR_KEY itself.
 if [ -z "${PADR_KEY:-}" ]; then set -- "$@" --insecure; fi
 
+if [ -n "${PADR_MEETING_POINT:-}" ]; then
+  set -- "$@" --meeting-point
+else
+  set -- "$@" --input "${PADR_INPUT:-wander}"
+fi
+
 # PADR_ARGS is a list of words.
 # shellcheck disable=SC2086
 exec padr-peer "$@" --listen "0.0.0.0:$port" --join-timeout "$patience" \
   --scenario "${PADR_SCENARIO:-arena}" --seed "${PADR_SEED:-1}" --technique "${PADR_TECHNIQUE:-full}" \
-  --input "${PADR_INPUT:-wander}" --duration "${PADR_DURATION:-60}" \
+  --duration "${PADR_DURATION:-60}" \
   --netem-seed "$((${PADR_SEED:-1} * 100 + number))" \
   --trace "$file.trace" --json "$file.json" --health "$data/peer$number.health" ${PADR_ARGS:-}

@@ -21,7 +21,7 @@ export function intro(session) {
   if (session.hello?.mode === "capture") return "This is the world that the peers agreed on, rebuilt from their packets alone. A thing has the colour of the peer that decides about it. Play it, or drag the slider.";
   if (count === 0) return "";
   const programs = count === 1 ? "One program plays" : `${capital(NUMBERS[count] ?? String(count))} programs play`;
-  const was = session.replayed() ? "This is a recording: play it, or drag the slider." : session.controllable().length > 0 ? `Drive an avatar: ${howToDrive()}.` : "This page may only look.";
+  const was = session.replayed() ? "This is a recording: play it, or drag the slider." : session.drivable().length > 0 ? `Drive an avatar: ${howToDrive()}.` : "This page may only look.";
   return `${programs} in one world without a server, and each picture is the world as one of them sees it. `
     + `A thing has the colour of the peer that decides about it; a pink line leads from where a picture shows it to where it really is. ${was}`;
 }

@@ -244,7 +244,7 @@ document.addEventListener("change", (e) => {
 });
 function toggleDriving(slot) {
   if (driver.slot === slot) return;
-  if (session.controllable().some((p) => p.slot === slot)) driver.start(slot);
+  if (session.drivable().some((p) => p.slot === slot)) driver.start(slot);
 }
 pointers.clicked = (slot) => {
   if (views.mode === "side") views.large = slot;

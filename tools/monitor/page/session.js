@@ -41,6 +41,11 @@ export class Session {
     return this.mayControl() ? this.present().filter((p) => p.controllable) : [];
   }
 
+  /** Those of them that have an avatar. */
+  drivable() {
+    return this.controllable().filter((p) => p.input !== "none");
+  }
+
   /** Of live sessions: peers were there, and all have gone. */
   over() {
     return !this.replayed() && this.played && this.present().length === 0;

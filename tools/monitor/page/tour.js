@@ -130,7 +130,7 @@ function runner(session) {
 }
 
 function everybody(session) {
-  return session.controllable().map((p) => p.slot);
+  return session.drivable().map((p) => p.slot);
 }
 
 function last(session) {

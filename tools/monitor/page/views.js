@@ -138,6 +138,7 @@ export class Views {
     const point = session.points.get(slot);
     const words = [];
     if (peer.state === "silent") words.push("silent: no news for 1 s");
+    if (peer.input === "none") words.push("spectator");
     if (peer.paused) words.push("paused");
     if (peer.links.some((l) => l.cut)) words.push("cut off");
     if (peer.driven === "other") words.push("driven by somebody else");
@@ -149,7 +150,7 @@ export class Views {
     if (driven) words.push("you drive");
     tile.said.title = "off: how far everything in this view is from where its authority has it, all entities summed, at the last tick that is confirmed; not known while this peer is apart from the others";
     const drive = tile.buttons.querySelector(".drive");
-    drive.hidden = !driven && !session.controllable().some((p) => p.slot === slot);
+    drive.hidden = !driven && !session.drivable().some((p) => p.slot === slot);
     drive.textContent = driven ? "Let go" : "Drive";
     tile.canvas.setAttribute("aria-label", `View of peer ${slot}. ${words.join(", ")}.${drive.hidden || driven ? "" : " Enter drives its avatar."}`);
     tile.buttons.querySelector(".follow").setAttribute("aria-pressed", this.camera.follow === slot);
