@@ -129,7 +129,7 @@ export class Knobs {
     if (side === "low" && Number(low.value) > Number(high.value)) high.value = low.value;
     for (const input of [high, low, body]) {
       const off = input === body && Number(input.value) === 0;
-      input.nextElementSibling.textContent = off ? "off" : metres(Number(input.value));
+      input.nextElementSibling.textContent = off ? "off" : distance(Number(input.value));
     }
   }
 
@@ -244,4 +244,9 @@ function options(select, values, text = String) {
   const { value } = select;
   select.replaceChildren(...values.map((v) => new Option(text(v), v)));
   if (wanted.includes(value)) select.value = value;
+}
+
+/** A threshold, which may be of millimetres. */
+function distance(m) {
+  return m > 0 && m < 0.01 ? `${Math.round(m * 1000)} mm` : metres(m);
 }
