@@ -129,6 +129,8 @@ def of_update(update, raw, peer):
     yield "padr.update.tick", update["tick"]
     if update["leave"]:
         yield "padr.update.leave", True
+    if raw["spectates"]:
+        yield "padr.update.spectates", True
     if raw["going"]:
         yield "padr.update.going", raw["going"]
     if raw.get("signature"):
@@ -187,6 +189,7 @@ def of_orders(update, raw):
             yield f"padr.admission.{name}", admission[name]
         for have in admission["have"]:
             yield "padr.admission.have", have
+        yield "padr.admission.spectator", admission["spectator"]
     for removal in update["removals"]:
         yield "padr.removal", None
         for name in ("slot", "incarnation", "count"):
