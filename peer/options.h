@@ -45,8 +45,8 @@ struct CrowdOptions {
 struct Options {
   std::optional<shell::HostPort> listen;  ///< absent: any port on the loopback address of the family needed
   std::optional<shell::HostPort> join;    ///< absent: found a session
-  int wait_peers = 2;                     ///< founder: peers of the session, this one included
-  int slots = 2;                          ///< founder: avatar slots, >= wait_peers
+  int wait_peers = 2;                     ///< founder: players that play waits for
+  int slots = 2;                          ///< founder: slots, its own included
   bool map_port = false;
   bool insecure = false;
   std::optional<wire::Key> key;                 ///< of the session; absent: nothing is sealed

@@ -64,7 +64,7 @@ bool LinkRate::may_tell(Tick now) {
 
 bool LinkRate::may_send(Tick now) {
   drain(now);
-  const bool may = queued_ <= 0 && unacknowledged_ < window_;
+  const bool may = queued_ <= 0 && (!window_ || unacknowledged_ < *window_);
   held_back_ = held_back_ || !may;
   return may;
 }
@@ -157,10 +157,11 @@ void LinkRate::set_rate(double rate, Tick now) {
 }
 
 void LinkRate::widen_window(std::size_t later) {
+  if (!window_) return;
   const double before = std::exchange(unacknowledged_, 0);
   for (std::size_t i = 0; i < later; ++i) unacknowledged_ += static_cast<double>(sent_[sent_.size() - 1 - i].bytes);
-  window_ += std::max(0.0, before - unacknowledged_);
-  if (is_limited() || window_ > kLastWindow) window_ = kMost;
+  *window_ += std::max(0.0, before - unacknowledged_);
+  if (is_limited() || *window_ > kLastWindow) window_.reset();
 }
 
 void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_trip) {

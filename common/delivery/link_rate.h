@@ -1,8 +1,8 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "common/model/ids.h"
 #include "common/model/ring.h"
@@ -25,7 +25,9 @@ class LinkRate {
   static constexpr double kMostAhead = 2;
   /// From now on no more may be unacknowledged than a few datagrams, and twice as much with each round trip, until the
   /// link has shown what it carries, or that it is wide enough not to matter.
-  void begin_window() { window_ = std::min(window_, kFirstWindow); }
+  void begin_window() {
+    if (!window_) window_ = kFirstWindow;
+  }
   /// What is told over seconds is to keep within this.
   void bound(double most) { most_ = most; }
 
@@ -90,8 +92,8 @@ class LinkRate {
   std::size_t forgotten_ = 0;  ///< datagrams sent before those
   double rate_ = kMost;        ///< the estimate; no limit until a queue shows
   double most_ = kMost;
-  double window_ = kMost;          ///< bytes that may be unacknowledged
-  double unacknowledged_ = 0;      ///< bytes sent after what is known to have arrived
+  std::optional<double> window_;   ///< bytes that may be unacknowledged; nothing: any
+  double unacknowledged_ = 0;      ///< bytes sent after what had arrived when there last was a window
   double queued_ = 0;              ///< bytes that wait in the link's queue, by the estimate
   double ahead_ = kMostAhead / 4;  ///< s; a beginning is told roughly
   Tick drained_ = 0;               ///< when those were last computed

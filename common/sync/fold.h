@@ -22,12 +22,12 @@ struct Member {
 
 /// When play begins: until then time passes and members come in, but nothing moves.
 struct Start {
-  int wanted = 0;  ///< members that play waits for; 0: for nobody any more
+  int wanted = 0;  ///< avatars that play waits for; 0: for nobody any more
   Tick at = 0;     ///< once nobody is waited for: play begins at this tick
   bool reached(Tick now) const { return wanted == 0 && now >= at; }
   friend bool operator==(const Start&, const Start&) = default;
 };
-/// Ticks from the admission of the last member waited for to the begin of play: time for it to reach everybody.
+/// Ticks from the admission of the last player waited for to the begin of play: time for it to reach everybody.
 inline constexpr Tick kStartLead = kTicksPerSecond;
 
 /// The agreed world at the begin of one tick, before that tick's updates.
@@ -52,7 +52,7 @@ class Fold {
  public:
   /// The avatars of peers 0 .. peers-1 are there from tick 0, at rest at their spawn points; `slots` >= peers is how
   /// many there may ever be. `authority` false: no holds, no owners; avatars collide with every body (the paper's
-  /// failure case). `wanted`: members that play waits for; no more than `peers`: it begins at tick 0.
+  /// failure case). `wanted`: avatars that play waits for; no more than `peers`: it begins at tick 0.
   Fold(const Scene& scene, int slots, int peers, bool authority, int wanted = 0);
 
   Tick tick() const { return tick_; }

@@ -174,7 +174,7 @@ class Performance {
 
   ChaosOutcome outcome() const {
     ChaosOutcome out;
-    out.violation = judge_.violation().empty() && liar_ ? meter_.violation() : judge_.violation();
+    out.violation = violation();
     out.compared = judge_.compared();
     out.harm = meter_.harm();
     out.harm.kept_out += judge_.held_apart();
@@ -189,7 +189,10 @@ class Performance {
 
  private:
   // Bounds on harm are for where somebody lies: without a lie, networks alone may do worse.
-  bool holds() const { return judge_.violation().empty() && !(liar_ && !meter_.violation().empty()); }
+  const std::string& violation() const {
+    return judge_.violation().empty() && liar_ ? meter_.violation() : judge_.violation();
+  }
+  bool holds() const { return violation().empty(); }
   void run_to(Micros t) {
     while (holds() && network_.now() < t) {
       stage_.undo_until(network_.now());

@@ -107,12 +107,7 @@ void HarmMeter::look_at(int person, bool in) {
   const bool changed = peer.incarnation() != w.incarnation;
   w.incarnation = peer.incarnation();
   if (changed) w.evicted = false;
-  if (const std::vector<int> by = evictors_of(person); !w.evicted && !by.empty()) {
-    w.evicted = true;
-    ++harm_.evicted;
-    const auto reached = [this](int q) { return was_reachable(q); };
-    if (was_reachable(person) && std::any_of(by.begin(), by.end(), reached)) ++harm_.evicted_reachable;
-  }
+  if (!w.evicted) look_for_eviction(person, w);
   if (in) w.was_in = true;
   const Tick confirmed = n.agreed().confirmed().tick;
   if (fresh || network_.paused(person)) w.confirmed_at = w.in_at = w.stepped_at = now;
@@ -125,6 +120,15 @@ void HarmMeter::look_at(int person, bool in) {
   note(now - w.in_at, harm_.out, bounds_.out, title(person) + " has been out");
   note(now - w.stepped_at, harm_.stalled, bounds_.stalled, title(person) + "'s live world has stood still");
   look_for_bans(person);
+}
+
+void HarmMeter::look_for_eviction(int person, Watched& w) {
+  const std::vector<int> by = evictors_of(person);
+  if (by.empty()) return;
+  w.evicted = true;
+  ++harm_.evicted;
+  const auto reached = [this](int q) { return was_reachable(q); };
+  if (was_reachable(person) && std::any_of(by.begin(), by.end(), reached)) ++harm_.evicted_reachable;
 }
 
 // No honest peer gives another cause to cut it off.

@@ -65,6 +65,7 @@ class HarmMeter {
   bool was_reachable(int person);
   std::vector<int> evictors_of(int person) const;
   void look_at(int person, bool in);
+  void look_for_eviction(int person, Watched& w);
   void look_at_ended(int person);
   void look_for_bans(int person);
   void note(Micros lasted, Micros& longest, Micros bound, const std::string& what);
