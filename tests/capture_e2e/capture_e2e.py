@@ -167,12 +167,13 @@ class Captures(Case):
 
     def test_carried_pairs_and_spectators(self):
         """Peers 1 and 2 do not reach each other, and peer 0, a meeting point, carries: any one's capture has it all."""
-        key = ["--key-file", self.file("key", "5a" * 32), "--netem", "delay 20ms 5ms loss 2%", "--duration", 6]
+        key = ["--key-file", self.file("key", "5a" * 32), "--netem", "delay 20ms 5ms loss 2%"]
         own = [[*self.own(i), *key, "--keylog", self.path(f"{i}.keys")] for i in range(3)]
-        peers = [self.peer("--listen", "127.0.0.1:0", "--meeting-point", "--wait-peers", 2, *own[0])]
+        peers = [self.peer("--listen", "127.0.0.1:0", "--meeting-point", "--wait-peers", 2, "--duration", 12, *own[0])]
         for i, other in ((1, 2), (2, 1)):
             join = ["--join", f"127.0.0.1:{peers[0].port()}", "--netem-to", f"{other}=loss 100%"]
-            peers.append(self.peer(*join, *own[i]))
+            # The other one's last words are carried, too: whoever carries stays longer.
+            peers.append(self.peer(*join, "--duration", 6, *own[i]))
             peers[i].wait_for(f"this is peer {i}|admitted at tick .* as peer {i}")
         self.assertEqual([p.end() for p in peers], [0, 0, 0])
         self.assertRegex(peers[1].text(), "peer 2 is reached through peer 0")
