@@ -15,8 +15,11 @@ namespace {
 template <typename Value, std::size_t N>
 using Names = std::array<std::pair<std::string_view, Value>, N>;
 
-constexpr Names<Model, 4> kModels{
-    {{"static", Model::kStatic}, {"first", Model::kFirst}, {"second", Model::kSecond}, {"input", Model::kInput}}};
+constexpr Names<Model, 5> kModels{{{"static", Model::kStatic},
+                                   {"first", Model::kFirst},
+                                   {"second", Model::kSecond},
+                                   {"input", Model::kInput},
+                                   {"auto", Model::kChosen}}};
 constexpr Names<Predictor, 5> kPredictors{{{"none", Predictor::kNone},
                                            {"lookahead", Predictor::kLookahead},
                                            {"density", Predictor::kDensity},
@@ -95,7 +98,9 @@ constexpr std::array<Knob, kKnobCount> kKnobs{{
      [](Technique& t, Text flag, Text v) {
        t.body_threshold = v == "off" ? 0 : in_range(flag, v, kLeast, kMost, "metres, or off");
      }},
-    {"--model", "NAME", "How others continue an avatar between updates: static, first, second (order) or input",
+    {"--model", "NAME",
+     "How others continue an avatar between updates: static, first, second (order) or input; auto: each update has"
+     " the one of second and input that was right more often lately",
      named<&Technique::model, kModels>},
     {"--lead", "S", "Input model: send the target's position as it will be in S seconds",
      [](Technique& t, Text flag, Text v) { t.lead = in_range(flag, v, 0.0F, 1.0F, "seconds"); }},
@@ -176,7 +181,7 @@ std::string describe(const Technique& t) {
   if (t.threshold_low != t.threshold_high) s += ":" + number(t.threshold_low);
   s += " --body-threshold " + (t.body_threshold > 0 ? number(t.body_threshold) : std::string("off"));
   s += " --replay " + name_of(t.replay, kSwitch) + " --model " + name_of(t.model, kModels);
-  if (t.model == Model::kInput) s += " --lead " + number(t.lead);
+  if (tells_input(t)) s += " --lead " + number(t.lead);
   s += " --time-space " + (t.time_space > 0 ? number(t.time_space) : std::string("off"));
   s += " --predictor " + name_of(t.predictor, kPredictors) + " --threshold-law " + name_of(t.law, kLaws);
   s += " --convergence " + name_of(t.convergence, kConvergences) + " --radius " + number(t.radius);

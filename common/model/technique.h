@@ -13,6 +13,7 @@ enum class Model : std::uint8_t {
   kFirst,   ///< keeps its velocity (the paper's)
   kSecond,  ///< keeps its acceleration, up to the avatar's top speed
   kInput,   ///< keeps its control state: the same control law drives it towards the same target
+  kChosen,  ///< by each update anew: kInput or kSecond, whichever has lately been right. No update carries this
 };
 
 /// What the avatar's threshold is adapted to.
@@ -45,13 +46,13 @@ struct Technique {
   std::string name = "full";
   bool authority = true;  ///< dynamic authority over bodies; without it every peer plays bodies out by itself
   bool replay = true;     ///< rewind and replay on late updates; without it they are applied as if true on arrival
-  Model model = Model::kInput;
+  Model model = Model::kChosen;
   Predictor predictor = Predictor::kLookahead;
   ThresholdLaw law = ThresholdLaw::kTwoLevel;
-  float lead = 0.1F;             ///< s, how far ahead of its motion the input model's target is told; 0: as it is
-  float time_space = 0.04F;      ///< s, an avatar error is told once its time integral exceeds threshold x this; 0: off
-  float threshold_high = 0.03F;  ///< m, when nothing is predicted
-  float threshold_low = 0.01F;   ///< m, when interaction is predicted; equal to the high one for a fixed threshold
+  float lead = 0.05F;        ///< s, how far ahead of its motion the input model's target is told; 0: as it is
+  float time_space = 0.04F;  ///< s, an avatar error is told once its time integral exceeds threshold x this; 0: off
+  float threshold_high = 0.015F;  ///< m, when nothing is predicted
+  float threshold_low = 0.005F;   ///< m, when interaction is predicted; equal to the high one for a fixed threshold
   float body_threshold = 0.005F;  ///< m, for bodies under own authority; 0 switches it off
   Convergence convergence = Convergence::kPvb;
   float radius = 3.0F;     ///< m, of the surroundings that predictors look at
@@ -74,6 +75,11 @@ struct Technique {
   float budget = 64;
   friend bool operator==(const Technique&, const Technique&) = default;
 };
+
+/// Whether updates of the avatar may carry where it heads.
+inline bool tells_input(const Technique& t) {
+  return t.model == Model::kInput || t.model == Model::kChosen;
+}
 
 /// Whether bodies that nobody owns play out in the player's own world alone. Without authority nobody owns any.
 inline bool plays_unowned_alone(const Technique& t) {

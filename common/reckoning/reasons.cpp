@@ -62,7 +62,7 @@ bool may_end_exactly(const OwnAvatar& a) {
 AvatarReason reason_of(const OwnAvatar& a, const Technique& technique) {
   // Nobody sees it before it is told of.
   if (!a.present || a.off || (technique.every_tick && a.awake)) return {Cause::kThreshold, false, false};
-  if (technique.model == Model::kInput && is_settled_but_wrong(a))
+  if (tells_input(technique) && is_settled_but_wrong(a))
     return {Cause::kAtRest, may_end_exactly(a) && a.any_differs, false};
   if (rests(a) && (a.awake || a.differs)) return {Cause::kAtRest, false, true};
   return {};

@@ -38,6 +38,7 @@ Reporter::Reporter(const Scene& scene, PeerId self, const Technique& technique)
       chain_(static_cast<int>(scene.bodies.size()), static_cast<EntityId>(scene.bodies.size() + self),
              patience_of(technique)),
       aim_(technique.lead),
+      choice_(scene.avatar),
       model_error_(technique.time_space),
       no_claim_before_(scene.bodies.size(), 0),
       owned_(scene.bodies.size(), 0),
@@ -61,6 +62,8 @@ const Bundle& Reporter::report(const Situation& s) {
   avatar_.reset();
   exact_ = false;
   aim_.follow(s.target);
+  if (technique_.model == Model::kChosen)
+    choice_.follow(s.live->world().state(s.live->avatar()), aim_.ahead(), s.acceleration);
   const bool all = technique_.update_every_contact;  // those, too, that are over in the step that they begin in
   changes_ = &chain_.update(all ? s.live->touching() : s.live->world().contacts(), s.predicted->tick);
   const auto held = [this](EntityId b) { return chain_.held(b); };
@@ -227,6 +230,12 @@ void Reporter::report_bodies(const Situation& s) {
   }
 }
 
+// Only the control law yields to what the avatar touches, and comes to rest by itself.
+Model Reporter::model_for(Cause cause) const {
+  if (technique_.model != Model::kChosen) return technique_.model;
+  return cause == Cause::kThreshold && !holding_ ? choice_.best() : Model::kInput;
+}
+
 void Reporter::tell_avatar(const Situation& s, Cause cause) {
   if (avatar_) return;
   const BodyState truth = s.live->world().state(s.live->avatar());
@@ -235,7 +244,7 @@ void Reporter::tell_avatar(const Situation& s, Cause cause) {
   u.position = truth.position;
   u.velocity = truth.velocity;
   u.awake = truth.awake;
-  u.model = technique_.model;
+  u.model = model_for(cause);
   if (u.model == Model::kInput) u.control = aim_.ahead();
   if (u.model == Model::kSecond) u.control = s.acceleration;
   // The last word is exact, or model and avatar would be driven towards different points for ever.

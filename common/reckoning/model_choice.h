@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "common/model/ids.h"
+#include "common/model/scene.h"
+#include "common/model/state.h"
+#include "common/model/technique.h"
+#include "common/model/vec.h"
+
+namespace padr::sync {
+
+/// Which model to tell of an avatar: the one that has lately foretold its motion better. A hand that points jumps and
+/// stops, and its avatar is best foretold by where it heads (Model::kInput); who runs goes on as before, and is best
+/// foretold by velocity and acceleration (Model::kSecond). Both are tried on the avatar's own past, without contacts,
+/// which either model would get wrong alike. The receivers need not know how it was chosen.
+class ModelChoice {
+ public:
+  explicit ModelChoice(const AvatarDef& avatar) : avatar_(avatar) {}
+
+  /// The avatar after this tick's step, and what would be told of it now: the point that it heads for, m, and its
+  /// acceleration, m/s^2.
+  void follow(const BodyState& truth, Vec2 aim, Vec2 acceleration);
+  /// Model::kInput until kSecond is clearly better.
+  Model best() const { return second_error_ < kClearly * input_error_ ? Model::kSecond : Model::kInput; }
+
+ private:
+  /// What was known of the avatar in a tick.
+  struct Moment {
+    Vec2 position;
+    Vec2 velocity;
+    Vec2 aim;
+    Vec2 acceleration;
+  };
+  /// Where the avatar is kHorizon ticks after the moment, as each model has it.
+  Vec2 by_input(const Moment& m) const;
+  Vec2 by_second(const Moment& m) const;
+
+  /// An update is believed for about this long: the way to its receiver, and the time until the next one.
+  static constexpr std::size_t kHorizon = 15;
+  /// Errors are averaged over about so many ticks: less, and single turns decide; more, and a hand that has begun to
+  /// point is taken for one that runs for too long.
+  static constexpr float kAveraged = 30;
+  /// A model that is better by less would be changed for the other again and again.
+  static constexpr float kClearly = 0.5F;
+
+  AvatarDef avatar_;
+  std::array<Moment, kHorizon> past_{};
+  std::size_t seen_ = 0;
+  float input_error_ = 0;   ///< m, averaged
+  float second_error_ = 0;  ///< m, averaged
+};
+
+}  // namespace padr::sync
