@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/world/world.h"
+#include "common/world/fingerprint.h"
 #include "shell/run_main.h"
 #include "shell/scenario_flags.h"
 #include "shell/session_words.h"

@@ -4,6 +4,7 @@
 #include "common/wire/secret.h"
 #include "peer/crowd_loop.h"
 #include "peer/event_loop.h"
+#include "peer/fingerprint_command.h"
 #include "peer/log.h"
 #include "peer/options.h"
 #include "peer/session_key.h"
@@ -15,6 +16,7 @@ int main(int argc, char** argv) {
   const padr::shell::Clock clock;
   return padr::shell::run_main("padr-peer", [&] {
     if (argc > 1 && std::string_view(argv[1]) == "keygen") return padr::peer::keygen(argc, argv);
+    if (argc > 1 && std::string_view(argv[1]) == "fingerprint") return padr::peer::fingerprint_command(argc, argv);
     padr::wire::choose_fast_code();
     const auto options = padr::peer::parse_options(argc, argv);
     if (!options) return padr::shell::kExitFine;

@@ -14,9 +14,12 @@ Installs what is missing of the Debian packages of the named groups (default: bu
           and tcpdump, for the Wireshark plugin and captures; iproute2 and nftables, for networks that fall apart and NATs
   check   formatting, linting, clang builds, fuzzing, the clean-clone check, Compose and a base image for containers,
           a router's miniupnpd
+  aarch64 a compiler for that processor, and qemu, by which its programs run here
   docs    mkdocs and its theme, for the documents as a site; pandas, to read the data that the programs write
   package help2man and dpkg-dev, for tools/package.sh
   all     every group above
+  box2d   the sources of the system's package of Box2D, unpacked into build/box2d: part of `build` on other processors than
+          x86-64, where the package's floats are others (docs/determinism.md)
   pictures  what tools/pictures.sh puts the moving picture of the page together with: ffmpeg, gifsicle
 
   --list  print the packages of the groups and whether each is installed; install nothing
@@ -36,8 +39,10 @@ packages_of() {
     run) echo 'gnuplot-nox|gnuplot-qt|gnuplot-x11' librsvg2-bin ;;
     test) echo libgtest-dev libbenchmark-dev librapidcheck-dev python3 chromium chromium-driver \
       python3-selenium tshark tcpdump iproute2 nftables ;;
+    box2d) echo dpkg-dev ;;
     check) echo 'clang-14|clang-@' 'clang-format-14|clang-format-@' 'clang-tidy-14|clang-tidy-@' \
       'libclang-rt-14-dev|libclang-rt-@-dev' git shellcheck docker-compose mmdebstrap 'miniupnpd-nftables|miniupnpd' ;;
+    aarch64) echo g++-aarch64-linux-gnu qemu-user-static mmdebstrap ;;
     docs) echo mkdocs mkdocs-material python3-pandas ;;
     package) echo help2man python3 dpkg-dev ;;
     pictures) echo ffmpeg gifsicle ;;
@@ -82,9 +87,9 @@ for arg in "$@"; do
   case $arg in
     --help | -h) usage; exit 0 ;;
     --list) list=yes ;;
-    build | run | test | check | docs | package | pictures) groups+=("$arg") ;;
-    all) groups+=(build run test check docs package) ;;
-    *) echo "deps.sh: unknown argument '$arg' (groups: build run test check docs package all pictures; see --help)" >&2; exit 2 ;;
+    build | run | test | check | aarch64 | docs | package | pictures | box2d) groups+=("$arg") ;;
+    all) groups+=(build run test check aarch64 docs package) ;;
+    *) echo "deps.sh: unknown argument '$arg' (groups: build run test check aarch64 docs package all pictures box2d; see --help)" >&2; exit 2 ;;
   esac
 done
 if ((${#groups[@]} == 0)); then groups=(build run test); fi
@@ -95,20 +100,33 @@ if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
   exit 0
 fi
 
+# The package was compiled with the compiler's default, which fuses multiplications and additions wherever all processors of
+# an architecture can. Those of x86-64 cannot.
+architecture=$(dpkg --print-architecture)
+if [[ $architecture != amd64 && " ${groups[*]} " == *" build "* ]]; then groups+=(box2d); fi
+
 # The names of installed packages. A system may have a package of other architectures, too, or of those alone: only this
 # machine's count.
-architecture=$(dpkg --print-architecture)
 present=$(dpkg-query -W -f '${db:Status-Status} ${Architecture} ${Package}\n' | sed -n "s/^installed \($architecture\|all\) //p")
 words=()
 for group in "${groups[@]}"; do
-  for word in $(packages_of "$group"); do words+=("$group:$word"); done
+  for word in $(packages_of "$group"); do
+    if [[ $word == libbox2d-dev && $architecture != amd64 ]]; then continue; fi
+    words+=("$group:$word")
+  done
 done
+sources=no
+if [[ " ${groups[*]} " == *" box2d "* ]]; then sources=yes; fi
+box2d=$(cd "$(dirname "$0")/.." && pwd)/build/box2d
 
 if [[ $list == yes ]]; then
   for entry in "${words[@]}"; do
     have=$(installed_alternative "${entry#*:}")
     printf '%-6s %-36s %s\n' "${entry%%:*}" "${entry#*:}" "${have:+installed: $have}"
   done
+  if [[ $sources == yes ]]; then
+    printf '%-6s %-36s %s\n' box2d "(sources of box2d)" "$(if [[ -e $box2d ]]; then echo "installed: build/box2d"; fi)"
+  fi
   exit 0
 fi
 
@@ -116,10 +134,11 @@ missing=()
 for entry in "${words[@]}"; do
   if [[ -z $(installed_alternative "${entry#*:}") ]]; then missing+=("$entry"); fi
 done
-if ((${#missing[@]} == 0)); then exit 0; fi
+if [[ -e $box2d ]]; then sources=no; fi
+if ((${#missing[@]} == 0)) && [[ $sources == no ]]; then exit 0; fi
 
 as_root=()
-if ((EUID != 0)); then
+if ((EUID != 0)) && ((${#missing[@]} > 0)); then
   if ! command -v sudo >/dev/null; then
     echo "deps.sh: missing: ${missing[*]#*:}" >&2
     echo "deps.sh: not root and no sudo here; as root, run: tools/deps.sh ${groups[*]}" >&2
@@ -150,6 +169,36 @@ resolve() {
   done
 }
 
+# Lists of source packages of our own, of the system's Debian archives: the system's sources stay as they are. Needs no root.
+get_box2d() {
+  local work options keyring=/usr/share/keyrings/debian-archive-keyring.gpg
+  work=$(mktemp -d)
+  # shellcheck disable=SC2064 # the folder is known now
+  trap "rm -rf '$work'" EXIT
+  chmod 755 "$work" # apt reads what it downloads as another user
+  mkdir -p "$work"/{lists,archives,box2d}/partial "${box2d%/*}"
+  if [[ -e $keyring ]]; then keyring="[signed-by=$keyring] "; else keyring=""; fi
+  # shellcheck disable=SC2016 # apt expands these
+  apt-get indextargets --format '$(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' 'Origin: Debian' |
+    sort -u | sed "s|^|deb-src $keyring|" >"$work/sources.list"
+  if [[ ! -s $work/sources.list ]]; then
+    echo "deps.sh: apt knows no Debian archive here; unpack the sources of Box2D 2.4.1 into $box2d" >&2
+    return 1
+  fi
+  options=(-q -o Dir::Etc::SourceList="$work/sources.list" -o Dir::Etc::SourceParts=/dev/null -o Dir::State::Lists="$work/lists"
+    -o Dir::Cache="$work" -o Acquire::Languages=none -o Acquire::Retries=3)
+  echo "deps.sh: getting the sources of box2d"
+  apt-get "${options[@]}" update </dev/null &&
+    (cd "$work/box2d" && apt-get "${options[@]}" -o APT::Sandbox::User=root source --download-only box2d </dev/null &&
+      dpkg-source --no-check -x ./*.dsc sources) && # apt has checked it
+    mv "$work/box2d/sources" "$box2d"
+}
+
+if ((${#missing[@]} == 0)); then
+  get_box2d
+  exit
+fi
+
 resolve
 if ((${#unknown[@]} > 0)); then
   update_lists
@@ -158,7 +207,7 @@ fi
 
 needed=no
 for entry in "${unknown[@]}"; do
-  if [[ ${entry%%:*} == check ]]; then
+  if [[ ${entry%%:*} == check || ${entry%%:*} == aarch64 ]]; then
     echo "deps.sh: no package ${entry#*:} on this system: skipped, the checks that use it are skipped too" >&2
   else
     echo "deps.sh: no package ${entry#*:} on this system (group ${entry%%:*})" >&2
@@ -166,16 +215,18 @@ for entry in "${unknown[@]}"; do
   fi
 done
 if [[ $needed == yes ]]; then exit 1; fi
-if ((${#wanted[@]} == 0)); then exit 0; fi
-
-echo "deps.sh: installing ${wanted[*]}"
-if ! apt_get install -y --no-install-recommends "${wanted[@]}"; then
+install() {
+  if ((${#wanted[@]} == 0)); then return; fi
+  echo "deps.sh: installing ${wanted[*]}"
+  if apt_get install -y --no-install-recommends "${wanted[@]}"; then return; fi
   # Lists that are older than the archive name files that are gone.
   if [[ $updated == yes ]]; then
     echo "deps.sh: apt-get could not install: ${wanted[*]}" >&2
-    exit 1
+    return 1
   fi
   update_lists
   resolve
   apt_get install -y --no-install-recommends "${wanted[@]}"
-fi
+}
+install
+if [[ $sources == yes ]]; then get_box2d; fi

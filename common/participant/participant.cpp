@@ -10,7 +10,7 @@
 #include "common/model/rng.h"
 #include "common/model/user_error.h"
 #include "common/wire/signature.h"
-#include "common/world/world.h"
+#include "common/world/fingerprint.h"
 
 namespace padr::node {
 namespace {

@@ -4,6 +4,7 @@
 
 #include "common/trace/truth.h"
 #include "common/wire/transfer_codec.h"
+#include "common/world/fingerprint.h"
 
 namespace padr::node {
 namespace {

@@ -1,16 +1,11 @@
 #include "common/session/session_objection.h"
 
-#include <array>
-#include <cstdio>
+#include "common/world/fingerprint.h"
 
 namespace padr::node {
 namespace {
 
-std::string hex(std::uint64_t v) {
-  std::array<char, 20> text{};
-  const int n = std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(v));
-  return {text.data(), static_cast<std::size_t>(n)};
-}
+using world::fingerprint_text;
 
 std::string authority_words(bool authority) {
   return authority ? "dynamic authority" : "no authority (avatar-only)";
@@ -20,11 +15,12 @@ std::string authority_words(bool authority) {
 
 std::string objection(const SessionConfig& c, const wire::Join& join) {
   if (join.fingerprint != c.fingerprint)
-    return "physics differs: fingerprint " + hex(c.fingerprint) + " in the session, " + hex(join.fingerprint) +
-           " in the newcomer; run the same build on the same kind of machine";
+    return "physics differs: fingerprint " + fingerprint_text(c.fingerprint) + " in the session, " +
+           fingerprint_text(join.fingerprint) + " in the newcomer: " +
+           world::physics_difference(c.fingerprint, join.fingerprint, "the session", "the newcomer");
   if (join.scene_hash != c.scene_hash)
-    return "scenario differs: '" + c.scenario + "' (hash " + hex(c.scene_hash) + ") in the session, '" + join.scenario +
-           "' (hash " + hex(join.scene_hash) + ") in the newcomer";
+    return "scenario differs: '" + c.scenario + "' (hash " + fingerprint_text(c.scene_hash) + ") in the session, '" +
+           join.scenario + "' (hash " + fingerprint_text(join.scene_hash) + ") in the newcomer";
   if (join.authority != c.authority)
     return "authority rule differs: " + authority_words(c.authority) + " in the session, " +
            authority_words(join.authority) + " in the newcomer";

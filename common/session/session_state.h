@@ -20,7 +20,7 @@ struct SessionConfig {
   int slots = 2;   ///< avatar slots, wanted .. kMaxPeers
   // The same for all members; a Participant fills them in:
   std::uint64_t scene_hash = 0;
-  std::uint64_t fingerprint = 0;  ///< of physics: see world::physics_fingerprint, which takes some milliseconds once
+  std::uint64_t fingerprint = 0;  ///< of physics: see world::physics_fingerprint
   bool authority = true;
   bool spectates = false;  ///< this peer has no avatar
   std::string scenario;    ///< for messages to people: name and seed

@@ -85,8 +85,4 @@ class World {
   int slots_ = 0;
 };
 
-/// Hash of a short canned simulation: two machines whose hashes differ compute physics differently and cannot share a
-/// session.
-std::uint64_t physics_fingerprint();
-
 }  // namespace padr::world

@@ -23,13 +23,13 @@ PATIENCE = 30.0  # s until something that should happen counts as missing; a loa
 class Peer:
     """A running padr-peer. Its log is read by a thread, so that it never blocks on a full pipe."""
 
-    def __init__(self, *arguments, env=None, preexec_fn=None):
+    def __init__(self, *arguments, env=None, preexec_fn=None, program=None):
         self.arguments = [str(a) for a in arguments]
         self.json_file = tempfile.NamedTemporaryFile(suffix=".json", delete=False)
         self.json_file.close()
         os.unlink(self.json_file.name)
         self.process = subprocess.Popen(
-            [PROGRAM, "--json", self.json_file.name, *self.arguments],
+            [program or PROGRAM, "--json", self.json_file.name, *self.arguments],
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace", env=env,
             preexec_fn=preexec_fn,
         )  # fmt: skip

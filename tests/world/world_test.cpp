@@ -108,9 +108,5 @@ TEST(World, NoClockInPhysics) {
   EXPECT_TRUE(box2d_timers_stand_still());
 }
 
-TEST(World, FingerprintIsStableInOneProcess) {
-  EXPECT_EQ(physics_fingerprint(), physics_fingerprint());
-}
-
 }  // namespace
 }  // namespace padr::world

@@ -23,7 +23,7 @@ import pages
 import scenario_fields
 
 PROGRAMS = {
-    "padr-peer": ["keygen"],  # subcommands that the help itself does not list
+    "padr-peer": ["keygen", "fingerprint"],  # subcommands that the help itself does not list
     "padr-lab": [],
     "padr-report": [],
     "padr-capture": [],

@@ -10,7 +10,7 @@
 #include <mutex>
 #include <thread>
 
-#include "common/world/world.h"
+#include "common/world/fingerprint.h"
 
 namespace padr::lab {
 namespace {

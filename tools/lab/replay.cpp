@@ -15,6 +15,7 @@
 #include "common/trace/truth.h"
 #include "common/wire/membership_codec.h"
 #include "common/wire/transfer_codec.h"
+#include "common/world/fingerprint.h"
 #include "shell/files.h"
 
 namespace padr::lab {
@@ -31,8 +32,9 @@ Scene scene_of(const trace::TraceReader& t) {
                     (h.revision.empty() ? "unknown" : h.revision) + ")");
   if (static_cast<int>(scene.avatar.spawns.size()) < h.slots)
     throw UserError(t.label() + ": has more avatar slots than its scenario");
-  if (world::physics_fingerprint() != h.fingerprint)
-    throw UserError(t.label() + ": physics plays out differently here than where it was recorded");
+  const std::string differs = world::physics_difference(h.fingerprint, world::physics_fingerprint(),
+                                                        "the machine that recorded it", "this one");
+  if (!differs.empty()) throw UserError(t.label() + ": physics plays out differently here: " + differs);
   return scene;
 }
 

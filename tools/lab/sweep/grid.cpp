@@ -10,7 +10,7 @@
 #include "common/model/user_error.h"
 #include "common/scenarios/bodies.h"
 #include "common/scenarios/scenarios.h"
-#include "common/world/world.h"
+#include "common/world/fingerprint.h"
 #include "shell/files.h"
 #include "shell/netem_flags.h"
 #include "shell/revision.h"
