@@ -50,6 +50,8 @@ constexpr const char* kFooter =
     "Between machines, with a key that only the peers have:\n"
     "  padr-peer keygen session.key\n"
     "  padr-peer --listen 0.0.0.0:7001 --key-file session.key --wait-peers 3\n"
+    "Whether two machines compute the same physics; they do if both print the same:\n"
+    "  padr-peer fingerprint\n"
     "\n";
 
 constexpr const char* kFooterEnd =

@@ -7,6 +7,8 @@
 #include <tuple>
 #include <utility>
 
+#include "common/model/portable_math.h"
+
 namespace padr::crowd {
 namespace {
 
@@ -14,7 +16,7 @@ constexpr std::size_t kDirections = 8;
 
 /// Eighths of a turn, from the x axis on.
 std::size_t direction(Region from, Region to) {
-  const double angle = std::atan2(static_cast<double>(to.y - from.y), static_cast<double>(to.x - from.x));
+  const double angle = arc_tangent(static_cast<double>(to.y - from.y), static_cast<double>(to.x - from.x));
   const auto eighth = static_cast<int>(std::floor((angle + 3.14159265358979) * kDirections / 6.28318530717959));
   return static_cast<std::size_t>(std::clamp(eighth, 0, static_cast<int>(kDirections) - 1));
 }

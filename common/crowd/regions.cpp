@@ -32,7 +32,9 @@ constexpr std::array<Build, 3> kBuilds{
     {{ShapeKind::kCircle, 0.3F, {}, 11}, {ShapeKind::kBox, 0, {0.4F, 0.3F}, 17}, {ShapeKind::kCircle, 0.45F, {}, 25}}};
 
 int cell(float v, float side) {
-  return std::clamp(static_cast<int>(std::floor(v / side)), -kMostRegion, kMostRegion);
+  // What does not fit into an int becomes another one on another processor, so it is made to fit before.
+  constexpr auto kMost = static_cast<float>(kMostRegion);
+  return static_cast<int>(std::clamp(std::floor(v / side), -kMost, kMost));
 }
 
 int wrapped(int v) {

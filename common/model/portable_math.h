@@ -17,5 +17,7 @@ struct SinCos {
 SinCos sin_cos(double x);
 /// The angle of the point (x, y) in radians, -pi .. pi, with the C standard's special cases.
 double arc_tangent(double y, double x);
+/// The logarithm to base 2 of a positive number that is not tiny (below 2^-1022), to within 1e-15 of itself or of 1.
+double binary_logarithm(double x);
 
 }  // namespace padr

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/model/portable_math.h"
 #include "common/model/rng.h"
 
 namespace padr::scenarios {
@@ -76,7 +77,7 @@ Vec2 Wander::random_point(std::uint64_t stream_seed) const {
 
 Tick Wander::reach_ticks(Vec2 from, Vec2 to, double goal_size) const {
   const double d = distance(from, to);
-  const double fitts = kFittsStart + kFittsPerBit * std::log2(d / goal_size + 1);
+  const double fitts = kFittsStart + kFittsPerBit * binary_logarithm(d / goal_size + 1);
   return ticks(std::max(fitts, kPeakToMean * d / static_cast<double>(options_.peak_speed)));
 }
 

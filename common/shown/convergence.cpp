@@ -11,7 +11,8 @@ constexpr float kNotice = 0.005F;  // m
 constexpr float kGone = 0.0001F;   // m, of a blend: over
 constexpr float kTooFar = 3.0F;    // m
 // Exponential blend: what is left after one tick. Time constant 100 ms: gone in a quarter of a second.
-const float kKeep = std::exp(-kTickSeconds / 0.1F);
+// Written out, as e^(-1/6) of the C library has another last bit on some processors.
+constexpr float kKeep = 0x1.b1660ep-1F;
 // Projective velocity blending: a correction that is eased in and out over n ticks changes the shown stride by up to
 // 6 / n^2 of the error a tick. Kept below this, which no viewer takes for a jump: half of it takes 1.4 times as
 // long and shows a quarter more inconsistency, for nothing that can be seen.

@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -56,6 +57,18 @@ TEST(PortableMath, ArcTangentIsRoundedAsWellAsCanBe) {
   }
 }
 
+TEST(PortableMath, BinaryLogarithmIsGoodToItsLastBits) {
+  Rng rng(5);
+  for (const double range : {1.5, 100.0, 1e30}) {
+    for (int i = 0; i < 100'000; ++i) {
+      const double x = rng.uniform(1 / range, range);
+      const double exact = std::log2(x);
+      ASSERT_LE(std::fabs(binary_logarithm(x) - exact), 1e-15 * std::max(1.0, std::fabs(exact))) << x;
+    }
+  }
+  for (const int e : {-1022, -1, 0, 1, 1023}) EXPECT_EQ(binary_logarithm(std::ldexp(1, e)), e);
+}
+
 TEST(PortableMath, SpecialCasesAreTheStandards) {
   for (const double y : {0.0, -0.0, 1.0, -1.0, kInfinity, -kInfinity})
     for (const double x : {0.0, -0.0, 1.0, -1.0, kInfinity, -kInfinity}) {
@@ -75,14 +88,17 @@ TEST(PortableMath, SpecialCasesAreTheStandards) {
 TEST(PortableMath, EveryBitIsTheSameEverywhere) {
   Rng rng(3);
   Hasher h;
+  Hasher logarithms;
   for (int i = 0; i < 1'000'000; ++i) {
     const auto x = static_cast<float>(rng.uniform(-100, 100));
     const auto y = static_cast<float>(rng.uniform(-100, 100));
     const SinCos both = sin_cos(static_cast<double>(x));
     h.add(static_cast<float>(both.sin), static_cast<float>(both.cos));
     h.add(static_cast<float>(arc_tangent(static_cast<double>(y), static_cast<double>(x))));
+    logarithms.add(static_cast<float>(binary_logarithm(std::fabs(static_cast<double>(x)))));
   }
   EXPECT_EQ(h.value(), 5082531295692383533ULL);
+  EXPECT_EQ(logarithms.value(), 10412920384772398080ULL);
 }
 
 // As a package Box2D is a library of its own: what it calls is what the dynamic linker finds first.
