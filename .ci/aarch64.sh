@@ -8,8 +8,9 @@ usage: .ci/aarch64.sh [--help]
 
 Makes build/aarch64/run, a folder with padr-lab, padr-peer, padr-capture and tests for aarch64, each of which runs here.
 
-The arm64 packages that they are compiled and run with are unpacked below the cache folder (XDG_CACHE_HOME or ~/.cache); this
-system's own packages stay as they are. Installs what it needs (tools/deps.sh aarch64 box2d).
+The arm64 packages that they are compiled and run with are unpacked into padr/arm64 below XDG_CACHE_HOME or ~/.cache; this
+system's own packages stay as they are. Installs what it needs (tools/deps.sh build aarch64 box2d). PADR_SYSROOT in the
+environment names another folder for them.
 
 Exit: 0 done, 77 not possible here, 1 failed.
 TEXT
@@ -40,19 +41,21 @@ done
 # The libraries, as arm64 has them, what they need, and what runs with them. Unpacked only: no script of theirs runs.
 packages=libc6-dev,libstdc++6,libgcc-s1,libboost-dev,libprotobuf-dev,libsodium-dev,libspdlog-dev,libfmt-dev,libcli11-dev
 packages+=,nlohmann-json3-dev,libjs-dygraphs,libminiupnpc-dev,libnatpmp-dev,libgtest-dev,libbox2d-dev
-cache=${XDG_CACHE_HOME:-$HOME/.cache}/padr
-sysroot=$cache/arm64-$(sha256sum <<<"$suite $packages" | cut -c1-12)
-if [[ ! -e $sysroot ]]; then
+sysroot=${PADR_SYSROOT:-${XDG_CACHE_HOME:-$HOME/.cache}/padr/arm64}
+contents="$suite $packages"
+if [[ $(cat "$sysroot/contents" 2>/dev/null) != "$contents" ]]; then
   if ((EUID != 0)); then echo "aarch64.sh: needs root, once, to unpack the arm64 packages"; exit "$impossible"; fi
   echo "== unpacking the arm64 packages"
-  mkdir -p "$cache"
-  work=$(mktemp -d -p "$cache")
+  mkdir -p "$(dirname "$sysroot")"
+  work=$(mktemp -d -p "$(dirname "$sysroot")")
   trap 'rm -rf "$work"' EXIT
   .ci/debian-sources.sh sources "$suite" >"$work/sources.list"
   .ci/debian-sources.sh settings >"$work/host.conf"
   mmdebstrap --quiet --mode=root --variant=extract --architectures=arm64 --aptopt="$work/host.conf" --include="$packages" \
     "$suite" "$work/root" - <"$work/sources.list" >"$work/log" 2>&1 ||
     { tail -n 40 "$work/log" >&2; echo "aarch64.sh: mmdebstrap failed" >&2; exit 1; }
+  echo "$contents" >"$work/root/contents"
+  rm -rf --one-file-system "$sysroot"
   mv "$work/root" "$sysroot"
 fi
 

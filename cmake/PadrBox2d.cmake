@@ -24,6 +24,7 @@ if(NOT EXISTS "${box2d}/include/box2d/box2d.h")
 endif()
 
 set(PADR_BOX2D_ORIGIN "its sources")
+set(PADR_BOX2D_LICENCE "${box2d}/LICENSE")
 # Its clock is left out: common/world/box2d_timer.cpp has another.
 file(GLOB sources CONFIGURE_DEPENDS "${box2d}/src/*/*.cpp")
 list(FILTER sources EXCLUDE REGEX "/b2_timer[.]cpp$")

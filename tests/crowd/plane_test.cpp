@@ -16,6 +16,13 @@ TEST(Plane, EveryPointIsInOneRegion) {
   EXPECT_EQ(region_at(plane, {-0.01F, -24.01F}), (Region{-1, -2}));
 }
 
+// A float that is too large for an int becomes the least one on x86-64, and the largest one on aarch64.
+TEST(Plane, WhatIsFarAwayIsInTheLastRegionOnEveryProcessor) {
+  const Plane plane;
+  EXPECT_EQ(region_at(plane, {3e38F, -3e38F}), (Region{kMostRegion, -kMostRegion}));
+  EXPECT_EQ(region_at(plane, {-1e12F, 1e12F}), (Region{-kMostRegion, kMostRegion}));
+}
+
 TEST(Plane, DistancesFromABorder) {
   const Plane plane;
   EXPECT_FLOAT_EQ(outside(plane, {0, 0}, {5, 5}), 0);
