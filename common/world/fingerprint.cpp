@@ -116,7 +116,7 @@ struct HabitWords {
 constexpr std::array<HabitWords, 8> kHabits{{
     {Habit::kFuses, "fuses multiplications and additions", "compile it with -ffp-contract=off"},
     {Habit::kBox2dFuses, "has a Box2D that fuses multiplications and additions",
-     "compile Box2D with it, see PADR_BOX2D_SOURCE"},
+     "compile Box2D with -ffp-contract=off, see PADR_BOX2D_SOURCE"},
     {Habit::kWide, "computes with more digits than float has", "compile it for SSE2, -mfpmath=sse"},
     {Habit::kReorders, "adds in another order than written", "compile it without -ffast-math"},
     {Habit::kFlushes, "takes tiny numbers for 0", "link it without -ffast-math"},

@@ -98,7 +98,7 @@ class Fingerprint(Processors):
         table = {
             "right": "the other one's physics is the same",
             "fused": "the other one fuses multiplications and additions: compile it with -ffp-contract=off",
-            "package": "the other one has a Box2D that fuses multiplications and additions: compile Box2D with it",
+            "package": "the other one has a Box2D that fuses multiplications and additions: compile Box2D with -ffp-contract=off",
             "fast": "the other one adds in another order than written: compile it without -ffast-math",
             "sine": "sines, cosines, arc tangents or roots differ",
             "order": "contacts are solved in another order",

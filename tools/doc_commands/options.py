@@ -28,7 +28,7 @@ class Programs:
 
     def subcommands(self, path):
         listed = self.said(path).partition("\nSubcommands:\n")[2]
-        return set(re.findall(r"^  ([a-z][a-z-]*) ", listed, re.M)) | set(re.findall(r"^  padr-peer (keygen)", self.said(path), re.M))
+        return set(re.findall(r"^  ([a-z][a-z-]*) ", listed, re.M)) | set(re.findall(r"^  padr-peer (keygen|fingerprint)", self.said(path), re.M))
 
 
 def options_of(text, whole):
