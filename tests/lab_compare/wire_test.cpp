@@ -80,7 +80,7 @@ TEST(Quantiser, KeepsStatesWithinItsSteps) {
 TEST(Alternatives, SurviveNonsense) {
   const Scene scene = scenarios::load_embedded("arena", 1);
   Rng rng(test::seed(2));
-  for (const Kind kind : {Kind::kSnapshot, Kind::kStateSync, Kind::kDis}) {
+  for (const Kind kind : {Kind::kSnapshot, Kind::kStateSync, Kind::kDis, Kind::kInputs}) {
     Spec spec;
     spec.kind = kind;
     const auto peer = make_alternative(scene, {0, 3, 1, spec});

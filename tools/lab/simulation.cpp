@@ -24,6 +24,8 @@ Simulation::Simulation(SimulationConfig config)
     fidelity_ = std::make_unique<trace::FidelityMeter>(config_.scene, config_.slots > 0 ? config_.slots : config_.peers,
                                                        std::move(viewers));
   }
+  if (config_.processor_time)
+    processor_time_ = std::make_unique<ProcessorTime>(config_.scene, config_.slots > 0 ? config_.slots : config_.peers);
   for (PeerId p = 0; p < n; ++p) {
     node::ReplicaConfig c;
     c.self = p;
@@ -35,6 +37,7 @@ Simulation::Simulation(SimulationConfig config)
     nodes_.push_back(std::make_unique<node::RecordedReplica>(
         config_.scene, c, p < config_.recordings.size() ? std::move(config_.recordings[p]) : std::nullopt,
         [this, p, authority](const sync::FoldState& s, std::uint64_t hash) {
+          const ProcessorTime::Pause pause(processor_time_.get());
           hashes_[p].push_back(hash);
           if (config_.on_confirmed) config_.on_confirmed(p, s);
           if (p != 0) return;
@@ -56,21 +59,25 @@ void Simulation::run(const std::function<void(Tick)>& on_tick) {
   }
 }
 
-void Simulation::deliver() {
+void Simulation::work() {
   const Micros now = tick_start(now_);
   links_.deliver(now, [&](std::size_t /*from*/, std::size_t to, Micros /*when*/, const auto& datagram) {
     nodes_[to]->receive(datagram, now);
   });
+  for (PeerId p = 0; p < nodes_.size(); ++p) nodes_[p]->step(targets_[p]);
 }
 
 void Simulation::step() {
   ++now_;
-  deliver();
-  for (PeerId p = 0; p < nodes_.size(); ++p) {
-    targets_[p] = target_of(p);
-    nodes_[p]->step(targets_[p]);
-    for (const node::Outgoing& o : nodes_[p]->outgoing()) links_.send(p, o.to, tick_start(now_), o.bytes);
+  for (PeerId p = 0; p < nodes_.size(); ++p) targets_[p] = target_of(p);
+  if (processor_time_) processor_time_->begin();
+  work();
+  if (processor_time_) {
+    processor_time_->end();
+    processor_time_->step_bare(targets_);
   }
+  for (PeerId p = 0; p < nodes_.size(); ++p)
+    for (const node::Outgoing& o : nodes_[p]->outgoing()) links_.send(p, o.to, tick_start(now_), o.bytes);
   sample_views();
   compare_confirmed();
 }

@@ -13,6 +13,7 @@
 #include "common/trace/fidelity.h"
 #include "common/trace/flips.h"
 #include "common/trace/metrics.h"
+#include "tools/lab/measure/processor_time.h"
 
 namespace padr::lab {
 
@@ -32,6 +33,7 @@ struct SimulationConfig {
   /// Whether fidelity and physics-consistency-cost are measured, which may take a step of another world per peer and
   /// tick.
   bool fidelity = false;
+  bool processor_time = false;  ///< whether it is measured
   /// Sees every confirmed state of every peer; may be empty.
   std::function<void(PeerId, const sync::FoldState&)> on_confirmed = {};
 };
@@ -59,6 +61,8 @@ class Simulation {
   trace::InconsistencySeries seen_with_input(PeerId p) const;
   /// Null if it was not asked for.
   const trace::FidelityMeter* fidelity() const { return fidelity_.get(); }
+  /// Null if it was not asked for.
+  const ProcessorTime* processor_time() const { return processor_time_.get(); }
   /// Of the first peer's confirmed world.
   const trace::FlipMeter& flips() const { return flips_; }
 
@@ -76,7 +80,7 @@ class Simulation {
   Tick last_unlike() const { return last_unlike_; }
 
  private:
-  void deliver();
+  void work();
   void compare_confirmed();
   void sample_views();
   void sample_fidelity();
@@ -93,6 +97,7 @@ class Simulation {
   trace::InconsistencyMeter meter_;
   trace::FlipMeter flips_;
   std::unique_ptr<trace::FidelityMeter> fidelity_;
+  std::unique_ptr<ProcessorTime> processor_time_;
   std::vector<Vec2> targets_;                    ///< by peer, of the last step
   std::vector<std::vector<BodyState>> states_;   ///< by peer, of its live world
   std::vector<trace::PlayerView> player_views_;  ///< by peer

@@ -19,13 +19,15 @@ struct Entry {
 };
 
 // Filled marks for techniques; hollow ones are left for their variants. A longer name stands before its beginning.
-constexpr std::array<Entry, 10> kTechniques{{
+constexpr std::array<Entry, 12> kTechniques{{
     {"avatar-only", {"#D55E00", 0, 9}},
     {"fixed", {"#E69F00", 0, 5}},
     {"adaptive", {"#0072B2", 0, 7}},
     {"full", {"#009E73", 0, 13}},
     {"snapshot", {"#CC79A7", 0, 11}},
     {"state-sync", {"#56B4E9", 0, 15}},
+    {"rollback", {"#882255", 0, 8}},
+    {"lockstep", {"#882255", 2, 10}},
     {"dis", {"#000000", 3, 2}},
     {"everything-no-replay", {"#777777", 4, 1}},
     {"everything --replay off", {"#777777", 4, 1}},

@@ -39,9 +39,21 @@ class Alternative {
   virtual const std::vector<node::Outgoing>& outgoing() const = 0;
   /// Where things are in this peer's view.
   virtual const world::World& world() const = 0;
+  /// Of an alternative without authority: nobody's.
   virtual const Claim& claim(EntityId body) const = 0;
   /// By how many ticks the view of what `of` owns is meant to lie behind; 0: it is meant to be now.
-  virtual Tick delay(PeerId of) const = 0;
+  virtual Tick delay(PeerId /*of*/) const { return 0; }
+  /// By how many ticks the own avatar lags behind its hand: it has followed `target` of so many steps ago.
+  virtual Tick hand_delay() const { return 0; }
+  /// Whether the view has stood still in the last step, as it had to wait.
+  virtual bool frozen() const { return false; }
+  /// Of an alternative that simulates from inputs alone: the newest tick of which nothing is guessed any more and that
+  /// has been simulated, with its state. Null for all others.
+  struct Settled {
+    Tick tick = 0;
+    const world::Snapshot* state = nullptr;
+  };
+  virtual Settled settled() const { return {}; }
   virtual const AlternativeStats& stats() const = 0;
 };
 

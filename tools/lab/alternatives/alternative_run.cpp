@@ -22,25 +22,40 @@ AlternativeRun::AlternativeRun(SessionConfig config)
       meter_(config_.peers, static_cast<int>(config_.scene.bodies.size())),
       fidelity_(config_.scene, config_.peers, all_of(config_.peers)),
       targets_(static_cast<std::size_t>(config_.peers)),
-      states_(static_cast<std::size_t>(config_.peers)) {
+      states_(static_cast<std::size_t>(config_.peers)),
+      jumps_(static_cast<std::size_t>(config_.peers)),
+      stood_(static_cast<std::size_t>(config_.peers)) {
   const auto n = static_cast<std::size_t>(config_.peers);
   for (PeerId p = 0; p < n; ++p) {
     peers_.push_back(
         make_alternative(config_.scene, {.self = p, .peers = config_.peers, .session = 1, .spec = config_.spec}));
   }
+  if (config_.spec.kind == Kind::kInputs)
+    timeline_ = std::make_unique<Timeline>(config_.scene, config_.peers, config_.spec.input_delay);
+  if (config_.processor_time) processor_time_ = std::make_unique<ProcessorTime>(config_.scene, config_.peers);
+  for (PeerId p = 0; p < n; ++p) targets_[p] = peers_[p]->world().position(peers_[p]->world().avatar(p));
   sample();
+}
+
+void AlternativeRun::work() {
+  links_.deliver(tick_start(now_), [&](std::size_t /*from*/, std::size_t to, Micros /*when*/, const auto& datagram) {
+    peers_[to]->receive(datagram);
+  });
+  for (PeerId p = 0; p < peers_.size(); ++p) peers_[p]->step(targets_[p]);
 }
 
 void AlternativeRun::step() {
   ++now_;
-  links_.deliver(tick_start(now_), [&](std::size_t /*from*/, std::size_t to, Micros /*when*/, const auto& datagram) {
-    peers_[to]->receive(datagram);
-  });
-  for (PeerId p = 0; p < peers_.size(); ++p) {
-    targets_[p] = config_.inputs[p]->target(now_);
-    peers_[p]->step(targets_[p]);
-    for (const node::Outgoing& o : peers_[p]->outgoing()) links_.send(p, o.to, tick_start(now_), o.bytes);
+  for (PeerId p = 0; p < peers_.size(); ++p) targets_[p] = config_.inputs[p]->target(now_);
+  if (processor_time_) processor_time_->begin();
+  work();
+  if (processor_time_) {
+    processor_time_->end();
+    processor_time_->step_bare(targets_);
   }
+  for (PeerId p = 0; p < peers_.size(); ++p)
+    for (const node::Outgoing& o : peers_[p]->outgoing()) links_.send(p, o.to, tick_start(now_), o.bytes);
+  if (timeline_) timeline_->step(targets_);
   sample();
 }
 
@@ -55,22 +70,73 @@ void AlternativeRun::sample() {
   Past past;
   const world::World& any = peers_[0]->world();
   for (EntityId e = 0; e < any.entities(); ++e)
-    past.owner.push_back(any.is_avatar(e) ? static_cast<PeerId>(e - any.bodies()) : owner(e));
+    past.owner.push_back(any.is_avatar(e) && !timeline_ ? static_cast<PeerId>(e - any.bodies()) : owner(e));
   for (PeerId p = 0; p < peers_.size(); ++p) {
     std::vector<Vec2> places;
     for (EntityId e = 0; e < any.entities(); ++e) places.push_back(peers_[p]->world().position(e));
-    meter_.view(p, now_, {places, places});
+    meter_.view(p, now_, {places, places, false});
+    if (timeline_) measure_timeline(p, places);
     past.places.push_back(std::move(places));
   }
+  past.hands = targets_;
   trace::Truth truth;
   truth.owner = past.owner;
   truth.present.assign(past.owner.size(), true);
   truth.agreed.assign(past.owner.size(), {});
+  if (timeline_) truth.agreed = timeline_->present();
   meter_.truth(now_, truth);
   past_.push_back(std::move(past));
   if (past_.size() > kPast) past_.pop_front();
   measure_fidelity();
-  measure_delayed();
+  measure_waiting();
+  if (!timeline_) measure_delayed();
+}
+
+void AlternativeRun::measure_timeline(PeerId p, const std::vector<Vec2>& places) {
+  const std::vector<Vec2>& decided = timeline_->decided();
+  for (std::size_t e = 0; e < places.size(); ++e) hands_sum_ += static_cast<double>(distance(places[e], decided[e]));
+  const Alternative::Settled settled = peers_[p]->settled();
+  if (!timeline_->agrees(settled.tick, *settled.state)) ++mismatches_;
+}
+
+void AlternativeRun::measure_waiting() {
+  std::vector<Vec2> velocity;
+  for (PeerId p = 0; p < peers_.size(); ++p) {
+    const world::World& w = peers_[p]->world();
+    velocity.clear();
+    for (EntityId e = 0; e < w.entities(); ++e) velocity.push_back(w.velocity(e));
+    jumps_[p].tick(past_.back().places[p], velocity);
+    if (now_ == 0) continue;
+    const Tick delay = peers_[p]->hand_delay();
+    hand_delay_sum_ += static_cast<double>(delay);
+    hand_delay_peak_ = std::max(hand_delay_peak_, delay);
+    const bool stands = peers_[p]->frozen();
+    if (stands) ++frozen_;
+    if (stands && stood_[p] == 0) ++freezes_;
+    stood_[p] = stands ? 1 : 0;
+  }
+}
+
+Waiting AlternativeRun::waiting() const {
+  Waiting w;
+  if (now_ == 0) return w;
+  const double ticks = static_cast<double>(now_) * static_cast<double>(peers_.size());
+  w.hand_delay_s = hand_delay_sum_ / ticks / kTicksPerSecond;
+  w.hand_delay_peak_s = static_cast<double>(hand_delay_peak_) / kTicksPerSecond;
+  w.frozen_share = static_cast<double>(frozen_) / ticks;
+  w.freezes = static_cast<double>(freezes_) / ticks * kTicksPerSecond;
+  return w;
+}
+
+double AlternativeRun::hands_mean_m() const {
+  if (!timeline_) return meter_.overall().mean_m;
+  return hands_sum_ / (static_cast<double>(now_ + 1) * static_cast<double>(peers_.size()));
+}
+
+/// What its avatar, as it is in its own view, was driven towards last.
+Vec2 AlternativeRun::driven_towards(PeerId p) const {
+  const auto ago = static_cast<std::size_t>(peers_[p]->hand_delay());
+  return past_[past_.size() - 1 - std::min(ago, past_.size() - 1)].hands[p];
 }
 
 void AlternativeRun::measure_fidelity() {
@@ -79,7 +145,7 @@ void AlternativeRun::measure_fidelity() {
     const world::World& w = peers_[p]->world();
     states_[p].clear();
     for (EntityId e = 0; e < w.entities(); ++e) states_[p].push_back(w.state(e));
-    views.push_back({true, states_[p], targets_[p]});
+    views.push_back({true, states_[p], driven_towards(p)});
   }
   fidelity_.tick(now_, views);
 }
@@ -106,6 +172,7 @@ void AlternativeRun::measure_delayed() {
 }
 
 double AlternativeRun::delayed_mean_m() const {
+  if (timeline_) return meter_.overall().mean_m;
   return delayed_sum_ / static_cast<double>(delayed_views_);
 }
 

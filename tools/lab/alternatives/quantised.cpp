@@ -102,6 +102,12 @@ Quantised Quantiser::place(const BodyState& s) const {
   return q;
 }
 
+Quantised Quantiser::clamped(Quantised q) const {
+  q.x = std::clamp(q.x, 0, most_x_);
+  q.y = std::clamp(q.y, 0, most_y_);
+  return q;
+}
+
 Quantised Quantiser::quantise(const BodyState& s) const {
   Quantised q = place(s);
   if (!s.awake) return q;

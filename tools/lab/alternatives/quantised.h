@@ -38,6 +38,8 @@ class Quantiser {
   /// The same without velocities, as they are in snapshots, so that equal means equal on the wire.
   Quantised place(const BodyState& s) const;
   BodyState state(const Quantised& q) const;
+  /// The nearest place that one that was written may be.
+  Quantised clamped(Quantised q) const;
 
   /// `base` is something both ends know: differences to it take fewer bits (Quake 3's delta compression).
   void write(BitWriter& w, const Quantised& q, const Quantised& base, Fields fields) const;

@@ -2,24 +2,21 @@
 
 #include <optional>
 
-#include "common/wire/seal.h"
 #include "common/world/world.h"
-#include "tools/lab/alternatives/alternative.h"
-#include "tools/lab/alternatives/bits.h"
+#include "tools/lab/alternatives/mailbox.h"
 
 namespace padr::lab::alternatives {
 
-/// What all alternatives have in common: a world in which every avatar may push everything, the own avatar driven by
-/// input, authority by contact, sealed datagrams. What is sent and what becomes of it is theirs.
+/// What alternatives with authority have in common: a world in which every avatar may push everything, the own avatar
+/// driven by input, authority by contact, sealed datagrams. What is sent and what becomes of it is theirs.
 class Replica : public Alternative {
  public:
   void receive(std::span<const std::byte> datagram) final;
   void step(Vec2 target) final;
-  const std::vector<node::Outgoing>& outgoing() const final { return outgoing_; }
+  const std::vector<node::Outgoing>& outgoing() const final { return mailbox_.outgoing(); }
   const world::World& world() const final { return world_; }
   const Claim& claim(EntityId body) const final { return claims_.of(body); }
-  Tick delay(PeerId) const override { return 0; }
-  const AlternativeStats& stats() const final { return stats_; }
+  const AlternativeStats& stats() const final { return mailbox_.stats(); }
 
  protected:
   Replica(const Scene& scene, const AlternativeConfig& config);
@@ -32,8 +29,7 @@ class Replica : public Alternative {
   virtual void place_others() = 0;
   virtual void send() = 0;
 
-  /// Seals and counts; payload at most wire::kMaxPayload.
-  void post(PeerId to, const BitWriter& payload, std::uint64_t states);
+  void post(PeerId to, const BitWriter& payload, std::uint64_t states) { mailbox_.post(to, payload, states); }
   Tick now() const { return now_; }
   PeerId self() const { return config_.self; }
   int peers() const { return config_.peers; }
@@ -49,12 +45,7 @@ class Replica : public Alternative {
   AlternativeConfig config_;
   Tick now_ = 0;
   Vec2 target_;
-  std::vector<node::Outgoing> outgoing_;
-  AlternativeStats stats_;
+  Mailbox mailbox_;
 };
-
-/// Ticks on the wire are their lowest 16 bits; the tick meant is the one that lies nearest to `now`.
-inline constexpr int kTickBits = 16;
-Tick whole_tick(std::uint32_t bits, Tick now);
 
 }  // namespace padr::lab::alternatives

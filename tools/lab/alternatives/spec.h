@@ -2,16 +2,31 @@
 
 #include <cstdint>
 
+#include "common/model/ids.h"
+
 namespace padr::lab::alternatives {
 
-enum class Kind : std::uint8_t { kSnapshot, kStateSync, kDis };
+enum class Kind : std::uint8_t {
+  kSnapshot,
+  kStateSync,
+  kDis,
+  kInputs,  ///< inputs alone are sent: rollback, and lockstep, which predicts nothing
+};
+
+/// How far a peer simulates beyond the others' inputs: MAX_PREDICTION_FRAMES of GGPO's sync.h.
+inline constexpr Tick kGgpoPrediction = 8;
+/// More than a second of either makes no sense.
+inline constexpr Tick kMostInputDelay = 60;
+inline constexpr Tick kMostPrediction = 60;
 
 /// Which alternative, and its parameters.
 struct Spec {
   Kind kind = Kind::kSnapshot;
-  int hz = 20;                      ///< datagrams a second to each peer: state-sync 1 .. 60, snapshot a divisor of 60
-  float position_threshold = 1;     ///< m, dis
-  float angle_threshold = 0.0524F;  ///< rad, dis; 3 degrees
+  int hz = 20;                        ///< datagrams a second to each peer: state-sync 1 .. 60, others a divisor of 60
+  float position_threshold = 1;       ///< m, dis
+  float angle_threshold = 0.0524F;    ///< rad, dis; 3 degrees
+  Tick input_delay = 0;               ///< inputs: 0 .. kMostInputDelay
+  Tick prediction = kGgpoPrediction;  ///< inputs: 0, which is lockstep, .. kMostPrediction
 };
 
 }  // namespace padr::lab::alternatives

@@ -15,7 +15,7 @@ struct Field {
   double (*of)(const Score&);
 };
 
-constexpr std::array<Field, 21> kFields{{
+constexpr std::array<Field, 28> kFields{{
     {"mean_m", [](const Score& s) { return s.off.mean_m; }},
     {"avatar_mean_m", [](const Score& s) { return s.off.avatar_mean_m; }},
     {"body_mean_m", [](const Score& s) { return s.off.body_mean_m; }},
@@ -26,6 +26,13 @@ constexpr std::array<Field, 21> kFields{{
     {"shown_mean_m", [](const Score& s) { return s.off.shown_mean_m; }},
     {"delay_s", [](const Score& s) { return s.delay_s; }},
     {"delayed_mean_m", [](const Score& s) { return s.delayed_mean_m; }},
+    {"hands_mean_m", [](const Score& s) { return s.hands_mean_m; }},
+    {"hand_delay_s", [](const Score& s) { return s.hand_delay_s; }},
+    {"hand_delay_peak_s", [](const Score& s) { return s.hand_delay_peak_s; }},
+    {"frozen_share", [](const Score& s) { return s.frozen_share; }},
+    {"freezes_per_s", [](const Score& s) { return s.freezes; }},
+    {"jumps_per_s", [](const Score& s) { return s.jumps; }},
+    {"jump_mean_m", [](const Score& s) { return s.jump_m; }},
     {"kbit_per_s", [](const Score& s) { return s.kbps; }},
     {"datagrams_per_s", [](const Score& s) { return s.datagrams; }},
     {"updates_per_s", [](const Score& s) { return s.updates; }},

@@ -109,6 +109,23 @@ void add_alternatives(std::vector<Contestant>& all) {
                  Spec{.kind = Kind::kDis, .position_threshold = 0.3F}});
 }
 
+/// At 60 Hz; knobs are the input delay and, see add_frontier, the rate.
+void add_inputs(std::vector<Contestant>& all) {
+  for (const Tick delay : {0, 2, 4, 6}) {
+    const std::string ticks = std::to_string(delay);
+    all.push_back(
+        {"rollback-" + ticks, "rollback (input delay)", ticks, Group::kAlternative,
+         "rollback as in GGPO, input delay " + ticks + " ticks: inputs alone, the last one repeated, resimulation",
+         Spec{.kind = Kind::kInputs, .hz = 60, .input_delay = delay}});
+  }
+  for (const Tick delay : {2, 6, 12, 18}) {
+    const std::string ticks = std::to_string(delay);
+    all.push_back({"lockstep-" + ticks, "lockstep (input delay)", ticks, Group::kAlternative,
+                   "lockstep, input delay " + ticks + " ticks: inputs alone, a tick waits until all of them are there",
+                   Spec{.kind = Kind::kInputs, .hz = 60, .input_delay = delay, .prediction = 0}});
+  }
+}
+
 [[noreturn]] void refuse(const std::string& word, const std::vector<Contestant>& all) {
   std::string allowed = "all";
   for (const auto& [name, group] : kGroups) allowed += ", " + std::string(name);
@@ -129,6 +146,7 @@ std::vector<Contestant> all_contestants() {
   add_ours(all);
   add_ablations(all);
   add_alternatives(all);
+  add_inputs(all);
   return all;
 }
 

@@ -6,6 +6,7 @@
 #include "common/model/user_error.h"
 #include "shell/scenario_flags.h"
 #include "tools/lab/alternatives/alternative_run.h"
+#include "tools/lab/measure/jumps.h"
 #include "tools/lab/rates.h"
 #include "tools/lab/simulation.h"
 
@@ -22,6 +23,42 @@ Inputs load_inputs(const Setting& setting, const Scene& scene, std::uint64_t see
   return inputs;
 }
 
+void take_jumps(Score& score, const std::vector<const JumpMeter*>& meters, Tick ticks) {
+  std::uint64_t jumps = 0;
+  double metres = 0;
+  for (const JumpMeter* m : meters) {
+    jumps += m->jumps();
+    metres += m->metres();
+  }
+  const double seconds = static_cast<double>(ticks) / kTicksPerSecond * static_cast<double>(meters.size());
+  score.jumps = static_cast<double>(jumps) / seconds;
+  score.jump_m = jumps == 0 ? 0 : metres / static_cast<double>(jumps);
+}
+
+/// Jumps of what the peers show.
+class ShownJumps {
+ public:
+  explicit ShownJumps(const Simulation& s) : simulation_(s), meters_(static_cast<std::size_t>(s.peers())) {}
+  void tick() {
+    for (std::size_t p = 0; p < meters_.size(); ++p) {
+      const node::Replica& replica = simulation_.replica(static_cast<PeerId>(p));
+      velocity_.clear();
+      for (const world::Kinematics& k : replica.live().world().kinematics()) velocity_.push_back(k.velocity);
+      meters_[p].tick(replica.shown().positions(), velocity_);
+    }
+  }
+  void take(Score& score) const {
+    std::vector<const JumpMeter*> all;
+    for (const JumpMeter& m : meters_) all.push_back(&m);
+    take_jumps(score, all, simulation_.now());
+  }
+
+ private:
+  const Simulation& simulation_;
+  std::vector<JumpMeter> meters_;  ///< by peer
+  std::vector<Vec2> velocity_;
+};
+
 Score run_technique(const Technique& technique, const Network& network, const Setting& setting, const Scene& scene,
                     std::uint64_t seed) {
   const Inputs inputs = load_inputs(setting, scene, seed);
@@ -34,12 +71,17 @@ Score run_technique(const Technique& technique, const Network& network, const Se
   config.ticks = setting.ticks;
   config.fidelity = true;
   for (const auto& i : inputs) config.inputs.push_back(i.get());
+  config.processor_time = setting.processor_time;
   Simulation s(std::move(config));
-  s.run();
+  ShownJumps jumps(s);
+  s.run([&jumps](Tick) { jumps.tick(); });
   Score score;
   score.off = s.meter().overall();
   score.fidelity = s.fidelity()->overall();
   score.delayed_mean_m = score.off.mean_m;
+  score.hands_mean_m = score.off.mean_m;
+  jumps.take(score);
+  if (s.processor_time() != nullptr) score.processor_steps = s.processor_time()->steps();
   const Rates rates = rates_of(s, 0, setting.peers);
   score.kbps = rates.kbps;
   score.datagrams = rates.datagrams;
@@ -58,6 +100,7 @@ Score run_alternative(const alternatives::Spec& spec, const Network& network, co
   config.netem = network.spec;
   config.netem_seed = seed;
   for (const auto& i : inputs) config.inputs.push_back(i.get());
+  config.processor_time = setting.processor_time;
   alternatives::AlternativeRun s(std::move(config));
   while (s.now() < setting.ticks) s.step();
   Score score;
@@ -65,6 +108,17 @@ Score run_alternative(const alternatives::Spec& spec, const Network& network, co
   score.fidelity = s.fidelity().overall();
   score.delay_s = s.delay_s();
   score.delayed_mean_m = s.delayed_mean_m();
+  score.hands_mean_m = s.hands_mean_m();
+  const alternatives::Waiting waiting = s.waiting();
+  score.hand_delay_s = waiting.hand_delay_s;
+  score.hand_delay_peak_s = waiting.hand_delay_peak_s;
+  score.frozen_share = waiting.frozen_share;
+  score.freezes = waiting.freezes;
+  score.mismatches = s.mismatches();
+  if (s.processor_time() != nullptr) score.processor_steps = s.processor_time()->steps();
+  std::vector<const JumpMeter*> meters;
+  for (PeerId p = 0; p < setting.peers; ++p) meters.push_back(&s.jumps(p));
+  take_jumps(score, meters, s.now());
   const double seconds = static_cast<double>(s.now()) / kTicksPerSecond * setting.peers;
   for (PeerId p = 0; p < setting.peers; ++p) {
     const alternatives::AlternativeStats& stats = s.peer(p).stats();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct Setting {
   int peers = 4;
   Tick ticks = 0;
   std::vector<std::string> inputs{"wander"};  ///< dealt round to the peers
+  bool processor_time = false;                ///< is measured
 };
 
 /// A network that every directed link is.
@@ -36,12 +38,21 @@ struct Score {
   /// against the truth of that time (m). Otherwise 0 and off.mean_m.
   double delay_s = 0;
   double delayed_mean_m = 0;
-  std::uint64_t largest = 0;     ///< bytes of the largest datagram, without IP and UDP; 0: not measured
-  std::uint64_t mismatches = 0;  ///< confirmed ticks at which worlds differed; 0 where nothing is confirmed
+  /// Against where the hands of now put things, input delay or not (m); off.mean_m where there is none.
+  double hands_mean_m = 0;
+  double hand_delay_s = 0;       ///< from an input at the hand to its own avatar that follows it, mean over ticks
+  double hand_delay_peak_s = 0;  ///< the longest
+  double frozen_share = 0;       ///< of ticks at which a view stood still, 0 .. 1
+  double freezes = 0;            ///< how often one came to stand still, per peer and second
+  double jumps = 0;              ///< of shown positions by more than 3 cm, per peer and second
+  double jump_m = 0;             ///< of those, the mean
+  std::optional<double> processor_steps;  ///< of a peer in a tick, in steps of a bare world; if it was measured
+  std::uint64_t largest = 0;              ///< bytes of the largest datagram, without IP and UDP; 0: not measured
+  std::uint64_t mismatches = 0;           ///< confirmed ticks at which worlds differed; 0 where nothing is confirmed
 };
 
-/// One run; the same arguments give the same score to the bit. `seed` is that of scenario, generated input and network.
-/// Throws UserError for a scenario or an input that does not work.
+/// One run; the same arguments give the same score to the bit, but for processor time. `seed` is that of scenario,
+/// generated input and network. Throws UserError for a scenario or an input that does not work.
 Score run_trial(const Contestant& contestant, const Network& network, const Setting& setting, std::uint64_t seed);
 
 }  // namespace padr::lab::compare
