@@ -63,7 +63,10 @@ TEST(Compare, StandingIsDecidedByBothMeasures) {
 }
 
 TEST(Compare, ListsOfTechniques) {
-  EXPECT_EQ(chosen_contestants("all").size(), all_contestants().size());
+  EXPECT_EQ(chosen_contestants("all,frontier").size(), all_contestants().size());
+  const std::vector<Contestant> curves = chosen_contestants("frontier");
+  EXPECT_EQ(std::count_if(curves.begin(), curves.end(), is_budget_of_full), 5);
+  for (const Contestant& c : chosen_contestants("all")) EXPECT_NE(c.group, Group::kFrontier) << c.id;
   const std::vector<Contestant> some = chosen_contestants("dis,paper,dis");
   ASSERT_EQ(some.size(), 7U);
   EXPECT_EQ(some.back().id, "dis");
@@ -104,7 +107,10 @@ TEST(Compare, AContestantIsAddedByItsKnobs) {
   EXPECT_EQ(t.threshold_high, technique_by_name("full").threshold_high);
   for (const auto& [text, part] :
        {std::pair{"", "avatar-only"}, std::pair{"full --led 1", "--lead"}, std::pair{"full --lead", "no value"},
-        std::pair{"full --lead 7", "0 to 1 seconds"}}) {
+        std::pair{"full --lead 7", "0 to 1 seconds"}, std::pair{"rollback --lead 1", "--input-delay"},
+        std::pair{"rollback --input-delay 61", "0 to 60 ticks"}, std::pair{"rollback --input-delay", "0 to 60 ticks"},
+        std::pair{"rollback --hz 7", "a divisor of 60"}, std::pair{"lockstep --prediction 3", "no knob of lockstep"},
+        std::pair{"dis --threshold nan", "0.001 to 100 m"}, std::pair{"state-sync --hz 2.5", "1 to 60"}}) {
     try {
       added_contestant(text);
       FAIL() << text;
@@ -112,6 +118,31 @@ TEST(Compare, AContestantIsAddedByItsKnobs) {
       EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
     }
   }
+}
+
+TEST(Compare, AnAlternativeIsAddedByItsKnobs) {
+  const auto spec = std::get<alternatives::Spec>(added_contestant("rollback --input-delay 3 --hz=20").how);
+  EXPECT_EQ(spec.kind, alternatives::Kind::kInputs);
+  EXPECT_EQ(spec.input_delay, 3);
+  EXPECT_EQ(spec.hz, 20);
+  EXPECT_EQ(spec.prediction, alternatives::kGgpoPrediction);
+  EXPECT_EQ(std::get<alternatives::Spec>(added_contestant("lockstep").how).prediction, 0);
+}
+
+TEST(Compare, FullIsTakenAtTheBudgetThatSendsNoMore) {
+  const auto row = [](const char* text, double m, double kbps) {
+    Row r;
+    r.who = added_contestant(text);
+    r.scores.emplace_back();
+    r.scores.back().off.mean_m = m;
+    r.scores.back().kbps = kbps;
+    return r;
+  };
+  const std::vector<Row> rows{row("full --budget 8", 0.4, 8), row("full", 0.1, 30), row("full --lead 0", 0.01, 9),
+                              row("rollback", 0.2, 20), row("dis", 1, 7)};
+  EXPECT_EQ(full_for_no_more(rows[3], rows), 0.4);
+  EXPECT_EQ(full_for_no_more(rows[1], rows), 0.1);
+  EXPECT_EQ(full_for_no_more(rows[4], rows), std::nullopt);
 }
 
 TEST(Compare, ErrorsByHand) {

@@ -22,6 +22,8 @@ std::unique_ptr<Alternative> make_alternative(const Scene& scene, const Alternat
       return std::make_unique<Dis>(scene, config);
     case Kind::kInputs:
       return std::make_unique<InputSync>(scene, config);
+    case Kind::kEntrant:
+      return config.spec.make(scene, config);
   }
   return nullptr;
 }

@@ -31,7 +31,7 @@ AlternativeRun::AlternativeRun(SessionConfig config)
         make_alternative(config_.scene, {.self = p, .peers = config_.peers, .session = 1, .spec = config_.spec}));
   }
   if (config_.spec.kind == Kind::kInputs)
-    timeline_ = std::make_unique<Timeline>(config_.scene, config_.peers, config_.spec.input_delay);
+    timeline_ = std::make_unique<Timeline>(config_.scene, config_.peers, config_.spec);
   if (config_.processor_time) processor_time_ = std::make_unique<ProcessorTime>(config_.scene, config_.peers);
   for (PeerId p = 0; p < n; ++p) targets_[p] = peers_[p]->world().position(peers_[p]->world().avatar(p));
   sample();

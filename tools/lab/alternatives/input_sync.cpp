@@ -11,7 +11,7 @@ constexpr Tick kNone = std::numeric_limits<Tick>::max();
 
 InputSync::InputSync(const Scene& scene, const AlternativeConfig& config)
     : config_(config),
-      quantiser_(scene),
+      quantiser_(scene, config.spec.steps_per_m),
       world_(scene, config.peers),
       mailbox_(config),
       acknowledged_(static_cast<std::size_t>(config.peers), config.spec.input_delay),

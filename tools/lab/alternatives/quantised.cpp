@@ -8,8 +8,7 @@
 namespace padr::lab::alternatives {
 namespace {
 
-constexpr float kMargin = 4;    // m around the play area
-constexpr float kPlace = 2048;  // steps per m
+constexpr float kMargin = 4;  // m around the play area
 constexpr int kAngleBits = 12;
 constexpr float kTurn = 2 * std::numbers::pi_v<float>;
 constexpr float kSpeed = 128;       // steps per m/s
@@ -83,15 +82,16 @@ std::int32_t read_rate(BitReader& r, std::int32_t base, int bits) {
 
 }  // namespace
 
-Quantiser::Quantiser(const Scene& scene)
+Quantiser::Quantiser(const Scene& scene, int steps_per_m)
     : origin_{scene.lower.x - kMargin, scene.lower.y - kMargin},
-      most_x_(static_cast<std::int32_t>((scene.upper.x - scene.lower.x + 2 * kMargin) * kPlace)),
-      most_y_(static_cast<std::int32_t>((scene.upper.y - scene.lower.y + 2 * kMargin) * kPlace)) {}
+      steps_(static_cast<float>(steps_per_m)),
+      most_x_(static_cast<std::int32_t>((scene.upper.x - scene.lower.x + 2 * kMargin) * steps_)),
+      most_y_(static_cast<std::int32_t>((scene.upper.y - scene.lower.y + 2 * kMargin) * steps_)) {}
 
 Quantised Quantiser::place(const BodyState& s) const {
   Quantised q;
-  const auto axis = [](float v, std::int32_t most) {
-    return static_cast<std::int32_t>(std::lround(std::clamp(v * kPlace, 0.0F, static_cast<float>(most))));
+  const auto axis = [this](float v, std::int32_t most) {
+    return static_cast<std::int32_t>(std::lround(std::clamp(v * steps_, 0.0F, static_cast<float>(most))));
   };
   q.x = axis(s.position.x - origin_.x, most_x_);
   q.y = axis(s.position.y - origin_.y, most_y_);
@@ -119,7 +119,7 @@ Quantised Quantiser::quantise(const BodyState& s) const {
 
 BodyState Quantiser::state(const Quantised& q) const {
   BodyState s;
-  s.position = {origin_.x + static_cast<float>(q.x) / kPlace, origin_.y + static_cast<float>(q.y) / kPlace};
+  s.position = {origin_.x + static_cast<float>(q.x) / steps_, origin_.y + static_cast<float>(q.y) / steps_};
   s.angle = static_cast<float>(q.angle) / static_cast<float>(1 << kAngleBits) * kTurn;
   s.velocity = {static_cast<float>(q.vx) / kSpeed, static_cast<float>(q.vy) / kSpeed};
   s.spin = static_cast<float>(q.spin) / kSpin;

@@ -5,12 +5,13 @@
 #include "common/model/scene.h"
 #include "common/model/state.h"
 #include "tools/lab/alternatives/bits.h"
+#include "tools/lab/alternatives/spec.h"
 
 namespace padr::lab::alternatives {
 
 /// A state in whole numbers, as snapshots and state synchronization send it (Fiedler, "Snapshot Compression"). Finer
-/// than in his articles, as here the errors of all entities are summed up: position 1/2048 m, angle 1/4096 turn,
-/// velocity 1/128 m/s up to 32 m/s, spin 1/32 rad/s up to 32 rad/s.
+/// than in his articles, as here the errors of all entities are summed up: position 1/2048 m or as is asked for, angle
+/// 1/4096 turn, velocity 1/128 m/s up to 32 m/s, spin 1/32 rad/s up to 32 rad/s.
 struct Quantised {
   std::int32_t x = 0;
   std::int32_t y = 0;
@@ -31,7 +32,8 @@ struct Fields {
 /// Knows the play area and so how many bits a place takes.
 class Quantiser {
  public:
-  explicit Quantiser(const Scene& scene);
+  /// `steps_per_m`: of places, 1 .. 2048.
+  explicit Quantiser(const Scene& scene, int steps_per_m = kFinestPlace);
 
   /// Places far outside of the play area are pulled back to 4 m around it.
   Quantised quantise(const BodyState& s) const;
@@ -50,6 +52,7 @@ class Quantiser {
 
  private:
   Vec2 origin_;
+  float steps_;  ///< of places, per m
   std::int32_t most_x_;
   std::int32_t most_y_;
 };

@@ -25,7 +25,9 @@ const Content* find(const std::deque<Content>& list, Tick tick) {
 }  // namespace
 
 Snapshot::Snapshot(const Scene& scene, const AlternativeConfig& config)
-    : Replica(scene, config), quantiser_(scene), shown_claim_(static_cast<std::size_t>(world_.bodies())) {
+    : Replica(scene, config),
+      quantiser_(scene, config.spec.steps_per_m),
+      shown_claim_(static_cast<std::size_t>(world_.bodies())) {
   for (EntityId b = 0; b < world_.bodies(); ++b)
     initial_.bodies.push_back({false, 0, false, quantiser_.place(world_.state(b))});
   for (EntityId e = 0; e < world_.entities(); ++e) shown_.push_back(world_.state(e));

@@ -24,7 +24,7 @@ constexpr Fields kBodyFields{.turns = true, .moves = true};
 
 StateSync::StateSync(const Scene& scene, const AlternativeConfig& config)
     : Replica(scene, config),
-      quantiser_(scene),
+      quantiser_(scene, config.spec.steps_per_m),
       id_bits_(width_of(static_cast<std::uint32_t>(std::max(1, world_.bodies())))),
       links_(static_cast<std::size_t>(config.peers)),
       avatar_tick_(static_cast<std::size_t>(config.peers), -1),

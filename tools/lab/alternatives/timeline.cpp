@@ -13,8 +13,8 @@ std::uint64_t hash_of(const world::Snapshot& s) {
 
 }  // namespace
 
-Timeline::Timeline(const Scene& scene, int peers, Tick input_delay)
-    : quantiser_(scene), world_(scene, peers), delay_(input_delay) {
+Timeline::Timeline(const Scene& scene, int peers, const Spec& spec)
+    : quantiser_(scene, spec.steps_per_m), world_(scene, peers), delay_(spec.input_delay) {
   let_all_play(world_);
   for (PeerId p = 0; p < peers; ++p) inputs_.push_back(rest_of(world_, p, quantiser_));
   keep();

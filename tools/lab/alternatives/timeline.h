@@ -12,11 +12,11 @@ namespace padr::lab::alternatives {
 /// the lab can know at once: the truth that peers are held against.
 class Timeline {
  public:
-  Timeline(const Scene& scene, int peers, Tick input_delay);
+  Timeline(const Scene& scene, int peers, const Spec& spec);
 
   /// The next tick, with where the hands are at it (m, by peer).
   void step(std::span<const Vec2> hands);
-  /// Where things are at this tick, m, by entity: by the inputs of `input_delay` ticks ago.
+  /// Where things are at this tick, m, by entity: by the inputs of the input delay ago.
   const std::vector<Vec2>& present() const { return moment(now_).places; }
   /// Where the hands of this tick have put them, which nobody sees before the input delay is over.
   const std::vector<Vec2>& decided() const { return moment(now_ + delay_).places; }

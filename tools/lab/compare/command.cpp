@@ -10,6 +10,7 @@
 #include "shell/netem_flags.h"
 #include "shell/run_main.h"
 #include "shell/scenario_flags.h"
+#include "tools/lab/compare/alternative_text.h"
 #include "tools/plot/gnuplot.h"
 
 namespace padr::lab {
@@ -64,13 +65,20 @@ void CompareCommand::declare(CLI::App& app) {
   app.add_option("--input", inputs_, std::string(shell::kInputHelp) + "; repeat for more peers, in turn")
       ->type_name("SPEC")
       ->allow_extra_args(false);
-  app.add_option("--techniques", techniques_,
-                 "Some of: paper, ours, ablations, alternatives, all; or names of those below")
+  app.add_option(
+         "--techniques", techniques_,
+         "Some of: paper, ours, ablations, alternatives; all, which is these four; frontier, which has full at\n"
+         "several budgets and further points of the alternatives' curves; or names of those below")
       ->type_name("LIST")
       ->capture_default_str();
-  app.add_option("--add", added_, "A further technique, with its knobs, such as 'full --lead 0.2'; may be repeated")
+  app.add_option("--add", added_,
+                 "A further technique or alternative, with its knobs, such as 'full --lead 0.2' or\n"
+                 "'rollback --input-delay 3 --hz 20'; may be repeated")
       ->type_name("TECHNIQUE")
       ->allow_extra_args(false);
+  app.add_flag("--processor-time", processor_time_,
+               "Also measure the processor time of a peer, against a bare Box2D world in the same run; it differs\n"
+               "from run to run");
   app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
   app.add_option("--json", json_, "Write all figures to a file, or - for standard output in place of the table")
       ->type_name("FILE|-");
@@ -78,13 +86,15 @@ void CompareCommand::declare(CLI::App& app) {
       ->type_name("FILE|-");
   app.add_option("--out", out_, "Folder for pictures of inconsistency against traffic, and for table, JSON and CSV")
       ->type_name("DIR");
-  app.footer(help_on_contestants() +
-             "snapshot, state-sync and dis follow the descriptions of their authors. They also get what those lack: "
+  app.footer(help_on_contestants() + "Alternatives with their knobs, for --add:\n" + help_on_alternatives() +
+             "snapshot, state-sync, dis, rollback and lockstep follow the descriptions of their authors. They also get "
+             "what those lack: "
              "clocks that\n"
              "agree, PADR's rule of authority by contact, and sealed datagrams of 1,200 bytes at most. The truth of a "
              "body is\n"
              "its place in the world of the peer with the best claim at that tick; other peers may not know of the "
-             "claim yet.\n"
+             "claim yet. Rollback and lockstep have no authority: their truth is what the inputs come to when none is "
+             "late.\n"
              "Example:\n"
              "  padr-lab compare --out out/compare\n"
              "  padr-lab compare --techniques paper,full --add 'full --lead 0.2' --add 'fixed --unowned agreed'\n"
@@ -104,6 +114,7 @@ compare::Plan CompareCommand::plan() const {
   }
   p.setting.scenario = scenario_;
   p.setting.peers = peers_;
+  p.setting.processor_time = processor_time_;
   p.setting.ticks = static_cast<Tick>(std::lround(seconds_ * kTicksPerSecond));
   if (!inputs_.empty()) {
     p.setting.inputs = inputs_;

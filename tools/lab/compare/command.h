@@ -26,6 +26,7 @@ class CompareCommand {
   std::vector<std::string> inputs_;
   std::string techniques_ = "all";
   std::vector<std::string> added_;
+  bool processor_time_ = false;
   int jobs_ = 0;
   std::string json_;
   std::string csv_;

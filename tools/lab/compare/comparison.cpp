@@ -30,6 +30,11 @@ double Row::kbps() const {
   return over([](const Score& s) { return s.kbps; }).mean;
 }
 
+std::optional<double> Row::processor_steps() const {
+  if (scores.empty() || !scores.front().processor_steps) return std::nullopt;
+  return over([](const Score& s) { return s.processor_steps.value_or(0); }).mean;
+}
+
 std::vector<Row> run_plan(const Plan& plan) {
   const std::size_t seeds = plan.seeds.size();
   const std::size_t of_network = plan.contestants.size() * seeds;
@@ -58,6 +63,15 @@ Standing standing(const Row& row, const std::vector<Row>& rows) {
   const bool less_traffic = row.kbps() < full->kbps();
   if (less_off && less_traffic) return Standing::kDominates;
   return less_off || less_traffic ? Standing::kTrades : Standing::kWorse;
+}
+
+std::optional<double> full_for_no_more(const Row& row, const std::vector<Row>& rows) {
+  std::optional<double> least;
+  for (const Row& r : rows) {
+    if (r.network != row.network || !is_budget_of_full(r.who) || r.kbps() > row.kbps()) continue;
+    least = std::min(least.value_or(r.mean_m()), r.mean_m());
+  }
+  return least;
 }
 
 }  // namespace padr::lab::compare

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,8 @@ struct Row {
   Figure over(double (*field)(const Score&)) const;
   double mean_m() const;  ///< m, mean combined inconsistency against now
   double kbps() const;    ///< per peer
+  /// Mean over the seeds of processor time, in steps of a bare world; nothing if it was not measured.
+  std::optional<double> processor_steps() const;
 };
 
 /// All runs; rows network by network, contestants in the order of the plan.
@@ -48,6 +51,10 @@ enum class Standing : std::uint8_t {
   kDominates  ///< less of both
 };
 Standing standing(const Row& row, const std::vector<Row>& rows);
+
+/// The least mean inconsistency (m) that `full` has on the row's network at a budget with which it sends no more than
+/// the row does; nothing if every one of those played sends more.
+std::optional<double> full_for_no_more(const Row& row, const std::vector<Row>& rows);
 
 std::string table(const std::vector<Row>& rows, const Plan& plan);
 std::string json(const std::vector<Row>& rows, const Plan& plan, const std::string& command);

@@ -91,6 +91,21 @@ std::string line_of(const Row& row, const std::vector<Row>& rows, int width) {
                       mean([](const Score& s) { return s.datagrams; }), against.c_str());
 }
 
+/// The second table: what hands and eyes meet.
+std::string meeting_of(const Row& row, const std::vector<Row>& rows, int width) {
+  const auto mean = [&row](double (*of)(const Score&)) { return row.over(of).mean; };
+  const auto steps = row.processor_steps();
+  const auto full = full_for_no_more(row, rows);
+  return fmt::sprintf("  %-*s %8.0f %6.0f %8.3f %7.1f %6.2f %7.2f %6.3f %9s %11s\n", width, row.who.id.c_str(),
+                      mean([](const Score& s) { return s.hand_delay_s * 1000; }),
+                      row.over([](const Score& s) { return s.hand_delay_peak_s * 1000; }).high,
+                      mean([](const Score& s) { return s.hands_mean_m; }),
+                      mean([](const Score& s) { return s.frozen_share * 100; }),
+                      mean([](const Score& s) { return s.freezes; }), mean([](const Score& s) { return s.jumps; }),
+                      mean([](const Score& s) { return s.jump_m; }), steps ? fmt::sprintf("%.1f", *steps).c_str() : "-",
+                      full ? fmt::sprintf("%.3f", *full).c_str() : "-");
+}
+
 std::string better_than_full(const std::vector<Row>& rows, const std::string& network) {
   std::string list;
   for (const Row& r : rows)
@@ -122,12 +137,24 @@ std::string table(const std::vector<Row>& rows, const Plan& plan) {
         width, "technique");
     for (const Row& r : rows)
       if (r.network == n.text) t += line_of(r, rows, width);
+    t += fmt::sprintf("\n  %-*s hand-to-avatar  against    frozen          jumps            processor  full for no\n",
+                      width, "");
+    t += fmt::sprintf("  %-*s mean ms   peak  hands m       %%      /s      /s mean m      steps  more kbit m\n", width,
+                      "technique");
+    for (const Row& r : rows)
+      if (r.network == n.text) t += meeting_of(r, rows, width);
     if (full_of(rows, n.text) != nullptr) t += better_than_full(rows, n.text);
   }
   t += "\n+-: standard error of the mean over the seeds. ~: the difference from full, run by run with the same seeds, "
        "is below\ntwo standard errors. Peak: mean of the seeds' peaks; highest: the highest of all seeds. kbit/s: sent "
        "to all others\ntogether, with 28 bytes of IP and UDP headers in each datagram. Of the past: error against the "
        "past that the\ntechnique shows. Below 5 mm it is noise.\n"
+       "Hand-to-avatar: from an input at the hand to the own avatar that follows it; peak: the longest of all. Against "
+       "hands: the\nmean against where the hands of now put things, input delay or not. Frozen: ticks at which a view "
+       "stood still, and how\noften a second. Jumps: of shown positions by over 3 cm, per second a peer. Processor: of "
+       "a "
+       "peer in a tick, in steps of a\nbare Box2D world in the same run (--processor-time). Full for no more kbit: the "
+       "least mean of full at a budget with which\nit sends no more; with --techniques frontier.\n"
        "Fidelity error: distance between bodies and the result of the players' deeds alone (docs/metrics.md).\n\n";
   for (const Contestant& c : plan.contestants) t += fmt::sprintf("  %-*s ", width, c.id.c_str()) + c.setting() + "\n";
   return t;
@@ -151,6 +178,7 @@ std::string json(const std::vector<Row>& rows, const Plan& plan, const std::stri
       j.key(f.name).begin_object().field("mean", v.mean).field("low", v.low).field("high", v.high);
       j.field("error", v.error).end_object();
     }
+    if (const auto steps = r.processor_steps()) j.field("processor_steps", *steps);
     j.end_object();
   }
   j.end_array().end_object();

@@ -8,12 +8,11 @@
 
 #include "common/model/user_error.h"
 #include "shell/technique_text.h"
+#include "tools/lab/alternatives/entrants/entrant.h"
+#include "tools/lab/compare/alternative_text.h"
 
 namespace padr::lab::compare {
 namespace {
-
-using alternatives::Kind;
-using alternatives::Spec;
 
 constexpr std::array<std::pair<std::string_view, Group>, 4> kGroups{{{"paper", Group::kPaper},
                                                                      {"ours", Group::kOurs},
@@ -48,9 +47,9 @@ void add_ours(std::vector<Contestant>& all) {
   all.push_back({"full", "full", "", Group::kOurs,
                  "PADR's own: 0.015 m, or 0.005 m when a contact is predicted; bodies 0.005 m; 64 kbit/s at most",
                  technique_by_name("full")});
-  all.push_back({"full-0.3", "full", "0.3", Group::kOurs, "full with 0.3 m, or 0.1 m; bodies 0.05 m",
+  all.push_back({"full-0.3", "full, larger thresholds", "0.3", Group::kOurs, "full with 0.3 m, or 0.1 m; bodies 0.05 m",
                  shell::technique_of("full --threshold 0.3:0.1 --body-threshold 0.05")});
-  all.push_back({"full-0.8", "full", "0.8", Group::kOurs,
+  all.push_back({"full-0.8", "full, larger thresholds", "0.8", Group::kOurs,
                  "full with the paper's adaptive thresholds: 0.8 m, or 0.3 m; bodies 0.1 m",
                  shell::technique_of("full --threshold 0.8:0.3 --body-threshold 0.1")});
   all.push_back({"everything", "everything", "", Group::kOurs,
@@ -89,45 +88,81 @@ void add_ablations(std::vector<Contestant>& all) {
       [](Technique& t) { t.rest_state = false; });
 }
 
-void add_alternatives(std::vector<Contestant>& all) {
-  for (const int hz : {10, 20, 60}) {
-    const std::string rate = std::to_string(hz) + " Hz";
-    all.push_back({"snapshot-" + std::to_string(hz), "snapshot (Hz)", std::to_string(hz), Group::kAlternative,
-                   "delta-compressed snapshots at " + rate + ", interpolated with a playout delay",
-                   Spec{.kind = Kind::kSnapshot, .hz = hz}});
-  }
-  for (const int hz : {5, 8, 10, 20, 60}) {
-    const std::string rate = std::to_string(hz) + " Hz";
-    all.push_back({"state-sync-" + std::to_string(hz), "state-sync (Hz)", std::to_string(hz), Group::kAlternative,
-                   "state synchronization at " + rate + ": priority accumulator, byte budget, local physics",
-                   Spec{.kind = Kind::kStateSync, .hz = hz}});
-  }
-  all.push_back({"dis", "dis 1 m", "", Group::kAlternative,
-                 "as in DIS: dead reckoning of each entity, 1 m and 3 degrees, heartbeats of 5 s",
-                 Spec{.kind = Kind::kDis, .position_threshold = 1}});
-  all.push_back({"dis-0.3m", "dis 0.3 m", "", Group::kAlternative, "the same with 0.3 m in place of 1 m",
-                 Spec{.kind = Kind::kDis, .position_threshold = 0.3F}});
+/// `series`: what shares a curve; `mark`: which point of it.
+Contestant alternative(const std::string& id, const std::string& series, const std::string& mark, Group group,
+                       const std::string& what, const std::string& text) {
+  return {id, series, mark, group, what, *alternative_of(text)};
 }
 
-/// At 60 Hz; knobs are the input delay and, see add_frontier, the rate.
-void add_inputs(std::vector<Contestant>& all) {
-  for (const Tick delay : {0, 2, 4, 6}) {
-    const std::string ticks = std::to_string(delay);
+void add_alternatives(std::vector<Contestant>& all) {
+  for (const char* hz : {"10", "20", "60"})
     all.push_back(
-        {"rollback-" + ticks, "rollback (input delay)", ticks, Group::kAlternative,
-         "rollback as in GGPO, input delay " + ticks + " ticks: inputs alone, the last one repeated, resimulation",
-         Spec{.kind = Kind::kInputs, .hz = 60, .input_delay = delay}});
-  }
-  for (const Tick delay : {2, 6, 12, 18}) {
-    const std::string ticks = std::to_string(delay);
-    all.push_back({"lockstep-" + ticks, "lockstep (input delay)", ticks, Group::kAlternative,
-                   "lockstep, input delay " + ticks + " ticks: inputs alone, a tick waits until all of them are there",
-                   Spec{.kind = Kind::kInputs, .hz = 60, .input_delay = delay, .prediction = 0}});
-  }
+        alternative(std::string("snapshot-") + hz, "snapshot (Hz)", hz, Group::kAlternative,
+                    std::string("delta-compressed snapshots at ") + hz + " Hz, interpolated with a playout delay",
+                    std::string("snapshot --hz ") + hz));
+  for (const char* hz : {"5", "8", "10", "20", "60"})
+    all.push_back(alternative(
+        std::string("state-sync-") + hz, "state-sync (Hz)", hz, Group::kAlternative,
+        std::string("state synchronization at ") + hz + " Hz: priority accumulator, byte budget, local physics",
+        std::string("state-sync --hz ") + hz));
+  all.push_back(alternative("dis", "dis (m)", "1", Group::kAlternative,
+                            "as in DIS: dead reckoning of each entity, 1 m and 3 degrees, heartbeats of 5 s",
+                            "dis --threshold 1"));
+  all.push_back(alternative("dis-0.3m", "dis (m)", "0.3", Group::kAlternative, "the same with 0.3 m in place of 1 m",
+                            "dis --threshold 0.3"));
+  for (const alternatives::Entrant& e : alternatives::all_entrants())
+    all.push_back({e.id, e.id, "", Group::kAlternative, e.what, e.spec});
+}
+
+constexpr const char* kRollback = ": inputs alone, the last one repeated, resimulation, at most 8 ticks ahead (GGPO)";
+constexpr const char* kLockstep = ": inputs alone, a tick waits until all of them are there";
+
+Contestant from_inputs(const std::string& name, const char* delay, const char* hz, Group group) {
+  const bool slow = std::string(hz) != "60";
+  const std::string rate = slow ? std::string("-") + hz + "hz" : "";
+  return alternative(
+      name + "-" + delay + rate, name + " " + hz + " Hz (input delay)", delay, group,
+      name + " at " + hz + " Hz, input delay " + delay + " ticks" + (name == "rollback" ? kRollback : kLockstep),
+      name + " --hz " + hz + " --input-delay " + delay);
+}
+
+void add_inputs(std::vector<Contestant>& all) {
+  for (const char* delay : {"0", "2", "4", "6"})
+    all.push_back(from_inputs("rollback", delay, "60", Group::kAlternative));
+  for (const char* delay : {"2", "6", "12", "18"})
+    all.push_back(from_inputs("lockstep", delay, "60", Group::kAlternative));
+}
+
+void add_frontier(std::vector<Contestant>& all) {
+  for (const char* budget : {"4", "8", "16", "32"})
+    all.push_back({std::string("full-") + budget + "kbit", "full", std::string(budget) + "k", Group::kFrontier,
+                   std::string("full with at most ") + budget + " kbit/s",
+                   shell::technique_of(std::string("full --budget ") + budget)});
+  for (const char* hz : {"10", "20"})
+    for (const char* delay : {"0", "2", "4", "6"}) all.push_back(from_inputs("rollback", delay, hz, Group::kFrontier));
+  for (const char* delay : {"6", "12", "18"}) all.push_back(from_inputs("lockstep", delay, "20", Group::kFrontier));
+  all.push_back(alternative("rollback-0-coarse", "rollback, 1/64 m", "0", Group::kFrontier,
+                            "rollback-0-20hz with inputs to 1/64 m",
+                            "rollback --hz 20 --input-delay 0 --steps-per-m 64"));
+  all.push_back(alternative("state-sync-20-coarse", "state-sync, 1/256 m", "20", Group::kFrontier,
+                            "state-sync-20 with places to 1/256 m", "state-sync --hz 20 --steps-per-m 256"));
+  all.push_back(alternative("snapshot-20-coarse", "snapshot, 1/256 m", "20", Group::kFrontier,
+                            "snapshot-20 with places to 1/256 m", "snapshot --hz 20 --steps-per-m 256"));
+  all.push_back(alternative("dis-0.1m", "dis (m)", "0.1", Group::kFrontier, "dis with 0.1 m in place of 1 m",
+                            "dis --threshold 0.1"));
+}
+
+bool is_of(const Contestant& c, std::string_view group) {
+  if (group == "all") return c.group != Group::kFrontier;
+  if (group == "frontier")
+    return c.group == Group::kFrontier || c.group == Group::kAlternative || c.id == "full" || c.id == "everything";
+  const auto* const found =
+      std::find_if(kGroups.begin(), kGroups.end(), [&group](const auto& g) { return g.first == group; });
+  return found != kGroups.end() && found->second == c.group;
 }
 
 [[noreturn]] void refuse(const std::string& word, const std::vector<Contestant>& all) {
-  std::string allowed = "all";
+  std::string allowed = "all, frontier";
   for (const auto& [name, group] : kGroups) allowed += ", " + std::string(name);
   for (const Contestant& c : all) allowed += ", " + c.id;
   throw UserError("--techniques: '" + word + "' is not allowed; give some of " + allowed);
@@ -140,6 +175,14 @@ std::string Contestant::setting() const {
   return technique != nullptr ? shell::describe(*technique) : what;
 }
 
+bool is_budget_of_full(const Contestant& c) {
+  const auto* technique = std::get_if<Technique>(&c.how);
+  if (technique == nullptr) return false;
+  Technique like = technique_by_name("full");
+  like.budget = technique->budget;
+  return *technique == like;
+}
+
 std::vector<Contestant> all_contestants() {
   std::vector<Contestant> all;
   add_paper(all);
@@ -147,10 +190,12 @@ std::vector<Contestant> all_contestants() {
   add_ablations(all);
   add_alternatives(all);
   add_inputs(all);
+  add_frontier(all);
   return all;
 }
 
 Contestant added_contestant(const std::string& text) {
+  if (const auto spec = alternative_of(text)) return {text, text, "", Group::kAlternative, "added by --add", *spec};
   const Technique t = shell::technique_of(text);
   return {text, text, "", Group::kOurs, "added by --add", t};
 }
@@ -160,11 +205,9 @@ std::vector<Contestant> chosen_contestants(const std::string& list) {
   std::set<std::string> ids;
   std::istringstream in(list);
   for (std::string word; std::getline(in, word, ',');) {
-    const auto* const group =
-        std::find_if(kGroups.begin(), kGroups.end(), [&word](const auto& g) { return g.first == word; });
     bool known = false;
     for (const Contestant& c : all) {
-      const bool meant = word == "all" || word == c.id || (group != kGroups.end() && group->second == c.group);
+      const bool meant = word == c.id || is_of(c, word);
       if (meant) ids.insert(c.id);
       known = known || meant;
     }

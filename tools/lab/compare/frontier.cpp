@@ -7,6 +7,9 @@
 namespace padr::lab::compare {
 namespace {
 
+// m; a logarithmic axis has no zero, and this is far below what is noise.
+constexpr double kLeast = 0.002;
+
 /// Ablations crowd round full: they have a picture of their own.
 bool belongs(const Contestant& c, bool ablations) {
   return c.id == "full" || (c.group == Group::kAblation) == ablations;
@@ -24,7 +27,7 @@ plot::MarkSeries& series_of(const Contestant& c, plot::ScatterPlot& p) {
   plot::MarkSeries fresh;
   fresh.title = c.series;
   fresh.look = plot::look_of(c.series, variant);
-  fresh.joined = c.group == Group::kAlternative || c.series == "full";  // one knob, step by step
+  fresh.joined = c.group != Group::kPaper && c.group != Group::kAblation && c.id.substr(0, 10) != "everything";
   p.series.push_back(std::move(fresh));
   return p.series.back();
 }
@@ -35,11 +38,14 @@ plot::ScatterPlot frontier(const std::vector<Row>& rows, const Plan& plan, const
             (network.text.empty() ? "no delay" : network.text);
   p.x.label = "sent by a peer, headers included (kbit/s)";
   p.x.log = !ablations;
-  p.y.label = "mean combined inconsistency (m)";
+  p.y.label = "mean combined inconsistency (m), at least 0.002";
   p.y.log = true;
   for (const Row& r : rows)
     if (r.network == network.text && belongs(r.who, ablations))
-      series_of(r.who, p).marks.push_back({r.kbps(), r.mean_m(), r.who.mark});
+      series_of(r.who, p).marks.push_back({r.kbps(), std::max(r.mean_m(), kLeast), r.who.mark});
+  for (plot::MarkSeries& s : p.series)
+    if (s.title == "full")
+      std::sort(s.marks.begin(), s.marks.end(), [](const plot::Mark& a, const plot::Mark& b) { return a.x < b.x; });
   return p;
 }
 
