@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "common/model/rng.h"
@@ -40,8 +41,13 @@ TEST(InputTrack, WhatWasWrittenIsRead) {
     const auto from = static_cast<Tick>(1 + rng.below(100));
     BitWriter w;
     const std::size_t room = rng.chance(0.5) ? 100'000 : 600;
-    const std::uint64_t told = track.write(w, from, room, z);
+    const Tick most = rng.chance(0.5) ? 64 : 200;
+    const std::uint64_t told = track.write(w, from, most, room, z);
     EXPECT_LE(w.bits(), room);
+    EXPECT_LE(told, static_cast<std::uint64_t>(most));
+    if (room > 600) {
+      EXPECT_EQ(told, static_cast<std::uint64_t>(std::min(most, 100 - from + 1)));
+    }
     BitReader r(w.bytes());
     InputReader inputs(r, z);
     ASSERT_EQ(inputs.left(), told);

@@ -6,6 +6,7 @@
 #include "shell/command_line.h"
 #include "shell/run_main.h"
 #include "tools/lab/audit/command.h"
+#include "tools/lab/benchmark/command.h"
 #include "tools/lab/chaos/command.h"
 #include "tools/lab/compare/command.h"
 #include "tools/lab/convergence/command.h"
@@ -72,6 +73,8 @@ int lab(int argc, char** argv) {
   commands.add("figures", "the paper's experiments, with a report that shows them", figures);
   padr::lab::CompareCommand compare;
   commands.add("compare", "techniques, ours and others, on the same inputs and links", compare);
+  padr::lab::BenchmarkCommand benchmark;
+  commands.add("benchmark", "a comparison others can repeat: inputs, links and results in a folder", benchmark);
   padr::lab::ConvergenceCommand convergence;
   commands.add("convergence", "one session, shown with each method of convergence, with a film", convergence);
   padr::lab::SweepCommand sweep;

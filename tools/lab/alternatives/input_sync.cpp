@@ -6,6 +6,7 @@ namespace padr::lab::alternatives {
 namespace {
 
 constexpr Tick kNone = std::numeric_limits<Tick>::max();
+constexpr Tick kMostTold = 64;  // inputs in a datagram, as GGPO keeps so many that are not acknowledged
 
 }  // namespace
 
@@ -114,7 +115,8 @@ void InputSync::send() {
     BitWriter w;
     w.put(static_cast<std::uint32_t>(tracks_[p].newest()) & 0xFFFFU, kTickBits);
     w.put(static_cast<std::uint32_t>(first) & 0xFFFFU, kTickBits);
-    const std::uint64_t told = tracks_[config_.self].write(w, first, wire::kMaxPayload * 8 - w.bits(), quantiser_);
+    const std::size_t room = wire::kMaxPayload * 8 - w.bits();
+    const std::uint64_t told = tracks_[config_.self].write(w, first, kMostTold, room, quantiser_);
     mailbox_.post(p, w, told);
   }
 }

@@ -10,9 +10,10 @@ namespace padr::lab::alternatives {
 /// Inputs alone are sent; every peer simulates everything from them, and all come to the same worlds to the bit. There
 /// is no authority. With a prediction of some ticks this is rollback (GGPO), with none it is lockstep.
 ///
-/// An input that is at the hand at tick t drives the step of tick t + input delay, at all peers. A datagram has all
-/// inputs of its sender that the receiver is not known to have, and acknowledges the receiver's; so a loss costs as
-/// long as the next datagram takes. One goes out at every sending tick: silence cannot be told from loss.
+/// An input that is at the hand at tick t drives the step of tick t + input delay, at all peers. A datagram has the
+/// inputs of its sender that the receiver is not known to have, at most 64, the oldest first, and acknowledges the
+/// receiver's; so a loss costs as long as the next datagram takes. (GGPO disconnects when 64 are not acknowledged.) One
+/// goes out at every sending tick: silence cannot be told from loss.
 ///
 /// Rollback: of inputs that have not come the last one before is repeated. When one comes that differs from what was
 /// simulated with, the world goes back to the tick before the first such one and is simulated anew up to now.

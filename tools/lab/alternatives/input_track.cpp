@@ -39,10 +39,11 @@ void InputTrack::forget_before(Tick tick) {
   }
 }
 
-std::uint64_t InputTrack::write(BitWriter& w, Tick from, std::size_t most_bits, const Quantiser& quantiser) const {
+std::uint64_t InputTrack::write(BitWriter& w, Tick from, Tick most, std::size_t most_bits,
+                                const Quantiser& quantiser) const {
   BitWriter inputs;
   std::uint32_t count = 0;
-  for (Tick t = from; t <= newest(); ++t, ++count) {
+  for (Tick t = from; t <= std::min(newest(), from + most - 1); ++t, ++count) {
     BitWriter one;
     if (count == 0) {
       quantiser.write_point(one, quantiser.state(at(t)).position);

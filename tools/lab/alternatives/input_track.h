@@ -24,9 +24,9 @@ class InputTrack {
   /// Those before `tick` are not asked for any more.
   void forget_before(Tick tick);
 
-  /// Appends the inputs from `from` on, as many as fit into `most_bits`, with their number: the first whole, the others
-  /// as differences to a hand that goes on as before. Returns how many.
-  std::uint64_t write(BitWriter& w, Tick from, std::size_t most_bits, const Quantiser& quantiser) const;
+  /// Appends the inputs from `from` on, at most `most` and as many as fit into `most_bits`, with their number: the
+  /// first whole, the others as differences to a hand that goes on as before. Returns how many.
+  std::uint64_t write(BitWriter& w, Tick from, Tick most, std::size_t most_bits, const Quantiser& quantiser) const;
 
  private:
   Tick first_;

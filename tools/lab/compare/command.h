@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/lab/compare/comparison.h"
+#include "tools/lab/compare/plan_flags.h"
 
 namespace padr::lab {
 
@@ -16,18 +16,9 @@ class CompareCommand {
   int run(const std::vector<std::string>& command) const;
 
  private:
-  compare::Plan plan() const;
-
-  std::string scenario_ = "arena";
-  int peers_ = 4;
-  double seconds_ = 30;
-  int seeds_ = 40;
-  std::vector<std::string> netem_;
-  std::vector<std::string> inputs_;
-  std::string techniques_ = "all";
-  std::vector<std::string> added_;
+  compare::PlanFlags flags_{
+      {.techniques = "all", .seeds = 40, .networks = {"delay 0ms", "delay 50ms", "delay 100ms", "delay 250ms"}}};
   bool processor_time_ = false;
-  int jobs_ = 0;
   std::string json_;
   std::string csv_;
   std::string out_;

@@ -60,6 +60,8 @@ std::string table(const std::vector<Row>& rows, const Plan& plan);
 std::string json(const std::vector<Row>& rows, const Plan& plan, const std::string& command);
 /// One line for each run.
 std::string csv(const std::vector<Row>& rows, const Plan& plan);
+/// The name, without ending, of the picture of a network.
+std::string frontier_name(const std::string& network);
 /// Draws frontier_NETWORK.svg and .png, one for each network, into `dir`, which exists. Returns what went wrong in one
 /// line, empty if nothing did.
 std::string draw_frontiers(const std::vector<Row>& rows, const Plan& plan, const std::string& dir);

@@ -1,50 +1,15 @@
 #include <fmt/printf.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "shell/json.h"
+#include "shell/revision.h"
 #include "tools/lab/compare/comparison.h"
+#include "tools/lab/compare/fields.h"
 
 namespace padr::lab::compare {
 namespace {
-
-struct Field {
-  const char* name;  ///< in JSON and CSV
-  double (*of)(const Score&);
-};
-
-constexpr std::array<Field, 28> kFields{{
-    {"mean_m", [](const Score& s) { return s.off.mean_m; }},
-    {"avatar_mean_m", [](const Score& s) { return s.off.avatar_mean_m; }},
-    {"body_mean_m", [](const Score& s) { return s.off.body_mean_m; }},
-    {"p95_m", [](const Score& s) { return s.off.p95_m; }},
-    {"p99_m", [](const Score& s) { return s.off.p99_m; }},
-    {"peak_m", [](const Score& s) { return s.off.peak_m; }},
-    {"final_m", [](const Score& s) { return s.off.final_m; }},
-    {"shown_mean_m", [](const Score& s) { return s.off.shown_mean_m; }},
-    {"delay_s", [](const Score& s) { return s.delay_s; }},
-    {"delayed_mean_m", [](const Score& s) { return s.delayed_mean_m; }},
-    {"hands_mean_m", [](const Score& s) { return s.hands_mean_m; }},
-    {"hand_delay_s", [](const Score& s) { return s.hand_delay_s; }},
-    {"hand_delay_peak_s", [](const Score& s) { return s.hand_delay_peak_s; }},
-    {"frozen_share", [](const Score& s) { return s.frozen_share; }},
-    {"freezes_per_s", [](const Score& s) { return s.freezes; }},
-    {"jumps_per_s", [](const Score& s) { return s.jumps; }},
-    {"jump_mean_m", [](const Score& s) { return s.jump_m; }},
-    {"kbit_per_s", [](const Score& s) { return s.kbps; }},
-    {"datagrams_per_s", [](const Score& s) { return s.datagrams; }},
-    {"updates_per_s", [](const Score& s) { return s.updates; }},
-    {"largest_datagram_bytes", [](const Score& s) { return static_cast<double>(s.largest); }},
-    {"fidelity_mean_m", [](const Score& s) { return s.fidelity.mean_m; }},
-    {"fidelity_own_mean_m", [](const Score& s) { return s.fidelity.own_mean_m; }},
-    {"fidelity_others_mean_m", [](const Score& s) { return s.fidelity.others_mean_m; }},
-    {"fidelity_nobody_mean_m", [](const Score& s) { return s.fidelity.nobody_mean_m; }},
-    {"fidelity_p95_m", [](const Score& s) { return s.fidelity.p95_m; }},
-    {"fidelity_peak_m", [](const Score& s) { return s.fidelity.peak_m; }},
-    {"confirmed_mismatches", [](const Score& s) { return static_cast<double>(s.mismatches); }},
-}};
 
 std::string network_name(const std::string& text) {
   return text.empty() ? "unimpaired" : "netem \"" + text + "\"";
@@ -162,7 +127,8 @@ std::string table(const std::vector<Row>& rows, const Plan& plan) {
 
 std::string json(const std::vector<Row>& rows, const Plan& plan, const std::string& command) {
   shell::Json j;
-  j.begin_object().field("command", command).field("scenario", plan.setting.scenario);
+  j.begin_object().field("command", command).field("revision", shell::revision());
+  j.field("scenario", plan.setting.scenario);
   j.field("peers", plan.setting.peers);
   j.field("seconds", static_cast<double>(plan.setting.ticks) / kTicksPerSecond);
   j.key("inputs").begin_array();
@@ -173,7 +139,7 @@ std::string json(const std::vector<Row>& rows, const Plan& plan, const std::stri
   for (const Row& r : rows) {
     j.begin_object().field("technique", r.who.id).field("netem", r.network).field("what", r.who.what);
     j.field("setting", r.who.setting());
-    for (const Field& f : kFields) {
+    for (const Field& f : fields()) {
       const Figure v = r.over(f.of);
       j.key(f.name).begin_object().field("mean", v.mean).field("low", v.low).field("high", v.high);
       j.field("error", v.error).end_object();
@@ -187,12 +153,12 @@ std::string json(const std::vector<Row>& rows, const Plan& plan, const std::stri
 
 std::string csv(const std::vector<Row>& rows, const Plan& plan) {
   std::string c = "technique,netem,seed";
-  for (const Field& f : kFields) c += std::string(",") + f.name;
+  for (const Field& f : fields()) c += std::string(",") + f.name;
   c += "\n";
   for (const Row& r : rows) {
     for (std::size_t i = 0; i < r.scores.size(); ++i) {
       c += r.who.id + ",\"" + r.network + "\"," + std::to_string(plan.seeds[i]);
-      for (const Field& f : kFields) c += fmt::sprintf(",%.6g", f.of(r.scores[i]));
+      for (const Field& f : fields()) c += fmt::sprintf(",%.6g", f.of(r.scores[i]));
       c += "\n";
     }
   }

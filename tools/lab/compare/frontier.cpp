@@ -60,13 +60,17 @@ std::string file_name(const std::string& network) {
 
 }  // namespace
 
+std::string frontier_name(const std::string& network) {
+  return "frontier_" + file_name(network);
+}
+
 std::string draw_frontiers(const std::vector<Row>& rows, const Plan& plan, const std::string& dir) {
   std::vector<std::string> names;
   for (const Network& n : plan.networks) {
     for (const bool ablations : {false, true}) {
       plot::ScatterPlot p = frontier(rows, plan, n, ablations);
       if (p.series.size() < 2) continue;
-      p.name = (ablations ? "ablations_" : "frontier_") + file_name(n.text);
+      p.name = ablations ? "ablations_" + file_name(n.text) : frontier_name(n.text);
       plot::write_into("--out", dir, plot::files(p));
       names.push_back(p.name);
     }

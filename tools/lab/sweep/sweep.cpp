@@ -16,28 +16,27 @@ namespace {
 constexpr std::size_t kMostShards = 1'000'000;
 
 /// The rows that the file has already; throws if they are of something else.
-std::map<std::size_t, std::string> rows_done(const Grid& grid, const Shard& shard, const std::string& file) {
+std::map<std::size_t, std::string> rows_done(const Runs& runs, const Shard& shard, const std::string& file) {
   std::map<std::size_t, std::string> done;
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return done;
-  const StoredRows stored = read_rows("--csv", file);
-  const std::string heading = heading_of(grid);
+  const StoredRows stored = read_rows(runs.flag, file);
   // Stopped within the heading: nothing was done.
-  if (stored.heading.empty() && heading.starts_with(stored.rest)) return done;
+  if (stored.heading.empty() && runs.heading.starts_with(stored.rest)) return done;
   if (stored.heading.empty())
-    throw UserError("--csv: " + file + ":1: is not the heading of a sweep, which begins grid,run,of");
+    throw UserError(runs.flag + ": " + file + ":1: is not the heading of a sweep, which begins grid,run,of");
   for (const StoredRow& row : stored.rows) {
-    const std::string where = "--csv: " + file + ":" + std::to_string(row.line);
-    if (row.grid != grid.id() || row.of != grid.size())
-      throw UserError(where + ": is of grid " + row.grid + ", this one is " + grid.id() +
+    const std::string where = runs.flag + ": " + file + ":" + std::to_string(row.line);
+    if (row.grid != runs.id || row.of != runs.size)
+      throw UserError(where + ": is of grid " + row.grid + ", this one is " + runs.id +
                       " (other lists, another revision or another machine's physics); give another file");
     if (!shard.has(row.run))
       throw UserError(where + ": run " + std::to_string(row.run) + " is not of shard " + std::to_string(shard.index) +
                       "/" + std::to_string(shard.count) + "; give another file");
     done[row.run] = row.text;
   }
-  if (stored.heading != heading)
-    throw UserError("--csv: " + file + ":1: has other columns than this grid; give another file");
+  if (stored.heading != runs.heading)
+    throw UserError(runs.flag + ": " + file + ":1: has other columns than this grid; give another file");
   return done;
 }
 
@@ -58,11 +57,12 @@ Shard shard_of(const std::string& text) {
   return s;
 }
 
-SweepResult run_sweep(const Grid& grid, const Shard& shard, const std::string& file, const ParallelOptions& parallel) {
-  std::map<std::size_t, std::string> rows = rows_done(grid, shard, file);
+SweepResult run_missing(const Runs& runs, const Shard& shard, const std::string& file,
+                        const ParallelOptions& parallel) {
+  std::map<std::size_t, std::string> rows = rows_done(runs, shard, file);
   std::vector<std::size_t> todo;
   SweepResult result;
-  for (std::size_t run = shard.index - 1; run < grid.size(); run += shard.count) {
+  for (std::size_t run = shard.index - 1; run < runs.size; run += shard.count) {
     ++result.runs;
     if (!rows.contains(run)) todo.push_back(run);
   }
@@ -71,15 +71,15 @@ SweepResult run_sweep(const Grid& grid, const Shard& shard, const std::string& f
   // The file is written anew beside the old one, which stays until the new one has all its rows.
   const std::string part = file + ".part";
   make_folder_of(file);
-  shell::OutputFile out("--csv", part);
-  out.write(canonical(heading_of(grid), rows));
+  shell::OutputFile out(runs.flag, part);
+  out.write(canonical(runs.heading, rows));
   out.flush();
   std::filesystem::rename(part, file);
   std::mutex mutex;
   run_parallel(
       todo.size(),
       [&](std::size_t i) {
-        Row row = run_point(grid, todo[i]);
+        Row row = runs.row(todo[i]);
         const std::lock_guard lock(mutex);
         out.write(row.text + "\n");
         out.flush();
@@ -88,8 +88,13 @@ SweepResult run_sweep(const Grid& grid, const Shard& shard, const std::string& f
       },
       parallel);
   out.close();
-  replace_file("--csv", file, canonical(heading_of(grid), rows));
+  replace_file(runs.flag, file, canonical(runs.heading, rows));
   return result;
+}
+
+SweepResult run_sweep(const Grid& grid, const Shard& shard, const std::string& file, const ParallelOptions& parallel) {
+  const auto row = [&grid](std::size_t run) { return run_point(grid, run); };
+  return run_missing({grid.id(), grid.size(), heading_of(grid), row}, shard, file, parallel);
 }
 
 }  // namespace padr::lab::sweep

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "tools/lab/parallel.h"
 #include "tools/lab/sweep/grid.h"
+#include "tools/lab/sweep/row.h"
 
 namespace padr::lab::sweep {
 
@@ -25,9 +27,20 @@ struct SweepResult {
   bool agreed = true;        ///< no two confirmed worlds differed in the runs done now
 };
 
+/// Runs of which each gives a row of a CSV file.
+struct Runs {
+  std::string id;  ///< runs of one number and one id give the same row; stands in every row
+  std::size_t size = 0;
+  std::string heading;  ///< without a newline; begins grid,run,of
+  std::function<Row(std::size_t)> row;
+  std::string flag = "--csv";  ///< for messages
+};
+
 /// Runs what the file does not have yet of the shard's runs. Rows are added as they are done; in the end the file is in
-/// canonical form, the same whatever was done when. Throws UserError, which names --csv, if the file has rows of
-/// another grid or shard.
+/// canonical form, whatever was done when. Throws UserError, which names the flag, if the file has rows of other runs.
+SweepResult run_missing(const Runs& runs, const Shard& shard, const std::string& file, const ParallelOptions& parallel);
+
+/// The same of a grid, whose file is the same to the byte each time.
 SweepResult run_sweep(const Grid& grid, const Shard& shard, const std::string& file, const ParallelOptions& parallel);
 
 /// Joins the files of all shards into `out`, which becomes byte for byte what one unsharded sweep writes. Returns the
