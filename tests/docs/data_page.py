@@ -13,7 +13,7 @@ STANDS_FOR = {
     "PREDICTOR": "(lookahead|density|path-density|pcc)",
     "SETTING": r"(avatar-only|fixed|adaptive|full)-[\w.-]+",
     "KIND": "(recorded|wander|rest)",
-    "MEASURE": "[a-z0-9_]+_(m|ms|s|kbps|tick|ticks|out|mismatches|bytes)",
+    "MEASURE": "[a-z0-9_]+_(m|ms|s|share|kbps|tick|ticks|out|mismatches|bytes)",
     "SEAL": "(form|unsealed|stranger|replay|tag|cookie|full)",
     "TICK": r"\d+",
     "REGION": r"-?\d+,-?\d+",

@@ -55,6 +55,7 @@ def lab(p):
           "--trace", "traces")
     p.run("padr-lab", "sweep", "--seconds", "2", "--threshold", "0.8,0.3:0.1", "--csv", "sweep.csv", "--summary", "means.csv")
     p.run("padr-lab", "compare", "--seeds", "1", "--seconds", "2", "--techniques", "full,dis", "--netem", NETEM, "--out", "compare")
+    p.run("padr-lab", "benchmark", "--seeds", "1", "--seconds", "2", "--techniques", "full,rollback-2", "--netem", NETEM, "--out", "benchmark")
     p.run("padr-lab", "figures", "--seeds", "1", "--seconds", "3", "--out", "figures")
     p.run("padr-lab", "examples", "--takes", "1", "--stories", "dominoes", "--out", "examples", "--json", "examples.json")
     p.run("padr-lab", "convergence", "--seconds", "2", "--out", "convergence")
@@ -130,6 +131,7 @@ FILES = {
     "padr-lab sweep --summary": "means.csv",
     "padr-lab compare --csv": "compare/compare.csv",
     "padr-lab compare --json": "compare/compare.json",
+    "padr-lab benchmark: results.csv": "benchmark/results.csv",
     "padr-lab figures: runs.csv": "figures/runs.csv",
     "padr-lab figures: predictors.csv": "figures/predictors.csv",
     "padr-lab figures: series-CASE.csv": "figures/series-*.csv",
@@ -181,7 +183,7 @@ def complaints(tables, out):
     for heading in tables:
         if heading not in used and heading != "Words in capitals":
             yield f"'{heading}' is about no file that the test knows"
-    drawn = re.compile(r"(figure[789]-.*|dominoes|drift|frontier_.*|ablations_.*|path-.*|summary|examples)\.(csv|json)$")
+    drawn = re.compile(r"(figure[789]-.*|dominoes|drift|frontier_.*|ablations_.*|path-.*|seed\d+-peer\d+|results|summary|examples)\.(csv|json)$")
     for file in glob.glob(os.path.join(out, "**", "*.*"), recursive=True):
         if file.endswith((".csv", ".json")) and file not in known and not drawn.match(os.path.basename(file)):
             yield f"the page says nothing of {os.path.basename(file)}"

@@ -9,6 +9,7 @@
 #include "tools/lab/alternatives/alternative.h"
 #include "tools/lab/alternatives/bits.h"
 #include "tools/lab/alternatives/quantised.h"
+#include "tools/lab/compare/contestant.h"
 
 namespace padr::lab::alternatives {
 namespace {
@@ -80,10 +81,11 @@ TEST(Quantiser, KeepsStatesWithinItsSteps) {
 TEST(Alternatives, SurviveNonsense) {
   const Scene scene = scenarios::load_embedded("arena", 1);
   Rng rng(test::seed(2));
-  for (const Kind kind : {Kind::kSnapshot, Kind::kStateSync, Kind::kDis, Kind::kInputs}) {
-    Spec spec;
-    spec.kind = kind;
-    const auto peer = make_alternative(scene, {0, 3, 1, spec});
+  for (const compare::Contestant& c : compare::all_contestants()) {
+    const auto* const spec = std::get_if<Spec>(&c.how);
+    if (spec == nullptr) continue;
+    SCOPED_TRACE(c.id);
+    const auto peer = make_alternative(scene, {0, 3, 1, *spec});
     for (int tick = 0; tick < 600; ++tick) {
       std::vector<std::byte> payload(rng.below(200));
       for (std::byte& b : payload) b = static_cast<std::byte>(rng.below(256));

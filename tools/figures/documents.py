@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 
+import rivals
 from measuring import Failed, interval, mean, metres, table
 
 
@@ -279,7 +280,7 @@ def agreement_and_truth(m):
 # --- against what others do
 
 DELAYS = ["delay 0ms", "delay 50ms", "delay 100ms", "delay 250ms"]
-COMPARED = ["compare", "--seeds", ("40", "1"), "--seconds", ("30", "3")]
+COMPARED = ["compare", "--seeds", ("8", "1"), "--seconds", ("30", "3")]
 
 
 def compared(m):
@@ -296,12 +297,7 @@ def compared(m):
     return table(["technique", *("no delay" if d == "delay 0ms" else d[6:] for d in DELAYS)], lines)
 
 
-FRONTIER = ["compare", "--seeds", "3", "--netem", "delay 100ms"]
-
-
-def compared_at_100_ms(m):
-    return m.lab("compare", "--seeds", ("3", "1"), "--seconds", ("30", "3"), "--netem", "delay 100ms", "--csv", "-")[0]
-
+LOSSY = "frontier_delay_100ms_50ms_loss_10_"
 
 FIGURES = [
     Figure("techniques", "README.md", techniques_in_short),
@@ -319,6 +315,10 @@ FIGURES = [
     Picture("figures", experiments_over_time, copied(*DRAWN, "--out", "OUT", file="drift.svg")),
     Picture("film-ball", stories, copied(*FILMS, "--out", "OUT", file="film-ball.svg")),
     Picture("film-dominoes", stories, copied(*FILMS, "--out", "OUT", file="film-dominoes.svg")),
-    Picture("compare", compared_at_100_ms, copied(*FRONTIER, "--out", "OUT", file="frontier_delay_100ms.svg")),
+    Figure("rivals", "README.md", rivals.briefly),
+    Figure("budgets", "docs/compare.md", rivals.budgets),
+    Figure("met", "docs/compare.md", rivals.met),
+    Picture("compare", rivals.data_of("frontier_delay_100ms"), rivals.drawn("frontier_delay_100ms")),
+    Picture("compare-loss", rivals.data_of(LOSSY), rivals.drawn(LOSSY)),
     Picture("film-convergence", convergence, copied(*CONVERGENCE, "--out", "OUT", file="film-convergence.svg")),
 ]

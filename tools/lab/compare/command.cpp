@@ -46,20 +46,18 @@ void CompareCommand::declare(CLI::App& app) {
       ->type_name("FILE|-");
   app.add_option("--out", out_, "Folder for pictures of inconsistency against traffic, and for table, JSON and CSV")
       ->type_name("DIR");
-  app.footer(help_on_contestants() + "Alternatives with their knobs, for --add:\n" + help_on_alternatives() +
-             "snapshot, state-sync, dis, rollback and lockstep follow the descriptions of their authors. They also get "
-             "what those lack: "
-             "clocks that\n"
-             "agree, PADR's rule of authority by contact, and sealed datagrams of 1,200 bytes at most. The truth of a "
-             "body is\n"
-             "its place in the world of the peer with the best claim at that tick; other peers may not know of the "
-             "claim yet. Rollback and lockstep have no authority: their truth is what the inputs come to when none is "
-             "late.\n"
-             "Example:\n"
-             "  padr-lab compare --out out/compare\n"
-             "  padr-lab compare --techniques paper,full --add 'full --lead 0.2' --add 'fixed --unowned agreed'\n"
-             "  padr-lab compare --techniques full,dis --netem \"delay 100ms 50ms loss 10%\" --seeds 10 --csv -\n"
-             "Exit: 0 done, 1 confirmed worlds differed, 2 usage.");
+  app.footer(
+      help_on_contestants() +
+      "snapshot, state-sync, dis, rollback and lockstep follow the descriptions of their authors. They also get\n"
+      "what those lack: clocks that agree, PADR's rule of authority by contact, and sealed datagrams of 1,200 bytes\n"
+      "at most. The truth of a body is its place in the world of the peer with the best claim at that tick; other\n"
+      "peers may not know of the claim yet. Rollback and lockstep have no authority: their truth is what the inputs\n"
+      "come to when none is late.\n"
+      "Example:\n"
+      "  padr-lab compare --out out/compare\n"
+      "  padr-lab compare --techniques paper,full --add 'full --lead 0.2' --add 'fixed --unowned agreed'\n"
+      "  padr-lab compare --techniques full,dis --netem \"delay 100ms 50ms loss 10%\" --seeds 10 --csv -\n"
+      "Exit: 0 done, 1 confirmed worlds differed, 2 usage.");
 }
 
 int CompareCommand::run(const std::vector<std::string>& command) const {

@@ -114,16 +114,12 @@ void add_alternatives(std::vector<Contestant>& all) {
     all.push_back({e.id, e.id, "", Group::kAlternative, e.what, e.spec});
 }
 
-constexpr const char* kRollback = ": inputs alone, the last one repeated, resimulation, at most 8 ticks ahead (GGPO)";
-constexpr const char* kLockstep = ": inputs alone, a tick waits until all of them are there";
-
 Contestant from_inputs(const std::string& name, const char* delay, const char* hz, Group group) {
   const bool slow = std::string(hz) != "60";
   const std::string rate = slow ? std::string("-") + hz + "hz" : "";
-  return alternative(
-      name + "-" + delay + rate, name + " " + hz + " Hz (input delay)", delay, group,
-      name + " at " + hz + " Hz, input delay " + delay + " ticks" + (name == "rollback" ? kRollback : kLockstep),
-      name + " --hz " + hz + " --input-delay " + delay);
+  return alternative(name + "-" + delay + rate, name + " " + hz + " Hz (input delay)", delay, group,
+                     name + " at " + hz + " Hz, input delay " + delay + " ticks",
+                     name + " --hz " + hz + " --input-delay " + delay);
 }
 
 void add_inputs(std::vector<Contestant>& all) {
@@ -131,6 +127,10 @@ void add_inputs(std::vector<Contestant>& all) {
     all.push_back(from_inputs("rollback", delay, "60", Group::kAlternative));
   for (const char* delay : {"2", "6", "12", "18"})
     all.push_back(from_inputs("lockstep", delay, "60", Group::kAlternative));
+  for (Contestant& c : all) {
+    if (c.id == "rollback-0") c.what += " (GGPO): inputs alone, a late one predicted to be as the last";
+    if (c.id == "lockstep-2") c.what += ": inputs alone, a tick waits until all are there";
+  }
 }
 
 void add_frontier(std::vector<Contestant>& all) {
