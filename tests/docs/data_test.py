@@ -146,7 +146,7 @@ FILES = {
     "padr-lab crowd --json": "crowd.json",
     "Paths: path-STORY.csv, padr-lab path --out": "path.csv",
     "Pictures of curves: figure7-CASE.csv to figure9-CASE.csv, drift.csv, dominoes.csv": "figures/drift.csv",
-    "Pictures of points: peaks.csv, frontier_NETWORK.csv, ablations_NETWORK.csv": "figures/peaks.csv",
+    "Pictures of points: peaks.csv, frontier_NETWORK.csv, hands_NETWORK.csv, ablations_NETWORK.csv": "figures/peaks.csv",
     "Pictures of bars: prediction.csv": "figures/prediction.csv",
     "The path: figure6-CASE.csv": "figures/figure6-*.csv",
     "padr-report --json": "report.json",
@@ -183,7 +183,7 @@ def complaints(tables, out):
     for heading in tables:
         if heading not in used and heading != "Words in capitals":
             yield f"'{heading}' is about no file that the test knows"
-    drawn = re.compile(r"(figure[789]-.*|dominoes|drift|frontier_.*|ablations_.*|path-.*|seed\d+-peer\d+|results|summary|examples)\.(csv|json)$")
+    drawn = re.compile(r"(figure[789]-.*|dominoes|drift|frontier_.*|hands_.*|ablations_.*|path-.*|seed\d+-peer\d+|results|summary|examples)\.(csv|json)$")
     for file in glob.glob(os.path.join(out, "**", "*.*"), recursive=True):
         if file.endswith((".csv", ".json")) and file not in known and not drawn.match(os.path.basename(file)):
             yield f"the page says nothing of {os.path.basename(file)}"

@@ -280,7 +280,7 @@ def agreement_and_truth(m):
 # --- against what others do
 
 DELAYS = ["delay 0ms", "delay 50ms", "delay 100ms", "delay 250ms"]
-COMPARED = ["compare", "--seeds", ("8", "1"), "--seconds", ("30", "3")]
+COMPARED = ["compare", "--seeds", ("6", "1"), "--seconds", ("30", "3")]
 
 
 def compared(m):
@@ -319,6 +319,7 @@ FIGURES = [
     Figure("budgets", "docs/compare.md", rivals.budgets),
     Figure("met", "docs/compare.md", rivals.met),
     Picture("compare", rivals.data_of("frontier_delay_100ms"), rivals.drawn("frontier_delay_100ms")),
+    Picture("compare-hands", rivals.data_of("hands_delay_100ms"), rivals.drawn("hands_delay_100ms")),
     Picture("compare-loss", rivals.data_of(LOSSY), rivals.drawn(LOSSY)),
     Picture("film-convergence", convergence, copied(*CONVERGENCE, "--out", "OUT", file="film-convergence.svg")),
 ]

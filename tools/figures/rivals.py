@@ -14,7 +14,7 @@ NETWORKS = {
     "250 ms": "delay 250ms",
     "100 ms ± 50 ms, 10 % loss": "delay 100ms 50ms loss 10%",
 }
-CURVES = ["compare", "--techniques", "frontier", *(word for n in NETWORKS.values() for word in ("--netem", n)), "--seeds", ("4", "1"),
+CURVES = ["compare", "--techniques", "frontier", *(word for n in NETWORKS.values() for word in ("--netem", n)), "--seeds", ("3", "1"),
           "--seconds", ("30", "3"), "--json", "-", "--out", "OUT"]  # fmt: skip
 BUDGETS = ["full-4kbit", "full-8kbit", "full-16kbit", "full-32kbit", "full"]
 TICK = 1 / 60  # s

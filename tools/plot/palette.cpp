@@ -27,7 +27,7 @@ constexpr std::array<Entry, 12> kTechniques{{
     {"snapshot", {"#CC79A7", 0, 11}},
     {"state-sync", {"#56B4E9", 0, 15}},
     {"rollback", {"#882255", 0, 8}},
-    {"lockstep", {"#882255", 2, 10}},
+    {"lockstep", {"#999933", 0, 10}},
     {"dis", {"#000000", 3, 2}},
     {"everything-no-replay", {"#777777", 4, 1}},
     {"everything --replay off", {"#777777", 4, 1}},

@@ -62,7 +62,8 @@ std::string json(const std::vector<Row>& rows, const Plan& plan, const std::stri
 std::string csv(const std::vector<Row>& rows, const Plan& plan);
 /// The name, without ending, of the picture of a network.
 std::string frontier_name(const std::string& network);
-/// Draws frontier_NETWORK.svg and .png, one for each network, into `dir`, which exists. Returns what went wrong in one
+/// Draws frontier_NETWORK, hands_NETWORK (against hands) and ablations_NETWORK, as .svg and .png, into `dir`, which
+/// exists. Returns what went wrong in one
 /// line, empty if nothing did.
 std::string draw_frontiers(const std::vector<Row>& rows, const Plan& plan, const std::string& dir);
 

@@ -47,9 +47,10 @@ void add_ours(std::vector<Contestant>& all) {
   all.push_back({"full", "full", "", Group::kOurs,
                  "PADR's own: 0.015 m, or 0.005 m when a contact is predicted; bodies 0.005 m; 64 kbit/s at most",
                  technique_by_name("full")});
-  all.push_back({"full-0.3", "full, larger thresholds", "0.3", Group::kOurs, "full with 0.3 m, or 0.1 m; bodies 0.05 m",
+  all.push_back({"full-0.3", "full at larger thresholds", "0.3", Group::kOurs,
+                 "full with 0.3 m, or 0.1 m; bodies 0.05 m",
                  shell::technique_of("full --threshold 0.3:0.1 --body-threshold 0.05")});
-  all.push_back({"full-0.8", "full, larger thresholds", "0.8", Group::kOurs,
+  all.push_back({"full-0.8", "full at larger thresholds", "0.8", Group::kOurs,
                  "full with the paper's adaptive thresholds: 0.8 m, or 0.3 m; bodies 0.1 m",
                  shell::technique_of("full --threshold 0.8:0.3 --body-threshold 0.1")});
   all.push_back({"everything", "everything", "", Group::kOurs,
@@ -97,18 +98,18 @@ Contestant alternative(const std::string& id, const std::string& series, const s
 void add_alternatives(std::vector<Contestant>& all) {
   for (const char* hz : {"10", "20", "60"})
     all.push_back(
-        alternative(std::string("snapshot-") + hz, "snapshot (Hz)", hz, Group::kAlternative,
+        alternative(std::string("snapshot-") + hz, "snapshot", hz, Group::kAlternative,
                     std::string("delta-compressed snapshots at ") + hz + " Hz, interpolated with a playout delay",
                     std::string("snapshot --hz ") + hz));
   for (const char* hz : {"5", "8", "10", "20", "60"})
     all.push_back(alternative(
-        std::string("state-sync-") + hz, "state-sync (Hz)", hz, Group::kAlternative,
+        std::string("state-sync-") + hz, "state-sync", hz, Group::kAlternative,
         std::string("state synchronization at ") + hz + " Hz: priority accumulator, byte budget, local physics",
         std::string("state-sync --hz ") + hz));
-  all.push_back(alternative("dis", "dis (m)", "1", Group::kAlternative,
+  all.push_back(alternative("dis", "dis", "1 m", Group::kAlternative,
                             "as in DIS: dead reckoning of each entity, 1 m and 3 degrees, heartbeats of 5 s",
                             "dis --threshold 1"));
-  all.push_back(alternative("dis-0.3m", "dis (m)", "0.3", Group::kAlternative, "the same with 0.3 m in place of 1 m",
+  all.push_back(alternative("dis-0.3m", "dis", "0.3 m", Group::kAlternative, "the same with 0.3 m in place of 1 m",
                             "dis --threshold 0.3"));
   for (const alternatives::Entrant& e : alternatives::all_entrants())
     all.push_back({e.id, e.id, "", Group::kAlternative, e.what, e.spec});
@@ -117,7 +118,7 @@ void add_alternatives(std::vector<Contestant>& all) {
 Contestant from_inputs(const std::string& name, const char* delay, const char* hz, Group group) {
   const bool slow = std::string(hz) != "60";
   const std::string rate = slow ? std::string("-") + hz + "hz" : "";
-  return alternative(name + "-" + delay + rate, name + " " + hz + " Hz (input delay)", delay, group,
+  return alternative(name + "-" + delay + rate, name + " " + hz + " Hz", delay, group,
                      name + " at " + hz + " Hz, input delay " + delay + " ticks",
                      name + " --hz " + hz + " --input-delay " + delay);
 }
@@ -141,14 +142,14 @@ void add_frontier(std::vector<Contestant>& all) {
   for (const char* hz : {"10", "20"})
     for (const char* delay : {"0", "2", "4", "6"}) all.push_back(from_inputs("rollback", delay, hz, Group::kFrontier));
   for (const char* delay : {"6", "12", "18"}) all.push_back(from_inputs("lockstep", delay, "20", Group::kFrontier));
-  all.push_back(alternative("rollback-0-coarse", "rollback, 1/64 m", "0", Group::kFrontier,
+  all.push_back(alternative("rollback-0-coarse", "rollback coarse", "0", Group::kFrontier,
                             "rollback-0-20hz with inputs to 1/64 m",
                             "rollback --hz 20 --input-delay 0 --steps-per-m 64"));
-  all.push_back(alternative("state-sync-20-coarse", "state-sync, 1/256 m", "20", Group::kFrontier,
+  all.push_back(alternative("state-sync-20-coarse", "state-sync coarse", "20", Group::kFrontier,
                             "state-sync-20 with places to 1/256 m", "state-sync --hz 20 --steps-per-m 256"));
-  all.push_back(alternative("snapshot-20-coarse", "snapshot, 1/256 m", "20", Group::kFrontier,
+  all.push_back(alternative("snapshot-20-coarse", "snapshot coarse", "20", Group::kFrontier,
                             "snapshot-20 with places to 1/256 m", "snapshot --hz 20 --steps-per-m 256"));
-  all.push_back(alternative("dis-0.1m", "dis (m)", "0.1", Group::kFrontier, "dis with 0.1 m in place of 1 m",
+  all.push_back(alternative("dis-0.1m", "dis", "0.1 m", Group::kFrontier, "dis with 0.1 m in place of 1 m",
                             "dis --threshold 0.1"));
 }
 

@@ -10,9 +10,30 @@ namespace {
 // m; a logarithmic axis has no zero, and this is far below what is noise.
 constexpr double kLeast = 0.002;
 
-/// Ablations crowd round full: they have a picture of their own.
-bool belongs(const Contestant& c, bool ablations) {
-  return c.id == "full" || (c.group == Group::kAblation) == ablations;
+enum class PictureKind : std::uint8_t {
+  kFrontier,
+  kHands,      ///< the same against where the hands of now put things
+  kAblations,  ///< crowd round full: they have a picture of their own
+};
+
+std::string beginning_of(PictureKind kind) {
+  switch (kind) {
+    case PictureKind::kFrontier:
+      return "frontier_";
+    case PictureKind::kHands:
+      return "hands_";
+    case PictureKind::kAblations:
+      return "ablations_";
+  }
+  return "";
+}
+
+bool belongs(const Contestant& c, PictureKind kind) {
+  return c.id == "full" || (c.group == Group::kAblation) == (kind == PictureKind::kAblations);
+}
+
+double height_of(const Row& row, PictureKind kind) {
+  return kind == PictureKind::kHands ? row.over([](const Score& s) { return s.hands_mean_m; }).mean : row.mean_m();
 }
 
 plot::MarkSeries& series_of(const Contestant& c, plot::ScatterPlot& p) {
@@ -32,17 +53,20 @@ plot::MarkSeries& series_of(const Contestant& c, plot::ScatterPlot& p) {
   return p.series.back();
 }
 
-plot::ScatterPlot frontier(const std::vector<Row>& rows, const Plan& plan, const Network& network, bool ablations) {
+plot::ScatterPlot picture(const std::vector<Row>& rows, const Plan& plan, const Network& network, PictureKind kind) {
   plot::ScatterPlot p;
   p.title = plan.setting.scenario + ", " + std::to_string(plan.setting.peers) + " peers, " +
-            (network.text.empty() ? "no delay" : network.text);
+            (network.text.empty() ? "no delay" : network.text) +
+            (kind == PictureKind::kAblations ? "" : "; numbers: Hz, kbit/s, or input delay in ticks");
+  p.canvas = {1000, 760, 14};
   p.x.label = "sent by a peer, headers included (kbit/s)";
-  p.x.log = !ablations;
-  p.y.label = "mean combined inconsistency (m), at least 0.002";
+  p.x.log = kind != PictureKind::kAblations;
+  p.y.label = std::string("mean combined inconsistency") + (kind == PictureKind::kHands ? " against hands" : "") +
+              " (m), at least 0.002";
   p.y.log = true;
   for (const Row& r : rows)
-    if (r.network == network.text && belongs(r.who, ablations))
-      series_of(r.who, p).marks.push_back({r.kbps(), std::max(r.mean_m(), kLeast), r.who.mark});
+    if (r.network == network.text && belongs(r.who, kind))
+      series_of(r.who, p).marks.push_back({r.kbps(), std::max(height_of(r, kind), kLeast), r.who.mark});
   for (plot::MarkSeries& s : p.series)
     if (s.title == "full")
       std::sort(s.marks.begin(), s.marks.end(), [](const plot::Mark& a, const plot::Mark& b) { return a.x < b.x; });
@@ -61,16 +85,16 @@ std::string file_name(const std::string& network) {
 }  // namespace
 
 std::string frontier_name(const std::string& network) {
-  return "frontier_" + file_name(network);
+  return beginning_of(PictureKind::kFrontier) + file_name(network);
 }
 
 std::string draw_frontiers(const std::vector<Row>& rows, const Plan& plan, const std::string& dir) {
   std::vector<std::string> names;
   for (const Network& n : plan.networks) {
-    for (const bool ablations : {false, true}) {
-      plot::ScatterPlot p = frontier(rows, plan, n, ablations);
+    for (const PictureKind kind : {PictureKind::kFrontier, PictureKind::kHands, PictureKind::kAblations}) {
+      plot::ScatterPlot p = picture(rows, plan, n, kind);
       if (p.series.size() < 2) continue;
-      p.name = ablations ? "ablations_" + file_name(n.text) : frontier_name(n.text);
+      p.name = beginning_of(kind) + file_name(n.text);
       plot::write_into("--out", dir, plot::files(p));
       names.push_back(p.name);
     }
