@@ -280,7 +280,9 @@ def agreement_and_truth(m):
 # --- against what others do
 
 DELAYS = ["delay 0ms", "delay 50ms", "delay 100ms", "delay 250ms"]
-COMPARED = ["compare", "--seeds", ("6", "1"), "--seconds", ("30", "3")]
+# Those that know of authority; rivals.py has those that send inputs alone.
+AUTHORITY = "paper,ours,ablations,snapshot-10,snapshot-20,snapshot-60,state-sync-5,state-sync-8,state-sync-10,state-sync-20,state-sync-60,dis,dis-0.3m"
+COMPARED = ["compare", "--techniques", AUTHORITY, "--seeds", ("40", "1"), "--seconds", ("30", "3")]
 
 
 def compared(m):
