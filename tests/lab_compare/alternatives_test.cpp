@@ -65,8 +65,11 @@ double rounding(const Spec& spec) {
 
 std::vector<std::pair<std::string, Spec>> every_alternative() {
   std::vector<std::pair<std::string, Spec>> all;
-  for (const compare::Contestant& c : compare::all_contestants())
-    if (const auto* spec = std::get_if<Spec>(&c.how)) all.emplace_back(c.id, *spec);
+  for (const compare::Contestant& c : compare::all_contestants()) {
+    // Further points of a curve are the same code, but for coarser places.
+    const bool other_code = c.group != compare::Group::kFrontier || c.id.ends_with("-coarse");
+    if (const auto* spec = std::get_if<Spec>(&c.how); spec != nullptr && other_code) all.emplace_back(c.id, *spec);
+  }
   return all;
 }
 
