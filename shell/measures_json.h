@@ -2,6 +2,7 @@
 
 #include "common/trace/fidelity.h"
 #include "common/trace/physics_consistency_cost.h"
+#include "common/trace/shown_meter.h"
 #include "shell/json.h"
 
 namespace padr::shell {
@@ -16,6 +17,19 @@ inline void put(Json& j, const trace::Fidelity& f) {
 inline void put(Json& j, const trace::Pcc& c) {
   j.field("pcc_mean_m", c.mean_m).field("pcc_peak_m", c.peak_m);
   j.field("pcc_bodies_mean", c.bodies_mean).field("pcc_bodies_peak", c.bodies_peak);
+}
+
+inline void put(Json& j, const trace::ShownMotion& s) {
+  const double seconds = s.ticks > 0 ? s.seconds() : 1;
+  const double ticks = s.ticks > 0 ? static_cast<double>(s.ticks) : 1;
+  j.field("stride_change_m_per_s", s.stride_change_m / seconds);
+  j.field("stride_unexplained_m_per_s", s.unexplained_m / seconds);
+  j.field("stops", s.stops).field("overshoot_mean_m", s.overshoot_mean_m());
+  j.field("overshoot_peak_m", s.overshoot_peak_m);
+  j.field("overlap_mean_m", s.overlap_m / ticks).field("overlap_made_mean_m", s.overlap_made_m / ticks);
+  j.field("overlap_peak_m", s.overlap_peak_m);
+  j.field("freezes_per_s", static_cast<double>(s.freezes) / seconds);
+  j.field("longest_freeze_s", static_cast<double>(s.longest_freeze) / kTicksPerSecond);
 }
 
 }  // namespace padr::shell

@@ -87,6 +87,19 @@ struct RecordedSimulation {
   }
 };
 
+// Stops are looked at until half a second afterwards, and a trace ends with its last step.
+void expect_same_motion(const trace::ShownMotion& a, const trace::ShownMotion& b) {
+  EXPECT_EQ(a.ticks, b.ticks);
+  EXPECT_EQ(a.stride_change_m, b.stride_change_m);
+  EXPECT_EQ(a.unexplained_m, b.unexplained_m);
+  EXPECT_EQ(a.stops, b.stops);
+  EXPECT_EQ(a.overshoot_m, b.overshoot_m);
+  EXPECT_EQ(a.overlap_m, b.overlap_m);
+  EXPECT_EQ(a.overlap_made_m, b.overlap_made_m);
+  EXPECT_EQ(a.freezes, b.freezes);
+  EXPECT_GT(a.stride_change_m, 0);
+}
+
 // The report, which sees traces only, and the lab, which sees the nodes, measure the same.
 TEST(Report, EqualsTheLabsOwnMeter) {
   for (const char* technique : {"full", "fixed", "avatar-only"}) {
@@ -112,6 +125,7 @@ TEST(Report, EqualsTheLabsOwnMeter) {
       EXPECT_EQ(r.peers[p].traffic.wire_bytes, stats.wire_bytes_sent);
       EXPECT_EQ(r.peers[p].traffic.repeats, stats.repeats);
       EXPECT_EQ(r.peers[p].replayed_steps, lab.replica(p).agreed().replayed_steps());
+      expect_same_motion(r.peers[p].shown, lab.shown(p));
     }
     expect_same(trace::summarize_all(all), lab.meter().overall());
     EXPECT_GT(r.overall.inconsistency.mean_m, 0.1);

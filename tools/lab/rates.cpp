@@ -22,6 +22,7 @@ Rates rates_of(const Simulation& s, PeerId from, int n) {
     r.snaps += static_cast<double>(replica.shown().snaps()) / seconds;
     r.snap_m += replica.shown().snap_metres() / seconds;
     r.snap_peak_m = std::max(r.snap_peak_m, replica.shown().largest_snap());
+    r.shown.add(s.shown(static_cast<PeerId>(from + i)));
     r.hash_mismatches += st.hash_mismatches;
   }
   return r;

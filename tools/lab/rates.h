@@ -22,6 +22,7 @@ struct Rates {
   double snaps = 0;        ///< jumps of shown positions by more than 3 cm
   double snap_m = 0;       ///< their sum, m
   double snap_peak_m = 0;  ///< the largest of all, m
+  trace::ShownMotion shown;
   std::array<double, sync::kCauses> by_cause{};
   std::uint64_t hash_mismatches = 0;
 };

@@ -29,6 +29,7 @@ void put(Json& j, const Rates& r) {
   for (std::size_t c = 0; c < sync::kCauses; ++c) j.field(sync::kCauseNames[c], r.by_cause[c]);
   j.end_object();
   j.field("snaps_per_s", r.snaps).field("snap_m_per_s", r.snap_m).field("snap_peak_m", r.snap_peak_m);
+  put(j, r.shown);
   j.field("replay_steps_per_tick", r.replay_steps_per_tick);
   j.field("lookahead_steps_per_tick", r.lookahead_steps_per_tick).field("lookahead_share", r.lookahead_share());
 }
@@ -85,10 +86,18 @@ trace::Inconsistency overall(const Simulation& s, const RunFacts& f) {
 }
 
 /// What viewers see of corrections.
-std::string shown_line(const trace::Inconsistency& i, const Rates& r) {
+std::string shown_lines(const trace::Inconsistency& i, const Rates& r) {
+  const trace::ShownMotion& m = r.shown;
+  const double ticks = m.ticks > 0 ? static_cast<double>(m.ticks) : 1;
   return fmt::sprintf(
-      "shown: inconsistency %.3f m, snaps (jumps by over 3 cm) %.2f/s a peer of %.3f m, the largest %.2f m\n",
-      i.shown_mean_m, r.snaps, r.snaps > 0 ? r.snap_m / r.snaps : 0.0, r.snap_peak_m);
+             "shown: inconsistency %.3f m, snaps (jumps by over 3 cm) %.2f/s a peer of %.3f m, the largest %.2f m\n",
+             i.shown_mean_m, r.snaps, r.snaps > 0 ? r.snap_m / r.snaps : 0.0, r.snap_peak_m) +
+         fmt::sprintf(
+             "  steps change by %.2f m/s, %.2f of that unexplained; %llu stops overshot by %.3f m, at most %.3f;\n"
+             "  overlap beyond the live world's %.4f m, %.4f of that made by showing; freezes %.2f/s\n",
+             m.stride_change_m * kTicksPerSecond / ticks, m.unexplained_m * kTicksPerSecond / ticks,
+             static_cast<unsigned long long>(m.stops), m.overshoot_mean_m(), m.overshoot_peak_m, m.overlap_m / ticks,
+             m.overlap_made_m / ticks, static_cast<double>(m.freezes) * kTicksPerSecond / ticks);
 }
 
 }  // namespace
@@ -154,7 +163,7 @@ std::string table_summary(const Simulation& s, const RunFacts& f) {
                       static_cast<unsigned long long>(s.confirmed_mismatches()),
                       s.confirmed_mismatches() == 0 ? "" : " - THEY MUST NOT");
   if (f.watched) out += "inconsistency: what this peer sees while there is input; updates and bytes: of all peers\n";
-  out += shown_line(overall(s, f), rates_of(s, 0, s.peers()));
+  out += shown_lines(overall(s, f), rates_of(s, 0, s.peers()));
   out += authority_line(s.flips());
   out += fmt::sprintf("below %.0f mm inconsistency is noise; %.0f times real time\n", trace::kNoiseMetres * 1000,
                       static_cast<double>(s.now()) / kTicksPerSecond / f.wall_seconds);

@@ -18,11 +18,12 @@ Simulation::Simulation(SimulationConfig config)
   targets_.resize(n);
   states_.resize(n);
   player_views_.resize(n);
+  const int slots = config_.slots > 0 ? config_.slots : config_.peers;
+  shown_.assign(n, trace::ShownMeter(config_.scene, slots));
   if (config_.fidelity) {
     std::vector<PeerId> viewers(n);
     std::iota(viewers.begin(), viewers.end(), PeerId{0});
-    fidelity_ = std::make_unique<trace::FidelityMeter>(config_.scene, config_.slots > 0 ? config_.slots : config_.peers,
-                                                       std::move(viewers));
+    fidelity_ = std::make_unique<trace::FidelityMeter>(config_.scene, slots, std::move(viewers));
   }
   if (config_.processor_time)
     processor_time_ = std::make_unique<ProcessorTime>(config_.scene, config_.slots > 0 ? config_.slots : config_.peers);
@@ -30,7 +31,7 @@ Simulation::Simulation(SimulationConfig config)
     node::ReplicaConfig c;
     c.self = p;
     c.peers = config_.peers;
-    c.slots = config_.slots > 0 ? config_.slots : config_.peers;
+    c.slots = slots;
     c.session = 1;
     c.technique = config_.technique;
     const bool authority = config_.technique.authority;
@@ -99,18 +100,25 @@ void Simulation::sample_views() {
     view_.unowned_alone = plays_unowned_alone(replica(p).config().technique);
     view_.shown = now_ == 0 ? view_.live : replica(p).shown().positions();
     meter_.view(p, now_, view_);
+    sample_shown(p);
     if (config_.settle_ticks > 0) live_hashes_[p].push_back(replica(p).live_hash());
   }
   if (fidelity_) sample_fidelity();
 }
 
-void Simulation::sample_fidelity() {
-  for (PeerId p = 0; p < nodes_.size(); ++p) {
-    const world::View& w = replica(p).live().world();
-    states_[p].clear();
-    for (EntityId e = 0; e < w.entities(); ++e) states_[p].push_back(w.state(e));
-    player_views_[p] = {true, states_[p], targets_[p]};
+void Simulation::sample_shown(PeerId p) {
+  const world::View& w = replica(p).live().world();
+  states_[p].clear();
+  present_.clear();
+  for (EntityId e = 0; e < w.entities(); ++e) {
+    states_[p].push_back(w.state(e));
+    present_.push_back(w.present(e));
   }
+  shown_[p].tick(states_[p], view_.shown, present_);
+}
+
+void Simulation::sample_fidelity() {
+  for (PeerId p = 0; p < nodes_.size(); ++p) player_views_[p] = {true, states_[p], targets_[p]};
   fidelity_->tick(now_, player_views_);
 }
 

@@ -14,6 +14,7 @@
 #include "common/trace/flips.h"
 #include "common/trace/metrics.h"
 #include "tools/lab/measure/processor_time.h"
+#include "common/trace/shown_meter.h"
 
 namespace padr::lab {
 
@@ -63,6 +64,8 @@ class Simulation {
   const trace::FidelityMeter* fidelity() const { return fidelity_.get(); }
   /// Null if it was not asked for.
   const ProcessorTime* processor_time() const { return processor_time_.get(); }
+  /// How what this peer is shown moves.
+  const trace::ShownMotion& shown(PeerId p) const { return shown_[p].result(); }
   /// Of the first peer's confirmed world.
   const trace::FlipMeter& flips() const { return flips_; }
 
@@ -83,6 +86,7 @@ class Simulation {
   void work();
   void compare_confirmed();
   void sample_views();
+  void sample_shown(PeerId p);
   void sample_fidelity();
   Vec2 target_of(PeerId p);
 
@@ -96,10 +100,12 @@ class Simulation {
   trace::Truth truth_;
   trace::InconsistencyMeter meter_;
   trace::FlipMeter flips_;
+  std::vector<trace::ShownMeter> shown_;  ///< by peer
   std::unique_ptr<trace::FidelityMeter> fidelity_;
   std::unique_ptr<ProcessorTime> processor_time_;
   std::vector<Vec2> targets_;                    ///< by peer, of the last step
   std::vector<std::vector<BodyState>> states_;   ///< by peer, of its live world
+  std::vector<bool> present_;                    ///< by entity; memory that is used again
   std::vector<trace::PlayerView> player_views_;  ///< by peer
   std::uint64_t compared_ = 0;
   std::uint64_t mismatches_ = 0;

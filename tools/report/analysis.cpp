@@ -58,6 +58,7 @@ struct Cursor {
   Technique technique = reader.header().technique;  ///< as it plays now
   Peer peer;
   TrafficMeter traffic;
+  std::unique_ptr<trace::ShownMeter> shown;  ///< null: the scene is not known
   double threshold_sum = 0;
   Vec2 target;  ///< m, of the last step
   bool ended = false;
@@ -77,8 +78,10 @@ class Analysis {
       cursors_.push_back(std::make_unique<Cursor>(*traces[i], i, incarnations_[i]));
       meter_.came(i, incarnations_[i].came);
     }
-    if (const auto scene = scene_of(session_))
+    if (const auto scene = scene_of(session_)) {
       fidelity_ = std::make_unique<trace::FidelityMeter>(*scene, session_.slots, slots_of(incarnations_));
+      for (const auto& c : cursors_) c->shown = std::make_unique<trace::ShownMeter>(*scene, session_.slots);
+    }
     views_.resize(incarnations_.size());
   }
 
@@ -142,6 +145,12 @@ class Analysis {
     v.shown = c.reader.live().shown;
     v.unowned_alone = plays_unowned_alone(c.technique);
     meter_.view(c.incarnation, s.tick, v);
+    if (c.shown) c.shown->tick(c.reader.live().states, v.shown, present(c));
+  }
+  /// As confirmed so far; before anything is, everything is there.
+  static std::vector<bool> present(const Cursor& c) {
+    if (c.peer.last_confirmed >= 0) return c.reader.truth().present;
+    return std::vector<bool>(c.reader.live().states.size(), true);
   }
 
   void take(Cursor& c, const trace::Received& r) {
@@ -244,6 +253,7 @@ class Analysis {
       p.inconsistency = meter_.result(c->incarnation);
       p.series = meter_.series(c->incarnation);
       if (fidelity_) take_fidelity(*c);
+      if (c->shown) p.shown = c->shown->result();
       p.traffic = c->traffic.total();
       p.per_second = c->traffic.per_second();
       p.threshold_mean_m = c->threshold_sum / (p.played() + 1);

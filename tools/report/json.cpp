@@ -103,6 +103,7 @@ void put_peer(Json& j, const Report& r, const Peer& p) {
   j.field("replay_steps_per_tick", per_tick(p.replayed_steps, p.last_tick - p.first_tick));
   j.field("threshold_mean_m", p.threshold_mean_m);
   j.field("snaps", p.snaps).field("snap_m", p.snap_m);
+  if (r.fidelity_known) put(j, p.shown);
   j.field("late_ticks", p.late_ticks).field("worst_lateness_us", p.worst_lateness);
   j.field("damaged_datagrams_received", p.damaged);
   put_drops(j, p);

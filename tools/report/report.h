@@ -11,6 +11,7 @@
 #include "common/trace/fidelity.h"
 #include "common/trace/flips.h"
 #include "common/trace/metrics.h"
+#include "common/trace/shown_meter.h"
 
 namespace padr::report {
 
@@ -93,6 +94,7 @@ struct Peer {
   std::uint64_t replayed_steps = 0;
   std::uint32_t snaps = 0;  ///< jumps of shown positions by more than 3 cm
   double snap_m = 0;
+  trace::ShownMotion shown;  ///< if the scene is known
   double threshold_mean_m = 0;
   // What was done to it while it played:
   std::uint64_t retunes = 0;  ///< its knobs were turned

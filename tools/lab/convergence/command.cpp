@@ -18,26 +18,45 @@ using namespace convergence;
 
 std::string table(const Takes& takes) {
   std::string out =
-      "         inconsistency (m)         snaps: jumps by over 3 cm\n"
-      "method   live  shown   peak   per second    mean m  largest m\n";
+      "         inconsistency (m)   snaps: jumps by over 3 cm     step changes, m/s   overshoot, m     overlap, m      "
+      "freezes\n"
+      "method   live  shown   peak  per second  mean m  largest m    all  unexplained   mean   peak   mean   made    "
+      "per "
+      "second\n";
   for (std::size_t m = 0; m < kMethods.size(); ++m) {
     const Simulation& s = *takes.simulations[m];
     const trace::Inconsistency i = s.meter().overall();
     const Rates r = rates_of(s, 0, s.peers());
-    out += fmt::sprintf("%-6s  %5.3f  %5.3f  %5.2f       %6.2f    %6.3f     %6.2f\n", kNames[m], i.mean_m,
-                        i.shown_mean_m, i.shown_peak_m, r.snaps, r.snaps > 0 ? r.snap_m / r.snaps : 0.0, r.snap_peak_m);
+    const trace::ShownMotion& q = r.shown;
+    const double ticks = static_cast<double>(q.ticks);
+    const double per_second = kTicksPerSecond / ticks;
+    out += fmt::sprintf("%-6s  %5.3f  %5.3f  %5.2f      %6.2f  %6.3f     %6.2f  %5.2f        %5.2f", kNames[m],
+                        i.mean_m, i.shown_mean_m, i.shown_peak_m, r.snaps, r.snaps > 0 ? r.snap_m / r.snaps : 0.0,
+                        r.snap_peak_m, q.stride_change_m * per_second, q.unexplained_m * per_second);
+    out += fmt::sprintf("  %5.3f  %5.3f  %5.4f  %5.4f  %10.2f\n", q.overshoot_mean_m(), q.overshoot_peak_m,
+                        q.overlap_m / ticks, q.overlap_made_m / ticks, static_cast<double>(q.freezes) * per_second);
   }
   return out;
 }
 
 std::string csv(const Takes& takes) {
-  std::string out = "method,mean_m,shown_mean_m,shown_peak_m,snaps_per_s,snap_m_per_s,snap_peak_m\n";
+  std::string out =
+      "method,mean_m,shown_mean_m,shown_peak_m,snaps_per_s,snap_m_per_s,snap_peak_m,stride_change_m_per_s,"
+      "stride_unexplained_m_per_s,stops,overshoot_mean_m,overshoot_peak_m,overlap_mean_m,overlap_made_mean_m,"
+      "overlap_peak_m,freezes_per_s,longest_freeze_s\n";
   for (std::size_t m = 0; m < kMethods.size(); ++m) {
     const Simulation& s = *takes.simulations[m];
     const trace::Inconsistency i = s.meter().overall();
     const Rates r = rates_of(s, 0, s.peers());
     out += kNames[m];
-    for (const double v : {i.mean_m, i.shown_mean_m, i.shown_peak_m, r.snaps, r.snap_m, r.snap_peak_m})
+    const trace::ShownMotion& q = r.shown;
+    const double ticks = static_cast<double>(q.ticks);
+    const double seconds = q.seconds();
+    for (const double v :
+         {i.mean_m, i.shown_mean_m, i.shown_peak_m, r.snaps, r.snap_m, r.snap_peak_m, q.stride_change_m / seconds,
+          q.unexplained_m / seconds, static_cast<double>(q.stops), q.overshoot_mean_m(), q.overshoot_peak_m,
+          q.overlap_m / ticks, q.overlap_made_m / ticks, q.overlap_peak_m, static_cast<double>(q.freezes) / seconds,
+          static_cast<double>(q.longest_freeze) / kTicksPerSecond})
       out += "," + plot::number(v);
     out += "\n";
   }
@@ -58,7 +77,7 @@ void ConvergenceCommand::declare(CLI::App& app) {
       ->type_name("DIR")
       ->required();
   app.footer(
-      "Plays one session of technique full with wandering avatars three times. The simulations are the same to the "
+      "Plays one session of technique full with wandering avatars four times. The simulations are the same to the "
       "bit;\n"
       "only the shown positions differ. The film has the largest correction of an avatar and of a body in the view of\n"
       "peer 1, up to 1.2 m.\n"
