@@ -27,8 +27,10 @@ constexpr Names<Predictor, 5> kPredictors{{{"none", Predictor::kNone},
                                            {"pcc", Predictor::kPcc}}};
 constexpr Names<ThresholdLaw, 2> kLaws{
     {{"two-level", ThresholdLaw::kTwoLevel}, {"continuous", ThresholdLaw::kContinuous}}};
-constexpr Names<Convergence, 3> kConvergences{
-    {{"snap", Convergence::kSnap}, {"blend", Convergence::kBlend}, {"pvb", Convergence::kPvb}}};
+constexpr Names<Convergence, 4> kConvergences{{{"snap", Convergence::kSnap},
+                                               {"blend", Convergence::kBlend},
+                                               {"pvb", Convergence::kPvb},
+                                               {"track", Convergence::kTrack}}};
 constexpr Names<Precision, 2> kPrecisions{{{"exact", Precision::kExact}, {"rounded", Precision::kRounded}}};
 constexpr Names<Unowned, 2> kUnowned{{{"live", Unowned::kLive}, {"agreed", Unowned::kAgreed}}};
 constexpr Names<bool, 2> kSwitch{{{"on", true}, {"off", false}}};
@@ -112,7 +114,7 @@ constexpr std::array<Knob, kKnobCount> kKnobs{{
      named<&Technique::predictor, kPredictors>},
     {"--threshold-law", "NAME", "How a prediction sets the threshold: two-level or continuous",
      named<&Technique::law, kLaws>},
-    {"--convergence", "NAME", "How the shown position follows a correction: snap, blend or pvb",
+    {"--convergence", "NAME", "How the shown position follows a correction: snap, blend, pvb or track",
      named<&Technique::convergence, kConvergences>},
     {"--replay", "on|off", "A late update rewinds and replays the world; off: it is applied unchanged on arrival",
      named<&Technique::replay, kSwitch>},

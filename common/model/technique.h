@@ -26,7 +26,7 @@ enum class Predictor : std::uint8_t {
 };
 
 enum class ThresholdLaw : std::uint8_t { kTwoLevel, kContinuous };
-enum class Convergence : std::uint8_t { kSnap, kBlend, kPvb };
+enum class Convergence : std::uint8_t { kSnap, kBlend, kPvb, kTrack };
 
 /// How states are told.
 enum class Precision : std::uint8_t {
@@ -54,7 +54,7 @@ struct Technique {
   float threshold_high = 0.015F;  ///< m, when nothing is predicted
   float threshold_low = 0.005F;   ///< m, when interaction is predicted; equal to the high one for a fixed threshold
   float body_threshold = 0.005F;  ///< m, for bodies under own authority; 0 switches it off
-  Convergence convergence = Convergence::kPvb;
+  Convergence convergence = Convergence::kTrack;
   float radius = 3.0F;     ///< m, of the surroundings that predictors look at
   int steps = 30;          ///< ticks that predictors look ahead
   int count = 4;           ///< bodies in the vicinity that make it dense

@@ -41,12 +41,17 @@ inline Vec2 clamp_length(Vec2 v, float limit) {
   return l > limit ? v * (limit / l) : v;
 }
 
-/// Distance from p to the nearest point of the segment a-b.
-inline float distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
+/// The point of the segment a-b that is nearest to p.
+inline Vec2 nearest_on_segment(Vec2 p, Vec2 a, Vec2 b) {
   const Vec2 ab = b - a;
   const float square = dot(ab, ab);
   const float along = square > 0 ? std::clamp(dot(p - a, ab) / square, 0.0F, 1.0F) : 0.0F;
-  return distance(p, a + ab * along);
+  return a + ab * along;
+}
+
+/// Distance from p to the nearest point of the segment a-b.
+inline float distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
+  return distance(p, nearest_on_segment(p, a, b));
 }
 
 }  // namespace padr

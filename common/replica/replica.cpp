@@ -52,7 +52,7 @@ Replica::Replica(const Scene& scene, const ReplicaConfig& config, ConfirmedSink 
       reporter_(scene, config.self, config.technique),
       predictor_(scene, config.slots, config.self, config.technique),
       threshold_(config.technique),
-      shown_(config.technique.convergence, static_cast<std::size_t>(live_.world().entities())),
+      shown_(config.technique.convergence, scene, config.slots),
       roster_(roster_of(config)),
       links_(static_cast<std::size_t>(config.slots)),
       joined_(true) {
@@ -73,7 +73,7 @@ Replica::Replica(const Scene& scene, const ReplicaConfig& config, const sync::Tr
       reporter_(scene, config.self, config.technique),
       predictor_(scene, config.slots, config.self, config.technique),
       threshold_(config.technique),
-      shown_(config.technique.convergence, static_cast<std::size_t>(live_.world().entities())),
+      shown_(config.technique.convergence, scene, config.slots),
       roster_(roster_of(config)),
       links_(static_cast<std::size_t>(config.slots)) {
   assert(config.self < config.slots);
@@ -111,7 +111,7 @@ void Replica::step_led(const BodyState& from, const BodyState& to, Vec2 target) 
 void Replica::go_on(Vec2 target, Vec2 velocity_before) {
   if (member() && now() > roster_.in_since && !gone_ && !publish_order()) report(target, velocity_before);
   adopt(!agreed_.catch_up());
-  shown_.advance(live_.world().kinematics(), own_);
+  shown_.advance(live_.world(), own_);
   agreed_.confirm();
   settle_checks();
   send();

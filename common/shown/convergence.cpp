@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/shown/tracking.h"
+
 namespace padr::sync {
 namespace {
 
@@ -36,14 +38,16 @@ float ease(float part) {
 
 }  // namespace
 
-Shown::Shown(Convergence how, std::size_t entities)
+Shown::Shown(Convergence how, const Scene& scene, int slots)
     : how_(how),
-      shown_(entities),
-      stride_(entities),
-      jump_(entities),
-      offset_(entities),
-      blends_(entities),
-      busy_(entities, 0) {}
+      clearance_(scene, slots),
+      shown_(scene.bodies.size() + static_cast<std::size_t>(slots)),
+      before_(shown_.size()),
+      stride_(shown_.size()),
+      jump_(shown_.size()),
+      offset_(shown_.size()),
+      blends_(shown_.size()),
+      busy_(shown_.size(), 0) {}
 
 void Shown::begin(const std::vector<world::Kinematics>& live) {
   for (std::size_t e = 0; e < shown_.size(); ++e) shown_[e] = live[e].position;
@@ -58,7 +62,7 @@ void Shown::retune(Convergence how, const std::vector<world::Kinematics>& live) 
     if (!led) continue;
     busy_[e] = 1;
     const Vec2 offset = shown_[e] - live[e].position;
-    if (how == Convergence::kBlend) offset_[e] = offset;
+    if (how == Convergence::kBlend || how == Convergence::kTrack) offset_[e] = offset;
     if (how == Convergence::kPvb)
       blends_[e] = {shown_[e], stride_[e] * static_cast<float>(kTicksPerSecond), 0, ticks_for(length(offset), 0)};
   }
@@ -75,6 +79,8 @@ Vec2 Shown::lead(std::size_t e, Vec2 live, Vec2 velocity, bool own) {
       return exponential(e, live, corrected);
     case Convergence::kPvb:
       return projective(e, live, velocity, corrected);
+    case Convergence::kTrack:
+      return track(e, live, velocity, corrected);
   }
   return live;
 }
@@ -100,6 +106,17 @@ Vec2 Shown::projective(std::size_t e, Vec2 live, Vec2 velocity, bool corrected) 
   return b.from + (live - b.from) * ease(part);
 }
 
+Vec2 Shown::track(std::size_t e, Vec2 live, Vec2 velocity, bool corrected) {
+  if (!corrected && offset_[e] == Vec2{}) return live;
+  const Vec2 straight = velocity * kTickSeconds;
+  const Vec2 want = straight + fastest_glide(shown_[e] + straight - live);
+  const Vec2 next = shown_[e] + believable_stride(want, stride_[e], straight);
+  offset_[e] = next - live;
+  if (length(offset_[e]) >= kGone && !clearance_.is_wall_between(next, live)) return next;
+  stop(e);
+  return live;
+}
+
 void Shown::stop(std::size_t e) {
   offset_[e] = {};
   blends_[e].age = -1;
@@ -115,30 +132,47 @@ void Shown::count_snap(Vec2 stride, Vec2 last_stride, Vec2 straight) {
   largest_snap_ = std::max(largest_snap_, static_cast<double>(beyond));
 }
 
-void Shown::advance(const std::vector<world::Kinematics>& live, const std::vector<bool>& own) {
+// What is led is moved out of other things no faster than its step may change.
+void Shown::keep_clear(const world::View& live) {
+  led_.clear();
+  for (const EntityId e : moving_)
+    if (offset_[e] != Vec2{}) led_.push_back(e);
+  for (const EntityId e : clearance_.keep(live, led_, before_, shown_)) {
+    const Vec2 straight = live.velocity(e) * kTickSeconds;
+    shown_[e] = before_[e] + believable_stride(shown_[e] - before_[e], stride_[e], straight);
+    offset_[e] = shown_[e] - live.position(e);
+  }
+}
+
+void Shown::note(std::size_t e, Vec2 straight) {
+  const Vec2 moved = first_ ? straight : shown_[e] - before_[e];
+  count_snap(moved, stride_[e], straight);
+  // After a jump it goes on as it should, not as it jumped.
+  stride_[e] = straight;
+  if (busy_[e] == 0) return;
+  jump_[e] = {};
+  if (blends_[e].age >= 0 || offset_[e] != Vec2{})
+    stride_[e] = moved;
+  else
+    busy_[e] = 0;
+}
+
+void Shown::advance(const world::View& view, const std::vector<bool>& own) {
+  const std::vector<world::Kinematics>& live = view.kinematics();
+  before_ = shown_;
+  moving_.clear();
   for (std::size_t e = 0; e < shown_.size(); ++e) {
-    Vec2& shown = shown_[e];
-    Vec2& stride = stride_[e];
     const Vec2 now = live[e].position;
-    const Vec2 straight = live[e].velocity * kTickSeconds;
-    const Vec2 before = shown;
     const bool busy = busy_[e] != 0;
-    if (before == now && !busy && !first_) {  // most entities, most of the time
-      stride = {};
+    if (shown_[e] == now && !busy && !first_) {  // most entities, most of the time
+      stride_[e] = {};
       continue;
     }
-    shown = busy && !first_ ? lead(e, now, live[e].velocity, own[e]) : now;
-    const Vec2 moved = first_ ? straight : shown - before;
-    count_snap(moved, stride, straight);
-    // After a jump it goes on as it should, not as it jumped.
-    stride = straight;
-    if (!busy) continue;
-    jump_[e] = {};
-    if (blends_[e].age >= 0 || offset_[e] != Vec2{})
-      stride = moved;
-    else
-      busy_[e] = 0;
+    moving_.push_back(static_cast<EntityId>(e));
+    shown_[e] = busy && !first_ ? lead(e, now, live[e].velocity, own[e]) : now;
   }
+  if (how_ == Convergence::kTrack) keep_clear(view);
+  for (const EntityId e : moving_) note(e, live[e].velocity * kTickSeconds);
   first_ = false;
 }
 

@@ -40,7 +40,7 @@ void put_technique(const Technique& t, file::Technique& out) {
 bool take_technique(const file::Technique& in, Technique& t) {
   if (in.model() > static_cast<unsigned>(Model::kChosen) || in.predictor() > static_cast<unsigned>(Predictor::kPcc) ||
       in.law() > static_cast<unsigned>(ThresholdLaw::kContinuous) ||
-      in.convergence() > static_cast<unsigned>(Convergence::kPvb) ||
+      in.convergence() > static_cast<unsigned>(Convergence::kTrack) ||
       in.precision() > static_cast<unsigned>(Precision::kRounded) ||
       in.unowned() > static_cast<unsigned>(Unowned::kLive))
     return false;

@@ -31,7 +31,7 @@ TEST(TechniqueText, KnobsSayWhatIsAllowed) {
   EXPECT_NE(message_of("--model", "third").find("static, first, second, input"), std::string::npos);
   EXPECT_NE(message_of("--predictor", "magic").find("path-density"), std::string::npos);
   EXPECT_NE(message_of("--threshold-law", "3").find("continuous"), std::string::npos);
-  EXPECT_NE(message_of("--convergence", "jump").find("pvb"), std::string::npos);
+  EXPECT_NE(message_of("--convergence", "jump").find("track"), std::string::npos);
   EXPECT_EQ(message_of("--precision", "exact"), "");
   EXPECT_NE(message_of("--precision", "16").find("exact, rounded"), std::string::npos);
   EXPECT_EQ(message_of("--unowned", "live"), "");
@@ -47,7 +47,7 @@ TEST(TechniqueText, DescribedKnobsReadBack) {
   EXPECT_EQ(
       describe(technique_of("full --threshold 0.3:0.1")),
       "full --threshold 0.3:0.1 --body-threshold 0.005 --replay on --model auto --lead 0.05 --time-space 0.04 "
-      "--predictor lookahead --threshold-law two-level --convergence pvb --radius 3 --precision rounded --unowned "
+      "--predictor lookahead --threshold-law two-level --convergence track --radius 3 --precision rounded --unowned "
       "agreed --budget 64 --steps 30 --count 4 --pcc-bound 0.1");
   EXPECT_NE(describe(technique_of("full --unowned live --time-stamps on")).find(" --unowned live --time-stamps on "),
             std::string::npos);

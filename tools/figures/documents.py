@@ -167,7 +167,7 @@ def convergence(m):
     text, _ = m.lab(*CONVERGENCE, "--out", "OUT")
     lines = text.splitlines()
     first = next(i for i, line in enumerate(lines) if line.lstrip().startswith("method")) - 1
-    last = next(i for i, line in enumerate(lines) if line.startswith("pvb"))
+    last = next(i for i, line in enumerate(lines) if line.startswith("track"))
     return "\n".join("    " + line for line in lines[first : last + 1])
 
 

@@ -9,8 +9,9 @@
 
 namespace padr::lab::convergence {
 
-inline constexpr std::array<Convergence, 3> kMethods{Convergence::kSnap, Convergence::kBlend, Convergence::kPvb};
-inline constexpr std::array<std::string_view, kMethods.size()> kNames{"snap", "blend", "pvb"};
+inline constexpr std::array<Convergence, 4> kMethods{Convergence::kSnap, Convergence::kBlend, Convergence::kPvb,
+                                                     Convergence::kTrack};
+inline constexpr std::array<std::string_view, kMethods.size()> kNames{"snap", "blend", "pvb", "track"};
 
 /// What one peer is shown of the others' entities in one session, by each method. What is simulated is the same to the
 /// bit: only the showing differs.
