@@ -19,8 +19,9 @@ namespace {
 constexpr std::uint64_t kSeed = 1;
 constexpr const char* kPathFolder = "common/scenarios/paths/";
 constexpr const char* kBadNetwork = "delay 100ms 50ms loss 10%";
+constexpr const char* kFarAway = "delay 200ms 40ms loss 5%";
 
-constexpr std::array<Sample, 5> kSamples{{
+constexpr std::array<Sample, 7> kSamples{{
     {"stop-short",
      "Stopping short",
      "Avatar 0 stops just short of a ball. Nobody has authority here, so in the picture of peer 1 the avatar's model "
@@ -79,6 +80,27 @@ constexpr std::array<Sample, 5> kSamples{{
      "full",
      {"wander", ""},
      kBadNetwork,
+     4,
+     20},
+    {"shown-pvb",
+     "Corrections by pvb",
+     "Four players who are 200 ms apart. What others do has to be corrected all the time; the pictures follow by "
+     "projective velocity blending.",
+     "tools/demo.sh",
+     "arena",
+     "full --convergence pvb",
+     {"wander", ""},
+     kFarAway,
+     4,
+     20},
+    {"shown-track",
+     "Corrections by track",
+     "The same players, the same datagrams. The pictures follow as fast as steps may change.",
+     "tools/demo.sh",
+     "arena",
+     "full --convergence track",
+     {"wander", ""},
+     kFarAway,
      4,
      20},
 }};
