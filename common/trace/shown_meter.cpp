@@ -51,7 +51,8 @@ void ShownMeter::tick(std::span<const BodyState> live, std::span<const Vec2> sho
   for (std::size_t e = 0; e < seen_.size(); ++e) {
     if (!present[e])
       seen_[e] = {};
-    else
+    else if (!seen_[e].rests || shown[e] != seen_[e].shown ||
+             live[e].velocity != Vec2{})  // most rest, most of the time
       follow(seen_[e], live[e], shown[e]);
   }
   take_overlaps(live, shown, present);
@@ -61,7 +62,7 @@ void ShownMeter::tick(std::span<const BodyState> live, std::span<const Vec2> sho
 void ShownMeter::follow(Seen& seen, const BodyState& live, Vec2 shown) {
   const Vec2 straight = live.velocity * kTickSeconds;
   if (!seen.there) {
-    seen = {true, shown, straight, straight, 0, {}};
+    seen = {true, false, shown, straight, straight, 0, {}};
     return;
   }
   const Vec2 stride = shown - seen.shown;
@@ -73,6 +74,7 @@ void ShownMeter::follow(Seen& seen, const BodyState& live, Vec2 shown) {
   take_stop(seen.stop, live, shown);
   seen.stride = stride;
   seen.expected = unexplained > kSnap ? straight : stride;
+  seen.rests = stride == Vec2{} && seen.expected == Vec2{} && seen.stop.way == Vec2{} && seen.frozen == 0;
 }
 
 void ShownMeter::take_freeze(Seen& seen, const BodyState& live, Vec2 shown, Vec2 stride) {
@@ -114,7 +116,9 @@ void ShownMeter::end(Stop& stop) {
 
 void ShownMeter::take_overlaps(std::span<const BodyState> live, std::span<const Vec2> shown,
                                const std::vector<bool>& present) {
-  const auto is_off = [&](std::size_t e) { return present[e] && distance(shown[e], live[e].position) > kSame; };
+  const auto is_off = [&](std::size_t e) {
+    return shown[e] != live[e].position && present[e] && distance(shown[e], live[e].position) > kSame;
+  };
   const auto thing = [&](std::size_t e) {
     const float angle = live[e].angle;
     return Thing{outlines_[e], {live[e].position, angle}, {shown[e], angle}, {seen_[e].shown, angle}};

@@ -53,9 +53,10 @@ class ShownMeter {
   };
   struct Seen {
     bool there = false;
-    Vec2 shown;     ///< m
-    Vec2 stride;    ///< m, of the last tick
-    Vec2 expected;  ///< m: to go on so is no change; after a jump not the jump, but what the velocity explains
+    bool rests = false;  ///< nothing goes on: the same again changes nothing
+    Vec2 shown;          ///< m
+    Vec2 stride;         ///< m, of the last tick
+    Vec2 expected;       ///< m: to go on so is no change; after a jump not the jump, but what the velocity explains
     Tick frozen = 0;
     Stop stop;
   };
