@@ -12,6 +12,7 @@ namespace {
 constexpr float kNotice = 0.005F;  // m
 constexpr float kGone = 0.0001F;   // m, of a blend: over
 constexpr float kTooFar = 3.0F;    // m
+constexpr float kStands = 0.1F;    // m/s: below
 // Exponential blend: what is left after one tick. Time constant 100 ms: gone in a quarter of a second.
 // Written out, as e^(-1/6) of the C library has another last bit on some processors.
 constexpr float kKeep = 0x1.b1660ep-1F;
@@ -132,11 +133,12 @@ void Shown::count_snap(Vec2 stride, Vec2 last_stride, Vec2 straight) {
   largest_snap_ = std::max(largest_snap_, static_cast<double>(beyond));
 }
 
-// What is led is moved out of other things no faster than its step may change.
+// What is led is moved out of other things no faster than its step may change. What stands is not: it would be shown to
+// be pushed on after its stop.
 void Shown::keep_clear(const world::View& live) {
   led_.clear();
   for (const EntityId e : moving_)
-    if (offset_[e] != Vec2{}) led_.push_back(e);
+    if (offset_[e] != Vec2{} && length(live.velocity(e)) > kStands) led_.push_back(e);
   for (const EntityId e : clearance_.keep(live, led_, before_, shown_)) {
     const Vec2 straight = live.velocity(e) * kTickSeconds;
     shown_[e] = before_[e] + believable_stride(shown_[e] - before_[e], stride_[e], straight);
