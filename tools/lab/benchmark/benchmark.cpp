@@ -6,7 +6,7 @@
 
 #include "common/model/hash.h"
 #include "common/model/user_error.h"
-#include "common/world/world.h"
+#include "common/world/fingerprint.h"
 #include "shell/files.h"
 #include "shell/revision.h"
 #include "shell/scenario_flags.h"
