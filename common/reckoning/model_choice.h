@@ -20,8 +20,8 @@ class ModelChoice {
   explicit ModelChoice(const AvatarDef& avatar) : avatar_(avatar) {}
 
   /// The avatar after this tick's step, and what would be told of it now: the point that it heads for, m, and its
-  /// acceleration, m/s^2.
-  void follow(const BodyState& truth, Vec2 aim, Vec2 acceleration);
+  /// acceleration, m/s^2. `way`: ticks that an update takes to its receivers.
+  void follow(const BodyState& truth, Vec2 aim, Vec2 acceleration, Tick way);
   /// Model::kInput until kSecond is clearly better.
   Model best() const { return second_error_ < kClearly * input_error_ ? Model::kSecond : Model::kInput; }
 
@@ -33,12 +33,13 @@ class ModelChoice {
     Vec2 aim;
     Vec2 acceleration;
   };
-  /// Where the avatar is kHorizon ticks after the moment, as each model has it.
-  Vec2 by_input(const Moment& m) const;
-  Vec2 by_second(const Moment& m) const;
+  /// Where the avatar is so many ticks after the moment, as each model has it.
+  Vec2 by_input(const Moment& m, std::size_t ticks) const;
+  Vec2 by_second(const Moment& m, std::size_t ticks) const;
 
-  /// An update is believed for about this long: the way to its receiver, and the time until the next one.
-  static constexpr std::size_t kHorizon = 15;
+  /// An update is believed until the next one comes: for its way, and about so many ticks between two.
+  static constexpr Tick kBetween = 9;
+  static constexpr std::size_t kLongest = 60;
   /// Errors are averaged over about so many ticks: less, and single turns decide; more, and a hand that has begun to
   /// point is taken for one that runs for too long.
   static constexpr float kAveraged = 30;
@@ -46,7 +47,7 @@ class ModelChoice {
   static constexpr float kClearly = 0.5F;
 
   AvatarDef avatar_;
-  std::array<Moment, kHorizon> past_{};
+  std::array<Moment, kLongest> past_{};
   std::size_t seen_ = 0;
   float input_error_ = 0;   ///< m, averaged
   float second_error_ = 0;  ///< m, averaged

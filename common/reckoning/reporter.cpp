@@ -63,7 +63,7 @@ const Bundle& Reporter::report(const Situation& s) {
   exact_ = false;
   aim_.follow(s.target);
   if (technique_.model == Model::kChosen)
-    choice_.follow(s.live->world().state(s.live->avatar()), aim_.ahead(), s.acceleration);
+    choice_.follow(s.live->world().state(s.live->avatar()), aim_.ahead(), s.acceleration, s.round_trip / 2);
   const bool all = technique_.update_every_contact;  // those, too, that are over in the step that they begin in
   changes_ = &chain_.update(all ? s.live->touching() : s.live->world().contacts(), s.predicted->tick);
   const auto held = [this](EntityId b) { return chain_.held(b); };

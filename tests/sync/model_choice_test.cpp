@@ -18,7 +18,7 @@ class Walk {
     state_.velocity = state_.velocity + acceleration * kTickSeconds;
     state_.position = state_.position + state_.velocity * kTickSeconds;
     aim_.follow(target);
-    choice_.follow(state_, aim_.ahead(), acceleration);
+    choice_.follow(state_, aim_.ahead(), acceleration, 6);
     target_ = target;
   }
   void run(Vec2 velocity, int ticks) {

@@ -13,8 +13,8 @@
 #include "common/trace/fidelity.h"
 #include "common/trace/flips.h"
 #include "common/trace/metrics.h"
-#include "tools/lab/measure/processor_time.h"
 #include "common/trace/shown_meter.h"
+#include "tools/lab/measure/processor_time.h"
 
 namespace padr::lab {
 
