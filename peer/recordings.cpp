@@ -40,8 +40,9 @@ trace::Provenance Recordings::provenance() const {
 std::optional<node::RecordedReplica::Recording> Recordings::of(int incarnation) {
   if (files_.empty()) return std::nullopt;
   const auto n = static_cast<std::size_t>(incarnation);
-  if (incarnation > 0) {
+  if (incarnation > 0 || begun_) {
     files_.resize(std::max(files_.size(), n + 1));
+    files_[n].reset();  // what it has buffered is written now, and not into the file that begins anew
     try {
       files_[n] = std::make_unique<shell::OutputFile>("--trace", trace_file(options_.trace, incarnation));
     } catch (const UserError& e) {
@@ -49,6 +50,7 @@ std::optional<node::RecordedReplica::Recording> Recordings::of(int incarnation) 
       return std::nullopt;
     }
   }
+  begun_ = true;
   shell::OutputFile* file = files_[n].get();
   return node::RecordedReplica::Recording{provenance(), [file](std::span<const std::byte> b) { file->write(b); }};
 }

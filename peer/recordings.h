@@ -32,6 +32,7 @@ class Recordings {
   const Options& options_;
   Log& log_;
   std::vector<std::unique_ptr<shell::OutputFile>> files_;  ///< by incarnation; null where there is none
+  bool begun_ = false;                                     ///< the first file has been written to, or may have been
 };
 
 }  // namespace padr::peer

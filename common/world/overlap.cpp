@@ -5,12 +5,15 @@
 #include <cmath>
 #include <limits>
 
+#include "common/model/portable_math.h"
+
 namespace padr::world {
 namespace {
 
 /// A rotation.
 struct Axes {
-  explicit Axes(float angle) : x{std::cos(angle), std::sin(angle)}, y{-x.y, x.x} {}
+  explicit Axes(float angle) : Axes(sin_cos(static_cast<double>(angle))) {}
+  explicit Axes(const SinCos& s) : x{static_cast<float>(s.cos), static_cast<float>(s.sin)}, y{-x.y, x.x} {}
   Vec2 x;
   Vec2 y;
   Vec2 into(Vec2 v) const { return {dot(v, x), dot(v, y)}; }
