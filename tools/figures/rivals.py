@@ -83,7 +83,7 @@ def met(m):
         for netem in NETWORKS.values():
             r = pick(of, name, netem)
             cells.append(f"{metres(value(r, 'mean_m'))} / {metres(value(r, 'hands_mean_m'))}, {1000 * value(r, 'hand_delay_s'):.0f} ms, "
-                         f"{100 * value(r, 'frozen_share'):.0f} %, {value(r, 'jumps_per_s'):.1f}, {value(r, 'kbit_per_s'):.0f}")  # fmt: skip
+                         f"{100 * value(r, 'frozen_share'):.0f} %, {value(r, 'jumps_per_s'):.2f}, {value(r, 'kbit_per_s'):.0f}")  # fmt: skip
         lines.append([f"`{name}`", *cells])
     return table(["technique", *NETWORKS], lines)
 
