@@ -109,15 +109,28 @@ TEST(Frontier, FullIsCloseToTellingEverythingForAFractionOfTheTraffic) {
 }
 
 TEST(Frontier, AimingAheadAndTheTimeSpaceLawBothPay) {
-  const Point full = point_of(tight_full());
-  Technique no_lead = tight_full();
+  Technique input = tight_full();
+  input.model = Model::kInput;
+  const Point full = point_of(input);
+  Technique no_lead = input;
   no_lead.lead = 0;
-  Technique no_time_space = tight_full();
+  Technique no_time_space = input;
   no_time_space.time_space = 0;
   const Point without_lead = point_of(no_lead);
   EXPECT_GT(without_lead.mean_m, 1.1 * full.mean_m);
   EXPECT_GT(without_lead.kbps, full.kbps);
   EXPECT_GT(point_of(no_time_space).mean_m, 1.1 * full.mean_m);
+}
+
+TEST(Frontier, ChoosingTheModelPays) {
+  Technique input = tight_full();
+  input.model = Model::kInput;
+  const Point chosen = point_of(tight_full());
+  const Point one = point_of(input);
+  std::cout << chosen.mean_m << " m, " << chosen.kbps << " kbit/s; one model " << one.mean_m << " m, " << one.kbps
+            << " kbit/s\n";
+  EXPECT_LT(chosen.mean_m, one.mean_m);
+  EXPECT_LT(chosen.kbps, 0.97 * one.kbps);
 }
 
 }  // namespace
