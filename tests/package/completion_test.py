@@ -100,7 +100,7 @@ class Completion(unittest.TestCase):
 
     def test_options_with_names_are_completed(self):
         for words, wanted in [
-            (["padr-peer", "--model", ""], "static first second input"),
+            (["padr-peer", "--model", ""], "static first second input auto"),
             (["padr-peer", "--model", "s"], "static second"),
             (["padr-peer", "--model", "=", "s"], "static second"),
             (["padr-peer", "--seal", "="], "auth encrypt"),

@@ -116,7 +116,7 @@ std::optional<Spec> alternative_of(const std::string& text) {
 std::string help_on_alternatives() {
   std::string text;
   for (const Beginning& b : beginnings()) text += "  " + std::string(b.name) + " " + std::string(b.knobs) + "\n";
-  for (const Knob& k : kKnobs) text += "  " + std::string(k.flag) + ": " + std::string(k.allowed) + "\n";
+  for (const Knob& k : kKnobs) text += "  knob " + std::string(k.flag) + ": " + std::string(k.allowed) + "\n";
   return text;
 }
 
