@@ -101,8 +101,8 @@ constexpr std::array<Knob, kKnobCount> kKnobs{{
        t.body_threshold = v == "off" ? 0 : in_range(flag, v, kLeast, kMost, "metres, or off");
      }},
     {"--model", "NAME",
-     "How others continue an avatar between updates: static, first, second (order), input or auto; auto: as second"
-     " or input, whichever has lately been right more often, chosen for each update",
+     "How others continue an avatar between updates: static, first, second (order), input or auto; auto: each update"
+     " chooses second or input",
      named<&Technique::model, kModels>},
     {"--lead", "S", "Input model: send the target's position as it will be in S seconds",
      [](Technique& t, Text flag, Text v) { t.lead = in_range(flag, v, 0.0F, 1.0F, "seconds"); }},
