@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "common/model/hash.h"
 #include "common/model/user_error.h"
 #include "common/world/fingerprint.h"
 #include "shell/run_main.h"
@@ -51,7 +52,7 @@ int fingerprint_command(int argc, const char* const* argv) {
     throw UserError("fingerprint: '" + std::string(argv[3]) + "' is not expected; give one fingerprint, or nothing");
   const std::uint64_t theirs = other.empty() ? 0 : parsed(other);
   const std::uint64_t ours = world::physics_fingerprint();
-  std::printf("fingerprint: %s\n", world::fingerprint_text(ours).c_str());
+  std::printf("fingerprint: %s\n", hex(ours).c_str());
   std::printf("computed by: %s, %s%s, Box2D from %s\n", processor().c_str(), kCompiler, __VERSION__, PADR_BOX2D_ORIGIN);
   const std::string habits = world::habits_text(ours);
   if (!habits.empty()) std::printf("this program %s\n", habits.c_str());

@@ -35,15 +35,11 @@ class PathInput : public scenarios::InputSource {
   throw UserError("input: \"" + std::string(spec) + "\" " + why);
 }
 
-std::unique_ptr<scenarios::InputSource> path_input(std::string_view spec, std::string_view file,
+std::unique_ptr<scenarios::InputSource> path_input(std::string_view spec, const PathText& path,
                                                    const InputContext& context) {
-  constexpr std::string_view kLoop = ",loop";
-  const bool loop = file.ends_with(kLoop);
-  if (loop) file.remove_suffix(kLoop.size());
-  if (file.empty()) refuse(spec, "names no file, allowed: path:FILE or path:FILE,loop");
+  if (path.file.empty()) refuse(spec, "names no file, allowed: path:FILE or path:FILE,loop");
   if (!context.read) refuse(spec, "needs a file, and files cannot be read here, allowed: wander, wander:SEED or rest");
-  const std::string name(file);
-  return std::make_unique<PathInput>(parse_path_csv(context.read(name), name), loop);
+  return std::make_unique<PathInput>(parse_path_csv(context.read(path.file), path.file), path.loop);
 }
 
 std::uint64_t seed_of(std::string_view spec, std::string_view text) {
@@ -57,13 +53,22 @@ std::uint64_t seed_of(std::string_view spec, std::string_view text) {
 
 }  // namespace
 
+std::optional<PathText> path_text(std::string_view spec) {
+  constexpr std::string_view kPath = "path:";
+  constexpr std::string_view kLoop = ",loop";
+  if (!spec.starts_with(kPath)) return std::nullopt;
+  spec.remove_prefix(kPath.size());
+  const bool loop = spec.ends_with(kLoop);
+  if (loop) spec.remove_suffix(kLoop.size());
+  return PathText{std::string(spec), loop};
+}
+
 std::unique_ptr<scenarios::InputSource> make_input(std::string_view spec, const InputContext& context) {
   const std::vector<Vec2>& spawns = context.scene.avatar.spawns;
   if (context.slot < 0 || static_cast<std::size_t>(context.slot) >= spawns.size()) {
     refuse(spec, "is for avatar slot " + std::to_string(context.slot) + ", allowed in scenario " + context.scene.name +
                      ": 0 .. " + std::to_string(static_cast<int>(spawns.size()) - 1));
   }
-  constexpr std::string_view kPath = "path:";
   constexpr std::string_view kWanderSeed = "wander:";
   if (spec == "rest") return std::make_unique<Rest>(spawns[static_cast<std::size_t>(context.slot)]);
   if (spec == "wander")
@@ -72,7 +77,7 @@ std::unique_ptr<scenarios::InputSource> make_input(std::string_view spec, const 
     const std::uint64_t seed = seed_of(spec, spec.substr(kWanderSeed.size()));
     return std::make_unique<scenarios::Wander>(scenarios::wander_options(context.scene, context.slot), seed);
   }
-  if (spec.starts_with(kPath)) return path_input(spec, spec.substr(kPath.size()), context);
+  if (const auto path = path_text(spec)) return path_input(spec, *path, context);
   refuse(spec, "is no input, allowed: path:FILE, path:FILE,loop, wander, wander:SEED or rest");
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -19,6 +20,14 @@ struct InputContext {
   /// Reads the file of a path. Its errors are its own: it should throw UserError that names the file.
   std::function<std::string(const std::string& file)> read;
 };
+
+/// What `path:FILE` or `path:FILE,loop` says.
+struct PathText {
+  std::string file;
+  bool loop = false;
+};
+/// Nothing for input that is no path.
+std::optional<PathText> path_text(std::string_view spec);
 
 /// The input that `spec` names:
 ///   `path:FILE`       the recorded path in FILE (CSV, see path_csv.h), staying at its end

@@ -70,13 +70,9 @@ std::unique_ptr<scenarios::InputSource> load_input(std::string_view spec, const 
 }
 
 std::optional<PathNotes> notes_on_input(std::string_view spec, const Scene& scene) {
-  constexpr std::string_view kPath = "path:";
-  constexpr std::string_view kLoop = ",loop";
-  if (!spec.starts_with(kPath)) return std::nullopt;
-  spec.remove_prefix(kPath.size());
-  if (spec.ends_with(kLoop)) spec.remove_suffix(kLoop.size());
-  const std::string file(spec);
-  return notes_on_path(parse_path_csv(read_file("--input", file), "--input: " + file), file, scene);
+  const auto path = path_text(spec);
+  if (!path) return std::nullopt;
+  return notes_on_path(parse_path_csv(read_file("--input", path->file), "--input: " + path->file), path->file, scene);
 }
 
 void tell_of_paths(const char* program, const std::vector<std::string>& specs, const Scene& scene) {

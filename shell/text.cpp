@@ -15,10 +15,6 @@ std::string fixed_or_dash(double v, int digits) {
   return std::isfinite(v) ? fixed(v, digits) : "-";
 }
 
-std::string hex(std::uint64_t v) {
-  return fmt::format("{:016x}", v);
-}
-
 std::string valid_utf8(std::string_view text) {
   using nlohmann::json;
   return json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();

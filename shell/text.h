@@ -1,10 +1,11 @@
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "common/model/hash.h"
 
 namespace padr::shell {
 
@@ -13,8 +14,7 @@ std::string fixed(double v, int digits);
 /// The same, and "-" for what is not finite.
 std::string fixed_or_dash(double v, int digits);
 
-/// 16 hexadecimal digits.
-std::string hex(std::uint64_t v);
+using padr::hex;
 
 /// `text` with every byte that is not part of well-formed UTF-8 (RFC 3629) replaced by U+FFFD. Command lines and
 /// paths may hold any bytes; Json does this by itself.

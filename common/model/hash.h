@@ -4,9 +4,17 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <string>
 #include <string_view>
 
 namespace padr {
+
+/// 16 lower-case hexadecimal digits, as people see hashes.
+inline std::string hex(std::uint64_t v) {
+  std::string text(16, '0');
+  for (std::size_t i = text.size(); i-- > 0; v >>= 4U) text[i] = "0123456789abcdef"[v & 15U];
+  return text;
+}
 
 /// Order-dependent 64-bit hash over exact bits, for comparing states and definitions between peers.
 /// Not cryptographic: it finds differences, it does not resist an attacker.

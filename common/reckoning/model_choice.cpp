@@ -6,21 +6,13 @@
 
 namespace padr::sync {
 
-Vec2 ModelChoice::by_input(const Moment& m, std::size_t ticks) const {
+Vec2 ModelChoice::foretold(Model model, const Moment& m, std::size_t ticks) const {
   Vec2 position = m.position;
   Vec2 velocity = m.velocity;
   for (std::size_t i = 0; i < ticks; ++i) {
-    velocity = velocity + world::control_force(avatar_, position, velocity, m.aim) * (kTickSeconds / avatar_.mass);
-    position = position + velocity * kTickSeconds;
-  }
-  return position;
-}
-
-Vec2 ModelChoice::by_second(const Moment& m, std::size_t ticks) const {
-  Vec2 position = m.position;
-  Vec2 velocity = m.velocity;
-  for (std::size_t i = 0; i < ticks; ++i) {
-    velocity = clamp_length(velocity + m.acceleration * kTickSeconds, avatar_.max_speed);
+    velocity = model == Model::kInput
+                   ? velocity + world::control_force(avatar_, position, velocity, m.aim) * (kTickSeconds / avatar_.mass)
+                   : clamp_length(velocity + m.acceleration * kTickSeconds, avatar_.max_speed);
     position = position + velocity * kTickSeconds;
   }
   return position;
@@ -30,8 +22,11 @@ void ModelChoice::follow(const BodyState& truth, Vec2 aim, Vec2 acceleration, Ti
   const std::size_t back = std::min(static_cast<std::size_t>(way + kBetween), kLongest);
   if (seen_ >= back) {
     const Moment& then = past_[(seen_ - back) % kLongest];
-    input_error_ += (distance(by_input(then, back), truth.position) - input_error_) / kAveraged;
-    second_error_ += (distance(by_second(then, back), truth.position) - second_error_) / kAveraged;
+    const auto take = [&](Model model, float& error) {
+      error += (distance(foretold(model, then, back), truth.position) - error) / kAveraged;
+    };
+    take(Model::kInput, input_error_);
+    take(Model::kSecond, second_error_);
   }
   past_[seen_ % kLongest] = {truth.position, truth.velocity, aim, acceleration};
   ++seen_;

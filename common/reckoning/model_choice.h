@@ -33,9 +33,8 @@ class ModelChoice {
     Vec2 aim;
     Vec2 acceleration;
   };
-  /// Where the avatar is so many ticks after the moment, as each model has it.
-  Vec2 by_input(const Moment& m, std::size_t ticks) const;
-  Vec2 by_second(const Moment& m, std::size_t ticks) const;
+  /// Where the avatar is so many ticks after the moment, as kInput or kSecond has it.
+  Vec2 foretold(Model model, const Moment& m, std::size_t ticks) const;
 
   /// An update is believed until the next one comes: for its way, and about so many ticks between two.
   static constexpr Tick kBetween = 9;

@@ -1,11 +1,10 @@
 #include "common/session/session_objection.h"
 
+#include "common/model/hash.h"
 #include "common/world/fingerprint.h"
 
 namespace padr::node {
 namespace {
-
-using world::fingerprint_text;
 
 std::string authority_words(bool authority) {
   return authority ? "dynamic authority" : "no authority (avatar-only)";
@@ -15,12 +14,12 @@ std::string authority_words(bool authority) {
 
 std::string objection(const SessionConfig& c, const wire::Join& join) {
   if (join.fingerprint != c.fingerprint)
-    return "physics differs: fingerprint " + fingerprint_text(c.fingerprint) + " in the session, " +
-           fingerprint_text(join.fingerprint) + " in the newcomer: " +
+    return "physics differs: fingerprint " + hex(c.fingerprint) + " in the session, " + hex(join.fingerprint) +
+           " in the newcomer: " +
            world::physics_difference(c.fingerprint, join.fingerprint, "the session", "the newcomer");
   if (join.scene_hash != c.scene_hash)
-    return "scenario differs: '" + c.scenario + "' (hash " + fingerprint_text(c.scene_hash) + ") in the session, '" +
-           join.scenario + "' (hash " + fingerprint_text(join.scene_hash) + ") in the newcomer";
+    return "scenario differs: '" + c.scenario + "' (hash " + hex(c.scene_hash) + ") in the session, '" + join.scenario +
+           "' (hash " + hex(join.scene_hash) + ") in the newcomer";
   if (join.authority != c.authority)
     return "authority rule differs: " + authority_words(c.authority) + " in the session, " +
            authority_words(join.authority) + " in the newcomer";

@@ -40,10 +40,12 @@ void ShownMotion::add(const ShownMotion& o) {
 }
 
 ShownMeter::ShownMeter(const Scene& scene, int slots)
-    : outlines_(world::outlines(scene, slots)),
-      reaches_(world::reaches(scene, slots)),
-      fixed_(scene.statics),
-      seen_(outlines_.size()) {}
+    : outlines_(world::outlines(scene, slots)), reaches_(world::reaches(scene, slots)), seen_(outlines_.size()) {
+  for (const BodyDef& d : scene.statics) {
+    const world::Pose at{d.position, d.angle};
+    fixed_.push_back({world::outline_of(d), at, at, at});
+  }
+}
 
 void ShownMeter::tick(std::span<const BodyState> live, std::span<const Vec2> shown, const std::vector<bool>& present) {
   assert(live.size() == seen_.size() && shown.size() == seen_.size() && present.size() == seen_.size());
@@ -130,10 +132,7 @@ void ShownMeter::take_overlaps(std::span<const BodyState> live, std::span<const 
       if (b == a || !present[b] || !world::within_reach(shown[a], reaches_[a], shown[b], reaches_[b])) continue;
       if (b > a || !is_off(b)) take_overlap({std::min(a, b), std::max(a, b)}, thing(a), thing(b));
     }
-    for (std::size_t f = 0; f < fixed_.size(); ++f) {
-      const world::Pose at{fixed_[f].position, fixed_[f].angle};
-      take_overlap({a, seen_.size() + f}, thing(a), {world::outline_of(fixed_[f]), at, at, at});
-    }
+    for (std::size_t f = 0; f < fixed_.size(); ++f) take_overlap({a, seen_.size() + f}, thing(a), fixed_[f]);
   }
   had_.swap(had_now_);
 }

@@ -75,7 +75,7 @@ class ShownMeter {
 
   std::vector<world::Outline> outlines_;  ///< by entity
   std::vector<float> reaches_;            ///< by entity, m
-  std::vector<BodyDef> fixed_;
+  std::vector<Thing> fixed_;
   std::vector<Seen> seen_;  ///< by entity
   /// By pair whose shown overlap is deeper than the live one: how much of it the live world had, m.
   using Depths = std::map<std::pair<std::size_t, std::size_t>, float>;

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "common/model/hash.h"
 #include "common/model/rng.h"
@@ -152,12 +151,6 @@ std::string habits_text(std::uint64_t fingerprint) {
   for (const HabitWords& w : kHabits)
     if (has(fingerprint, w.habit)) text += (text.empty() ? "" : "; ") + std::string(w.is) + ": " + w.cure;
   return text;
-}
-
-std::string fingerprint_text(std::uint64_t fingerprint) {
-  std::array<char, 20> text{};
-  const int n = std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(fingerprint));
-  return {text.data(), static_cast<std::size_t>(n)};
 }
 
 }  // namespace padr::world

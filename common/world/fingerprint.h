@@ -31,9 +31,6 @@ enum class Habit : std::uint8_t {
 /// they are equal.
 std::string physics_difference(std::uint64_t a, std::uint64_t b, const std::string& first, const std::string& second);
 
-/// 16 lower-case hexadecimal digits.
-std::string fingerprint_text(std::uint64_t fingerprint);
-
 /// The part of a fingerprint that says how this build and machine compute, in words, one for each Habit that it has;
 /// empty if it computes as every peer should.
 std::string habits_text(std::uint64_t fingerprint);

@@ -1,8 +1,9 @@
 // Prints the physics fingerprint of what it is linked with.
 #include <cstdio>
 
+#include "common/model/hash.h"
 #include "common/world/fingerprint.h"
 
 int main() {
-  std::puts(padr::world::fingerprint_text(padr::world::physics_fingerprint()).c_str());
+  std::puts(padr::hex(padr::world::physics_fingerprint()).c_str());
 }

@@ -7,20 +7,14 @@
 #include "common/model/rng.h"
 #include "common/shown/tracking.h"
 #include "tests/seed.h"
+#include "tests/world/test_scene.h"
 
 namespace padr::sync {
 namespace {
 
 /// One ball, and a wall at x = 20 m.
 Scene one_ball() {
-  Scene scene;
-  scene.bodies.resize(1);
-  scene.bodies[0].radius = 0.3F;
-  scene.statics.resize(1);
-  scene.statics[0].shape = ShapeKind::kBox;
-  scene.statics[0].half = {0.1F, 5};
-  scene.statics[0].position = {20, 0};
-  return scene;
+  return test::balls_and_a_wall(1, {0.1F, 5}, {20, 0});
 }
 
 /// A Shown of one ball, without the world.

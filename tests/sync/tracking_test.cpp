@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/shown/clearance.h"
+#include "tests/world/test_scene.h"
 
 namespace padr::sync {
 namespace {
@@ -51,14 +52,7 @@ TEST(Tracking, AStepIsBelievableNearTheLastOneTheExplainedOneAndAnyBetween) {
 
 /// Two balls of 0.3 m and a wall between x = 5 and x = 6, from y = -1 to y = 1.
 Scene two_balls_and_a_wall() {
-  Scene scene;
-  scene.bodies.resize(2);
-  for (BodyDef& b : scene.bodies) b.radius = 0.3F;
-  scene.statics.resize(1);
-  scene.statics[0].shape = ShapeKind::kBox;
-  scene.statics[0].half = {0.5F, 1};
-  scene.statics[0].position = {5.5F, 0};
-  return scene;
+  return test::balls_and_a_wall(2, {0.5F, 1}, {5.5F, 0});
 }
 
 struct Room {

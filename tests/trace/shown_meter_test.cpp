@@ -4,6 +4,8 @@
 
 #include <functional>
 
+#include "tests/world/test_scene.h"
+
 namespace padr::trace {
 namespace {
 
@@ -11,14 +13,7 @@ constexpr float kTick = kTickSeconds;
 
 /// Two balls of 0.3 m, the second one far away, and a wall from x = 20 m on.
 Scene two_balls() {
-  Scene scene;
-  scene.bodies.resize(2);
-  for (BodyDef& b : scene.bodies) b.radius = 0.3F;
-  scene.statics.resize(1);
-  scene.statics[0].shape = ShapeKind::kBox;
-  scene.statics[0].half = {1, 10};
-  scene.statics[0].position = {21, 0};
-  return scene;
+  return test::balls_and_a_wall(2, {1, 10}, {21, 0});
 }
 
 /// The first ball at a tick, along x.

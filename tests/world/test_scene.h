@@ -54,4 +54,16 @@ inline Scene corridor() {
   return s;
 }
 
+/// Balls of 0.3 m, all at (0, 0), and one wall.
+inline Scene balls_and_a_wall(std::size_t balls, Vec2 half, Vec2 position) {
+  Scene s;
+  s.bodies.resize(balls);
+  for (BodyDef& b : s.bodies) b.radius = 0.3F;
+  s.statics.resize(1);
+  s.statics[0].shape = ShapeKind::kBox;
+  s.statics[0].half = half;
+  s.statics[0].position = position;
+  return s;
+}
+
 }  // namespace padr::test

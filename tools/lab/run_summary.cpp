@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "common/model/hash.h"
 #include "shell/command_line.h"
 #include "shell/json.h"
 #include "shell/measures_json.h"
@@ -117,7 +118,7 @@ std::string json_summary(const Simulation& s, const RunFacts& f) {
   }
   put(j, rates_of(s, 0, s.peers()));
   j.field("confirmed_ticks", s.confirmed_ticks()).field("confirmed_mismatches", s.confirmed_mismatches());
-  j.field("confirmed_hash", fmt::sprintf("%016llx", static_cast<unsigned long long>(s.last_confirmed_hash())));
+  j.field("confirmed_hash", hex(s.last_confirmed_hash()));
   put(j, s.flips());
   if (s.first_mismatch() >= 0) j.field("first_mismatch_tick", s.first_mismatch());
   j.field("realtime_factor", virtual_seconds / f.wall_seconds);

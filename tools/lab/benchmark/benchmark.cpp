@@ -8,6 +8,7 @@
 #include "common/model/user_error.h"
 #include "common/world/fingerprint.h"
 #include "shell/files.h"
+#include "shell/input_text.h"
 #include "shell/revision.h"
 #include "shell/scenario_flags.h"
 #include "shell/text.h"
@@ -21,9 +22,7 @@ constexpr std::size_t kLeading = 7;  // columns before the figures
 
 void add_input(Hasher& h, const std::string& input) {
   h.add(std::string_view(input));
-  if (!input.starts_with("path:")) return;
-  const bool loops = input.ends_with(",loop");
-  h.add(std::string_view(shell::read_file("--input", input.substr(5, input.size() - 5 - (loops ? 5 : 0)))));
+  if (const auto path = shell::path_text(input)) h.add(std::string_view(shell::read_file("--input", path->file)));
 }
 
 void add_alternative(Hasher& h, const alternatives::Spec& s) {

@@ -8,6 +8,7 @@
 
 #include "common/model/user_error.h"
 #include "shell/command_line.h"
+#include "shell/input_text.h"
 #include "shell/run_main.h"
 #include "shell/technique_text.h"
 #include "tools/lab/figures/html.h"
@@ -26,11 +27,8 @@ constexpr std::size_t kMostCases = 200;
 
 /// "path:somewhere/user 7.csv,loop" gives "user-7".
 std::string short_name(const std::string& input) {
-  std::string name = input;
-  if (name.starts_with("path:")) {
-    name = name.substr(5, name.find(",loop") == std::string::npos ? std::string::npos : name.size() - 10);
-    name = std::filesystem::path(name).stem().string();
-  }
+  const auto path = shell::path_text(input);
+  std::string name = path ? std::filesystem::path(path->file).stem().string() : input;
   for (char& c : name)
     if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '-';
   return name;

@@ -12,6 +12,7 @@
 #include "common/scenarios/scenarios.h"
 #include "common/world/fingerprint.h"
 #include "shell/files.h"
+#include "shell/input_text.h"
 #include "shell/netem_flags.h"
 #include "shell/revision.h"
 #include "shell/scenario_flags.h"
@@ -183,10 +184,7 @@ std::string Grid::identify() const {
   if (watched_) h.add(std::uint64_t{*watched_} + 1);
   for (const std::string& input : inputs_) {
     h.add(std::string_view(input));
-    if (!input.starts_with("path:")) continue;
-    const std::string file =
-        input.substr(5, input.rfind(",loop") == std::string::npos ? std::string::npos : input.size() - 5 - 5);
-    h.add(std::string_view(shell::read_file("--input", file)));
+    if (const auto path = shell::path_text(input)) h.add(std::string_view(shell::read_file("--input", path->file)));
   }
   return fmt::format("{:08x}", h.value() >> 32U);
 }
