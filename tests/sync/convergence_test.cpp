@@ -186,7 +186,9 @@ TEST(Convergence, TrackChangesNoStepByMoreThanVelocityExplainsAndTheBound) {
     ball.view.change().entities[0].velocity = velocity;
     ball.shown.advance(ball.view, {false});
     const Vec2 now = ball.shown.positions()[0];
-    if (t > 1) ASSERT_LE(distance_to_segment(now - before, stride, velocity * kTickSeconds), kMostChange + 1e-3F) << t;
+    if (t > 1) {
+      ASSERT_LE(distance_to_segment(now - before, stride, velocity * kTickSeconds), kMostChange + 1e-3F) << t;
+    }
     ASSERT_LT(distance(now, at), 3) << t;
     stride = now - before;
     before = now;
