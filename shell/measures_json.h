@@ -20,16 +20,13 @@ inline void put(Json& j, const trace::Pcc& c) {
 }
 
 inline void put(Json& j, const trace::ShownMotion& s) {
-  const double seconds = s.ticks > 0 ? s.seconds() : 1;
-  const double ticks = s.ticks > 0 ? static_cast<double>(s.ticks) : 1;
-  j.field("stride_change_m_per_s", s.stride_change_m / seconds);
-  j.field("stride_unexplained_m_per_s", s.unexplained_m / seconds);
+  j.field("stride_change_m_per_s", s.stride_change_m_per_s());
+  j.field("stride_unexplained_m_per_s", s.unexplained_m_per_s());
   j.field("stops", s.stops).field("overshoot_mean_m", s.overshoot_mean_m());
   j.field("overshoot_peak_m", s.overshoot_peak_m);
-  j.field("overlap_mean_m", s.overlap_m / ticks).field("overlap_made_mean_m", s.overlap_made_m / ticks);
+  j.field("overlap_mean_m", s.overlap_mean_m()).field("overlap_made_mean_m", s.overlap_made_mean_m());
   j.field("overlap_peak_m", s.overlap_peak_m);
-  j.field("freezes_per_s", static_cast<double>(s.freezes) / seconds);
-  j.field("longest_freeze_s", static_cast<double>(s.longest_freeze) / kTicksPerSecond);
+  j.field("freezes_per_s", s.freezes_per_s()).field("longest_freeze_s", s.longest_freeze_s());
 }
 
 }  // namespace padr::shell

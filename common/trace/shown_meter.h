@@ -27,9 +27,18 @@ struct ShownMotion {
   std::uint64_t freezes = 0;
   Tick longest_freeze = 0;  ///< ticks
 
-  double seconds() const { return static_cast<double>(ticks) / kTicksPerSecond; }
   double overshoot_mean_m() const { return stops > 0 ? overshoot_m / static_cast<double>(stops) : 0; }
+  // Means over time, 0 without any.
+  double stride_change_m_per_s() const { return per_tick(stride_change_m) * kTicksPerSecond; }
+  double unexplained_m_per_s() const { return per_tick(unexplained_m) * kTicksPerSecond; }
+  double overlap_mean_m() const { return per_tick(overlap_m); }
+  double overlap_made_mean_m() const { return per_tick(overlap_made_m); }
+  double freezes_per_s() const { return per_tick(static_cast<double>(freezes)) * kTicksPerSecond; }
+  double longest_freeze_s() const { return static_cast<double>(longest_freeze) / kTicksPerSecond; }
   void add(const ShownMotion& other);
+
+ private:
+  double per_tick(double sum) const { return ticks > 0 ? sum / static_cast<double>(ticks) : 0; }
 };
 
 /// Looks at one view. Needs no more than a trace holds.

@@ -105,6 +105,17 @@ TEST_F(Program, JsonToStandardOutputIsNothingElse) {
     EXPECT_NE(o.out.find('"' + std::string(key) + '"'), std::string::npos) << key;
 }
 
+TEST_F(Program, TableAndSummaryTellHowShownPositionsMove) {
+  const Outcome o = run("0.trace 1.trace --json j.json");
+  EXPECT_EQ(o.status, 0) << o.err;
+  const std::size_t at = o.out.find("\n  shown  ");
+  ASSERT_NE(at, std::string::npos);
+  const std::string rows = o.out.substr(at, o.out.find("\n\n", at) - at);
+  for (const char* row : {"\n  peer 0 ", "\n  peer 1 ", "\n  overall "})
+    EXPECT_NE(rows.find(row), std::string::npos) << row;
+  EXPECT_NE(read(dir_ / "j.json").find("\"overlap_made_mean_m\""), std::string::npos);
+}
+
 TEST_F(Program, FilesWhereTheyWereAskedFor) {
   const Outcome o = run("0.trace 1.trace --csv deep/csv --json j.json");
   EXPECT_EQ(o.status, 0) << o.err;

@@ -89,16 +89,14 @@ trace::Inconsistency overall(const Simulation& s, const RunFacts& f) {
 /// What viewers see of corrections.
 std::string shown_lines(const trace::Inconsistency& i, const Rates& r) {
   const trace::ShownMotion& m = r.shown;
-  const double ticks = m.ticks > 0 ? static_cast<double>(m.ticks) : 1;
   return fmt::sprintf(
              "shown: inconsistency %.3f m, snaps (jumps by over 3 cm) %.2f/s a peer of %.3f m, the largest %.2f m\n",
              i.shown_mean_m, r.snaps, r.snaps > 0 ? r.snap_m / r.snaps : 0.0, r.snap_peak_m) +
          fmt::sprintf(
              "  steps change by %.2f m/s, %.2f of that unexplained; %llu stops overshot by %.3f m, at most %.3f;\n"
              "  overlap beyond the live world's %.4f m, %.4f of that made by showing; freezes %.2f/s\n",
-             m.stride_change_m * kTicksPerSecond / ticks, m.unexplained_m * kTicksPerSecond / ticks,
-             static_cast<unsigned long long>(m.stops), m.overshoot_mean_m(), m.overshoot_peak_m, m.overlap_m / ticks,
-             m.overlap_made_m / ticks, static_cast<double>(m.freezes) * kTicksPerSecond / ticks);
+             m.stride_change_m_per_s(), m.unexplained_m_per_s(), static_cast<unsigned long long>(m.stops),
+             m.overshoot_mean_m(), m.overshoot_peak_m, m.overlap_mean_m(), m.overlap_made_mean_m(), m.freezes_per_s());
 }
 
 }  // namespace

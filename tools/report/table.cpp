@@ -158,6 +158,35 @@ std::string peers_table(const Report& r) {
          g.text();
 }
 
+std::vector<std::string> shown_row(const std::string& name, const trace::ShownMotion& s) {
+  return {name,
+          fixed(s.stride_change_m_per_s(), 2),
+          fixed(s.unexplained_m_per_s(), 2),
+          count(s.stops),
+          fixed(s.overshoot_mean_m(), 3),
+          fixed(s.overshoot_peak_m, 3),
+          fixed(s.overlap_mean_m(), 4),
+          fixed(s.overlap_made_mean_m(), 4),
+          fixed(s.overlap_peak_m, 3),
+          fixed(s.freezes_per_s(), 2),
+          fixed(s.longest_freeze_s(), 2)};
+}
+
+std::string shown_table(const Report& r) {
+  if (!r.fidelity_known) return "";
+  Table g({"shown", "steps change m/s", "unexplained", "stops", "overshot mean m", "peak m", "overlap mean m", "made m",
+           "peak m", "freezes/s", "longest s"});
+  trace::ShownMotion all;
+  for (const Peer& p : r.peers) {
+    g.row(shown_row("peer " + p.name, p.shown));
+    all.add(p.shown);
+  }
+  if (r.peers.size() > 1) g.row(shown_row("overall", all));
+  return "\nHow shown positions move (docs/metrics.md). Unexplained: not by velocities. Overlap: beyond that of the "
+         "live\nworld. Made: by showing.\n" +
+         g.text();
+}
+
 /// What is said twice or late is nobody's fault.
 bool is_network(std::size_t why) {
   return why == static_cast<std::size_t>(sync::DropReason::kDuplicate) ||
@@ -249,7 +278,8 @@ std::string table(const Report& r) {
       "\nTraffic until the peer leaves. Rates of a peer, with IPv4 and UDP headers; then entity updates by cause, each "
       "counted once.\n" +
       traffic.text();
-  s += links_table(r) + peers_table(r) + drops_table(r) + carried_table(r) + lives_table(r) + hand_overs_line(r);
+  s += links_table(r) + peers_table(r) + shown_table(r) + drops_table(r) + carried_table(r) + lives_table(r) +
+       hand_overs_line(r);
   for (const std::string& n : r.notes) s += "\nNote: " + n + "\n";
   return s + verdict(r);
 }

@@ -28,13 +28,11 @@ std::string table(const Takes& takes) {
     const trace::Inconsistency i = s.meter().overall();
     const Rates r = rates_of(s, 0, s.peers());
     const trace::ShownMotion& q = r.shown;
-    const double ticks = static_cast<double>(q.ticks);
-    const double per_second = kTicksPerSecond / ticks;
     out += fmt::sprintf("%-6s  %5.3f  %5.3f  %5.2f      %6.2f  %6.3f     %6.2f  %5.2f        %5.2f", kNames[m],
                         i.mean_m, i.shown_mean_m, i.shown_peak_m, r.snaps, r.snaps > 0 ? r.snap_m / r.snaps : 0.0,
-                        r.snap_peak_m, q.stride_change_m * per_second, q.unexplained_m * per_second);
+                        r.snap_peak_m, q.stride_change_m_per_s(), q.unexplained_m_per_s());
     out += fmt::sprintf("  %5.3f  %5.3f  %5.4f  %5.4f  %10.2f\n", q.overshoot_mean_m(), q.overshoot_peak_m,
-                        q.overlap_m / ticks, q.overlap_made_m / ticks, static_cast<double>(q.freezes) * per_second);
+                        q.overlap_mean_m(), q.overlap_made_mean_m(), q.freezes_per_s());
   }
   return out;
 }
@@ -50,13 +48,10 @@ std::string csv(const Takes& takes) {
     const Rates r = rates_of(s, 0, s.peers());
     out += kNames[m];
     const trace::ShownMotion& q = r.shown;
-    const double ticks = static_cast<double>(q.ticks);
-    const double seconds = q.seconds();
     for (const double v :
-         {i.mean_m, i.shown_mean_m, i.shown_peak_m, r.snaps, r.snap_m, r.snap_peak_m, q.stride_change_m / seconds,
-          q.unexplained_m / seconds, static_cast<double>(q.stops), q.overshoot_mean_m(), q.overshoot_peak_m,
-          q.overlap_m / ticks, q.overlap_made_m / ticks, q.overlap_peak_m, static_cast<double>(q.freezes) / seconds,
-          static_cast<double>(q.longest_freeze) / kTicksPerSecond})
+         {i.mean_m, i.shown_mean_m, i.shown_peak_m, r.snaps, r.snap_m, r.snap_peak_m, q.stride_change_m_per_s(),
+          q.unexplained_m_per_s(), static_cast<double>(q.stops), q.overshoot_mean_m(), q.overshoot_peak_m,
+          q.overlap_mean_m(), q.overlap_made_mean_m(), q.overlap_peak_m, q.freezes_per_s(), q.longest_freeze_s()})
       out += "," + plot::number(v);
     out += "\n";
   }
