@@ -46,10 +46,19 @@ bool Evictions::gather(PeerId p, Lost& lost, const View& view, Commands& out) {
     lost.least = std::min(lost.least, have);
     lost.most = std::max(lost.most, have);
   }
-  for (const sync::Bundle& b : log.of(p, lost.least)) lost.fetched.emplace(b.index, b);
+  for (const sync::Bundle& b : log.of(p, lost.least)) lost.fetched.insert_or_assign(b.index, b);
+  const sync::Bundle* before = lost.least > 0 ? log.find(p, lost.least - 1) : nullptr;
+  Tick newest = before != nullptr ? before->tick : -1;
   for (std::uint32_t i = lost.least; i < lost.most; ++i) {
     const auto found = lost.fetched.find(i);
     if (found != lost.fetched.end()) {
+      // No log takes two updates of one tick. A peer that signs such has its log ended; whoever has more of it joins
+      // anew.
+      if (found->second.tick <= newest) {
+        lost.most = i;
+        break;
+      }
+      newest = found->second.tick;
       if (found->second.tick >= view.roster.now) return false;  // its clock was ahead
       continue;
     }

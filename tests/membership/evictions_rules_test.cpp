@@ -226,6 +226,43 @@ TEST_F(Eviction, OrdersWhatNobodyMayLackAndThenTheRemoval) {
   EXPECT_EQ(orders_[1].removals[0], (sync::Removal{3, 4, 2}));
 }
 
+// No log takes two updates of one tick: what all are told to file, all could only wait for. So its log ends before.
+TEST_F(Eviction, PassesOnNoUpdateThatIsNoLaterThanTheOneBefore) {
+  begin();
+  reply(1, true, 1, -1);
+  reply(2, true, 4, -1);
+  pass(1);
+  for (const auto& [index, tick] : {std::pair{1U, kNow - 200}, {2U, kNow - 200}, {3U, kNow - 100}}) {
+    sync::Bundle b;
+    b.peer = 3;
+    b.index = index;
+    b.tick = tick;
+    ListedCommands out;
+    rules_.on_fetched(2, {3, 4, {b}}, s_.view(), node::MisbehaviourPolicy(s_.session), out);
+  }
+  pass(1);
+  ASSERT_EQ(orders_.size(), 2U);
+  ASSERT_EQ(orders_[0].passed_on.size(), 1U);
+  EXPECT_EQ(orders_[0].passed_on[0].index, 1U);
+  EXPECT_EQ(orders_[1].removals, (std::vector<sync::Removal>{{3, 4, 2}}));
+}
+
+TEST_F(Eviction, PassesOnNoUpdateThatIsNoLaterThanTheLastThatAllHave) {
+  begin();
+  reply(1, true, 1, -1);
+  reply(2, true, 2, -1);
+  pass(1);
+  sync::Bundle b;
+  b.peer = 3;
+  b.index = 1;
+  b.tick = kNow - 300;
+  ListedCommands out;
+  rules_.on_fetched(2, {3, 4, {b}}, s_.view(), node::MisbehaviourPolicy(s_.session), out);
+  pass(1);
+  ASSERT_EQ(orders_.size(), 1U);
+  EXPECT_EQ(orders_[0].removals, (std::vector<sync::Removal>{{3, 4, 1}}));
+}
+
 TEST_F(Eviction, IsTakenBackIfAMemberHearsItAgain) {
   begin();
   reply(1, false, 1, 2);
