@@ -211,10 +211,13 @@ void Membership::follow_testimony() {
     evictions_.forget_asker(p);
   }
   const auto liar = testimony_.misled_by();
-  if (!liar || roster().leaving || std::exchange(misled_, true)) return;
-  misbehaviour_.distrust(*liar, view, commands_);
-  evictions_.forget_asker(*liar);
-  // The others redirect whoever joins to the coordinator, which has to be another one.
+  if (!liar || roster().leaving) return;
+  if (!std::exchange(misled_, true)) {
+    misbehaviour_.distrust(*liar, view, commands_);
+    evictions_.forget_asker(*liar);
+  }
+  // The others redirect whoever joins to the coordinator, which has to be another one. If all have been misled, the
+  // last one stays.
   stands_down_ = coordinator() == session_.self && guide() != kNoPeer;
   if (stands_down_) replica_.leave();
 }
@@ -305,9 +308,7 @@ bool Membership::stuck() const {
 // The coordinator's confirmed world is the right one, whatever other members say.
 std::string Membership::why_back() const {
   const Replica& n = replica_.replica();
-  // If all have been misled, one has to stay, which is the next coordinator.
-  const bool is_guide = coordinator() == session_.self && !stands_down_;
-  if (const auto liar = testimony_.misled_by(); liar && guide() != kNoPeer && !is_guide)
+  if (const auto liar = testimony_.misled_by(); liar && guide() != kNoPeer)
     return "peer " + std::to_string(*liar) + " kept an update from this peer that it has told others";
   const PeerId c = coordinator();
   if (c == session_.self || c == kNoPeer) return "";
