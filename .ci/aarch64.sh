@@ -62,7 +62,7 @@ fi
 echo "== building for aarch64"
 export PADR_SYSROOT=$sysroot CCACHE_DEPEND=1 CCACHE_NOHASHDIR=1 CCACHE_BASEDIR=$PWD
 cmake --preset aarch64 >build/aarch64.log 2>&1 || { cat build/aarch64.log >&2; exit 1; }
-programs=(padr-lab padr-peer padr-capture world_test seeded_{right,fused,package,fast,sine,order})
+programs=(padr-lab padr-peer padr-capture world_test seeded_{right,fused,package,fast,sine,order,variable,memory,char})
 nice cmake --build build/aarch64 --parallel "$jobs" --target "${programs[@]}"
 
 # Variables that nobody has set hold a pattern there (see CMakePresets.json), and so does memory: what reads one before it is
