@@ -169,6 +169,18 @@ class Eviction : public testing::Test {
     heard_again_ |= out.told(SessionEvent::Kind::kHeardAgain);
   }
 
+  /// A member sends an update of the lost peer. How many count as proof that it lives.
+  std::size_t send(PeerId by, std::uint32_t index, Tick tick) {
+    sync::Bundle b;
+    b.peer = 3;
+    b.index = index;
+    b.tick = tick;
+    ListedCommands out;
+    rules_.on_fetched(by, {3, 4, {b}}, s_.view(), node::MisbehaviourPolicy(s_.session), out);
+    s_.follow(out);
+    return out.relayed.size();
+  }
+
   /// Nobody hears it any more: its eviction begins.
   void begin() {
     pass(1);
@@ -212,12 +224,7 @@ TEST_F(Eviction, OrdersWhatNobodyMayLackAndThenTheRemoval) {
   reply(2, true, 2, -1);
   pass(Evictions::kAskAgain + 1);
   EXPECT_TRUE(orders_.empty()) << "peer 2 has an update that is missing here";
-  sync::Bundle last;
-  last.peer = 3;
-  last.index = 1;
-  last.tick = kNow - 200;
-  ListedCommands out;
-  rules_.on_fetched(1, {3, 4, {last}}, s_.view(), node::MisbehaviourPolicy(s_.session), out);
+  send(1, 1, kNow - 200);
   pass(1);
   ASSERT_EQ(orders_.size(), 2U);
   ASSERT_EQ(orders_[0].passed_on.size(), 1U);
@@ -232,14 +239,9 @@ TEST_F(Eviction, PassesOnNoUpdateThatIsNoLaterThanTheOneBefore) {
   reply(1, true, 1, -1);
   reply(2, true, 4, -1);
   pass(1);
-  for (const auto& [index, tick] : {std::pair{1U, kNow - 200}, {2U, kNow - 200}, {3U, kNow - 100}}) {
-    sync::Bundle b;
-    b.peer = 3;
-    b.index = index;
-    b.tick = tick;
-    ListedCommands out;
-    rules_.on_fetched(2, {3, 4, {b}}, s_.view(), node::MisbehaviourPolicy(s_.session), out);
-  }
+  send(2, 1, kNow - 200);
+  send(2, 2, kNow - 200);
+  send(2, 3, kNow - 100);
   pass(1);
   ASSERT_EQ(orders_.size(), 2U);
   ASSERT_EQ(orders_[0].passed_on.size(), 1U);
@@ -252,12 +254,7 @@ TEST_F(Eviction, PassesOnNoUpdateThatIsNoLaterThanTheLastThatAllHave) {
   reply(1, true, 1, -1);
   reply(2, true, 2, -1);
   pass(1);
-  sync::Bundle b;
-  b.peer = 3;
-  b.index = 1;
-  b.tick = kNow - 300;
-  ListedCommands out;
-  rules_.on_fetched(2, {3, 4, {b}}, s_.view(), node::MisbehaviourPolicy(s_.session), out);
+  send(2, 1, kNow - 300);
   pass(1);
   ASSERT_EQ(orders_.size(), 1U);
   EXPECT_EQ(orders_[0].removals, (std::vector<sync::Removal>{{3, 4, 1}}));
@@ -351,20 +348,10 @@ TEST(EvictionRules, AFrozenPeerThatIsHeardAgainIsTakenBackFromAnAskerThatLies) {
 
 TEST_F(Eviction, IsTakenBackIfTheLostPeerHasPublishedSomethingNew) {
   begin();
-  sync::Bundle news;
-  news.peer = 3;
-  const auto is_shown = [&](std::uint32_t index, Tick tick) {
-    news.index = index;
-    news.tick = tick;
-    ListedCommands out;
-    rules_.on_fetched(1, {3, 4, {news}}, s_.view(), node::MisbehaviourPolicy(s_.session), out);
-    s_.follow(out);
-    return out.relayed.size();
-  };
-  EXPECT_EQ(is_shown(1, s_.roster.now - node::kSilence), 0U) << "before it fell silent";
-  EXPECT_EQ(is_shown(3, s_.roster.now), 0U) << "one is missing before it";
+  EXPECT_EQ(send(1, 1, s_.roster.now - node::kSilence), 0U) << "before it fell silent";
+  EXPECT_EQ(send(1, 3, s_.roster.now), 0U) << "one is missing before it";
   EXPECT_TRUE(rules_.busy());
-  EXPECT_EQ(is_shown(2, s_.roster.now - node::kSilence), 3U) << "all that came, in several datagrams";
+  EXPECT_EQ(send(1, 2, s_.roster.now - node::kSilence), 3U) << "all that came, in several datagrams";
   EXPECT_FALSE(rules_.busy());
   EXPECT_FALSE(s_.roster.seats[3].frozen);
 }

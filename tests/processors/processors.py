@@ -111,7 +111,6 @@ class Fingerprint(Processors):
                 print(f"{name}: {theirs} {said.splitlines()[-1]}")
                 self.assertIn(words, said)
 
-
     def test_what_goes_unseen_on_most_machines_shows(self):
         """What nobody has set holds patterns there, and no char is negative; elsewhere these mistakes may change nothing."""
         right = self.run_program(OTHERS, "seeded_right")
