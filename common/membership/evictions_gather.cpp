@@ -46,6 +46,7 @@ bool Evictions::gather(PeerId p, Lost& lost, const View& view, Commands& out) {
     lost.least = std::min(lost.least, have);
     lost.most = std::max(lost.most, have);
   }
+  // Of two updates with one number, this peer has filed its own already: it has to publish that one.
   for (const sync::Bundle& b : log.of(p, lost.least)) lost.fetched.insert_or_assign(b.index, b);
   const sync::Bundle* before = lost.least > 0 ? log.find(p, lost.least - 1) : nullptr;
   Tick newest = before != nullptr ? before->tick : -1;
