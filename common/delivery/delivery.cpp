@@ -23,9 +23,14 @@ constexpr Tick kEcho = 2;
 // But only where at least this many per cent get lost: elsewhere it is waste.
 constexpr std::uint32_t kLossy = 2;
 // Where this many per cent get lost, the second copy does not wait for company: every fourth update that comes a round
-// trip late costs more than its datagram.
-constexpr std::uint32_t kVeryLossy = 15;
-constexpr Tick kEchoAlone = 3;
+// trip late costs more than its datagram. One that tells of bodies costs more when it is late, as they go another way
+// meanwhile: its second copy goes out at once, and where less gets lost.
+struct Alone {
+  std::uint32_t loss;
+  Tick after;
+};
+constexpr Alone kAlone{15, 3};
+constexpr Alone kBodiesAlone{8, 1};
 
 // Who has said nothing yet may be waiting for a first word that got lost, without which it must not speak: a newcomer
 // for its admission.
@@ -144,8 +149,9 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
     if (arrived(i)) continue;
     const Flight& f = flight(i);
     if (silent && f.times > 0) continue;
-    const bool alone = loss_ >= kVeryLossy && f.times == 1 && c.now - f.sent >= kEchoAlone;
-    const bool must = f.times == 0 || alone || lost(f, c.now);
+    const Alone& alone = own[i - first].bodies.empty() ? kAlone : kBodiesAlone;
+    const bool copy = loss_ >= alone.loss && f.times == 1 && c.now - f.sent >= alone.after;
+    const bool must = f.times == 0 || copy || lost(f, c.now);
     if (must && fits(i)) {
       urgent = true;
       chosen_.push_back(i);
