@@ -131,7 +131,7 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
   const auto end = first + static_cast<std::uint32_t>(own.size());
   if (answered_at_ == kNever) answered_at_ = c.now;
   // Marks give way to updates where the link is narrow.
-  interval_ = std::max(interval(c, end), rate_.eighth(mark_bytes_));
+  interval_ = std::max(interval(c, end), rate_.mark_interval(mark_bytes_));
   begin_marks(c.now);
   const bool silent = unanswered(c.now) >= kSilent;
   bool urgent = false;

@@ -28,6 +28,7 @@ constexpr float kResolution = 0.5F;
 // What is sent waits for an empty queue no longer than this, s.
 constexpr double kLongestWait = 4;
 
+constexpr Tick kLongestMarkInterval = kTicksPerSecond;
 constexpr double kLeast = 60;  // bytes/s: a mark a second
 // Of what a link carries, so much is meant to be used: the rest is for what is sent again, and keeps the queue short.
 constexpr double kUsed = 0.9;
@@ -46,8 +47,10 @@ double LinkRate::ahead(Tick now) const {
   return std::clamp(ahead_ - seconds(std::max(0, now - drained_)), 0.0, kMostAhead);
 }
 
-Tick LinkRate::eighth(std::size_t bytes) const {
-  return static_cast<Tick>(std::min(60.0, std::ceil(static_cast<double>(bytes) * 8 * kTicksPerSecond / rate())));
+Tick LinkRate::mark_interval(std::size_t bytes) const {
+  if (window_ && unacknowledged_ >= *window_) return kLongestMarkInterval;
+  return static_cast<Tick>(
+      std::min<double>(kLongestMarkInterval, std::ceil(static_cast<double>(bytes) * 8 * kTicksPerSecond / rate())));
 }
 
 void LinkRate::drain(Tick now) {
@@ -120,7 +123,6 @@ float LinkRate::predicted(const Receipt& r, double rate) const {
   for (std::size_t i = last + 1; i-- > first_that_may_have_begun_it(last);) {
     bytes += static_cast<double>(sent_[i].bytes);
     const double by_it = bytes * ticks_per_byte - static_cast<double>(sent_[last].at - sent_[i].at);
-    if (by_it < late - kTicksPerSecond) break;  // the link was idle in between
     late = std::max(late, by_it);
   }
   return static_cast<float>(late);

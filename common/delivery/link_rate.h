@@ -53,8 +53,9 @@ class LinkRate {
   float queue() const { return is_limited() ? queue_ : 0; }
   /// Bytes that take half a second.
   std::size_t half_second() const { return static_cast<std::size_t>(rate() / 2); }
-  /// Ticks between datagrams of `bytes` that take an eighth of the rate.
-  Tick eighth(std::size_t bytes) const;
+  /// Ticks between marks of `bytes` that take an eighth of the rate, or a second, if that is shorter. While the window
+  /// is full, nobody knows how little the link carries: a second.
+  Tick mark_interval(std::size_t bytes) const;
 
  private:
   struct Sent {
@@ -73,7 +74,7 @@ class LinkRate {
   // Datagrams whose time of sending is remembered: 4 s at one a tick.
   static constexpr std::size_t kRemembered = 256;
   static constexpr std::size_t kReceipts = 8;
-  static constexpr double kFirstWindow = 600;   ///< bytes
+  static constexpr double kFirstWindow = 300;   ///< bytes
   static constexpr double kLastWindow = 4'000;  ///< from here on there is none
 
   void drain(Tick now);

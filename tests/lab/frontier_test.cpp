@@ -90,6 +90,21 @@ TEST(Frontier, ABudgetIsKeptByLargerErrors) {
   }
 }
 
+// A link of 1 kbit/s takes 5 s for the first 600 bytes, and as nobody answers meanwhile, marks follow. What is sent
+// before the first answers must not make a queue that never empties.
+TEST(Frontier, ALinkOfAKilobitASecondIsSentNoMoreThanItCarries) {
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    const std::uint64_t seed = test::seed(1) + i;
+    test::Session s("arena", 4, technique_by_name("full"), "delay 50ms rate 1kbit limit 100", seed, 60);
+    s.simulation->run();
+    for (PeerId p = 0; p < 4; ++p) {
+      const double kbps = static_cast<double>(s.simulation->replica(p).stats().wire_bytes_sent) * 8 / 1000 / 60;
+      EXPECT_LE(kbps, 3.05) << "peer " << int{p} << ", seed " << seed << ": three links";
+    }
+    EXPECT_EQ(s.simulation->confirmed_mismatches(), 0U);
+  }
+}
+
 TEST(Frontier, FullIsCloseToTellingEverythingForAFractionOfTheTraffic) {
   Technique everything = technique_by_name("everything");
   everything.model = Model::kFirst;
