@@ -74,7 +74,7 @@ class LinkRate {
   // Datagrams whose time of sending is remembered: 4 s at one a tick.
   static constexpr std::size_t kRemembered = 256;
   static constexpr std::size_t kReceipts = 8;
-  static constexpr double kFirstWindow = 300;   ///< bytes
+  static constexpr double kFirstWindow = 350;   ///< bytes
   static constexpr double kLastWindow = 4'000;  ///< from here on there is none
 
   void drain(Tick now);
