@@ -352,6 +352,11 @@ std::optional<Endpoint> Membership::way_back() const {
   return roster().seats[guide()].at;
 }
 
+bool Membership::has_left(const Endpoint& at) const {
+  return std::any_of(roster().seats.begin(), roster().seats.end(),
+                     [&](const Seat& s) { return s.presence == Presence::kLeft && s.at == at; });
+}
+
 void Membership::announce_way_back() {
   const std::string why = why_back();
   if (!why.empty() && !std::exchange(told_, true))

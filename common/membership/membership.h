@@ -84,6 +84,8 @@ class Membership {
   /// Address at which to join anew after an eviction, a difference of confirmed worlds, a standstill or a lost merge of
   /// partitions; nothing if all is well.
   std::optional<Endpoint> way_back() const;
+  /// Whether a member at this address has left.
+  bool has_left(const Endpoint& at) const;
   /// Reports once, as an event, that this peer joins anew, and why.
   void announce_way_back();
   PeerId coordinator() const { return evictions_.coordinator(view()); }

@@ -1,4 +1,5 @@
 // What a member says of another is believed only with evidence, and a lie that can be proven costs the liar its place.
+#include <memory>
 #include <set>
 
 #include "tests/hostile/liar.h"
@@ -95,6 +96,40 @@ TEST(Evidence, WhoIsPromisedThatThereIsNoMoreFindsOutAndBeginsAnew) {
     for (const PeerId p : victims)
       EXPECT_TRUE(t.party().noted(t.person(p), "kept an update from this peer that it has told others"))
           << t.party().story();
+  }
+}
+
+/// The liar keeps its updates back from these, promises that there are none, and then shows them all one at once.
+void mislead(Trial& t, const std::set<PeerId>& victims) {
+  const auto kept = std::make_shared<std::optional<sync::Bundle>>();
+  t.liar().begin([victims, kept](sync::StatePacket& p, PeerId to) {
+    if (!*kept && !p.updates.empty() && victims.contains(to)) *kept = p.updates.back();
+    if (!*kept || !victims.contains(to)) return;
+    std::erase_if(p.updates, [&](const sync::Bundle& b) { return b.index >= (*kept)->index; });
+    p.mark_count = std::min(p.mark_count, (*kept)->index);
+  });
+  t.party().net().attract(Vec2{10, 7});
+  t.party().run(0.4);
+  t.liar().send_too([&t, victims, kept](const wire::Header& h, PeerId to) {
+    std::vector<wire::Bytes> out;
+    if (victims.contains(to)) out.push_back(message(2, h, wire::Fetched{2, t.incarnation(2), {**kept}}));
+    return out;
+  });
+  const auto knows = [&t](PeerId p) { return t.party().noted(t.person(p), "kept back an update"); };
+  EXPECT_TRUE(t.party().run_until(1, [&] { return std::all_of(victims.begin(), victims.end(), knows); }))
+      << t.party().story();
+  t.liar().stop();
+}
+
+// Once, each asked the first of those that stood down for 6 s more. If the one that stayed ended then, nobody was in.
+TEST(Evidence, ThoseWhoAreMisledAskTheOneThatStaysAtOnce) {
+  const std::set<PeerId> victims{0, 1, 3};
+  Trial t(5, 2, wire::SealMode::kAuth, 607);
+  mislead(t, victims);
+  t.party().run(1.4);
+  for (const PeerId p : victims) {
+    const node::Participant& peer = t.party().net().peer(t.person(p));
+    EXPECT_TRUE(peer.incarnation() > 0 && !peer.returning()) << p << "\n" << t.party().story();
   }
 }
 
