@@ -217,8 +217,9 @@ void Membership::follow_testimony() {
     evictions_.forget_asker(*liar);
   }
   // The others redirect whoever joins to the coordinator, which has to be another one. If all have been misled, the
-  // last one stays.
-  stands_down_ = coordinator() == session_.self && guide() != kNoPeer;
+  // last one stays until somebody whom it has let in is really there: a joiner may have given up just before.
+  const PeerId next = guide();
+  stands_down_ = coordinator() == session_.self && next != kNoPeer && roster().seats[next].proven;
   if (stands_down_) replica_.leave();
 }
 

@@ -133,6 +133,20 @@ TEST(Evidence, ThoseWhoAreMisledAskTheOneThatStaysAtOnce) {
   }
 }
 
+// The last one lets the others in. Once, it stood down as soon as it had given its orders for that, though those whom
+// it let in had given up just before; then nobody was in.
+TEST(Evidence, TheLastOfThoseWhoAreMisledStaysUntilAnotherOneIsThere) {
+  Trial t(5, 2, wire::SealMode::kAuth, 608);
+  mislead(t, {0, 1, 3, 4});
+  EXPECT_TRUE(t.party().run_until(20, [&] {
+    const auto all = t.honest();
+    return std::all_of(all.begin(), all.end(), [&](PeerId p) {
+      const node::Participant& peer = t.party().net().peer(t.person(p));
+      return peer.incarnation() > 0 && !peer.returning();
+    });
+  })) << t.party().story();
+}
+
 // Once, it counted as one that had left, and everybody waited for ever for the update that nobody had taken.
 TEST(Evidence, WhoLeavesBehindAnOrderThatNobodyTakesIsRemoved) {
   Trial t(4, 2, wire::SealMode::kAuth, 606);
