@@ -293,10 +293,10 @@ void Evictions::notice(const View& view, Commands& out) {
   }
 }
 
-/// Whether replies of p are awaited. An update that only a lost peer had will never be sent.
+/// Whether replies of p are awaited. An update that only a lost peer had will never be sent. Whoever has left confirms
+/// nothing more that others have to agree with, and may only say that it has left.
 bool Evictions::counts(PeerId p, const View& view) const {
-  return p != session_.self && view.roster.seats[p].reachable() && !view.roster.departed(p) && !lost_.contains(p) &&
-         !withholds_.contains(p);
+  return p != session_.self && view.roster.seats[p].there() && !lost_.contains(p) && !withholds_.contains(p);
 }
 
 void Evictions::ask(const View& view, Commands& out) {

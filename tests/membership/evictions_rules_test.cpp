@@ -287,6 +287,17 @@ TEST_F(Eviction, GoesOnWithoutAMemberThatWithholdsItsReply) {
   EXPECT_FALSE(s_.roster.seats[2].frozen);
 }
 
+// It need not agree with anybody any more. Once, one that only said that it left held up every eviction for 7.5 s, and
+// with them all admissions.
+TEST_F(Eviction, DoesNotWaitForAMemberThatHasLeft) {
+  begin();
+  s_.roster.seats[2].presence = node::Presence::kLeft;
+  reply(1, true, 1, -1);
+  pass(1);
+  ASSERT_EQ(orders_.size(), 1U);
+  EXPECT_EQ(orders_[0].removals, (std::vector<sync::Removal>{{3, 4, 1}}));
+}
+
 // It claims to lack what is no longer here, as all have confirmed it. Once, those were left out who could not show it.
 TEST_F(Eviction, GoesOnWithoutAMemberThatSaysItLacksWhatAllHaveConfirmed) {
   s_.log.prune(kNow - 100, kNow - 100);
