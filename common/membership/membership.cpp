@@ -23,6 +23,8 @@ SessionEvent::Kind kind_of(const MemberChange& c, PeerId self) {
 constexpr Tick kStuck = 12 * kTicksPerSecond;
 /// Time for which this peer tries to join anew by one member, ticks.
 constexpr Tick kInVain = 10 * kTicksPerSecond;
+/// Time for which a peer that knows of no living member asks one place, ticks.
+constexpr Tick kInTurn = 2 * kTicksPerSecond;
 /// Time for which that member then counts as silent, ticks.
 constexpr Tick kGivenUp = 60 * kTicksPerSecond;
 /// Time for which a machine must report that nobody listens there, with nothing heard from the peer meanwhile.
@@ -337,7 +339,7 @@ void Membership::give_up_guide() {
   const bool returns = !why_back().empty();
   told_ = told_ && returns;
   const PeerId by = returns ? guide() : kNoPeer;
-  if (!session_.config.sealed || roster().leaving || by == kNoPeer) {
+  if (!session_.config.sealed || (roster().leaving && !stands_down_) || by == kNoPeer) {
     back_since_ = now;
   } else if (now - back_since_ >= (by == coordinator() ? kInVain : 2 * kInVain)) {
     in_vain_[by] = {roster().seats[by].incarnation, now};
@@ -349,13 +351,32 @@ void Membership::give_up_guide() {
 std::optional<Endpoint> Membership::way_back() const {
   if (roster().leaving && !stands_down_) return std::nullopt;
   if (const auto winner = merge_.winner(view())) return winner;
+  if (is_alone()) return place_of_somebody();
   if (why_back().empty()) return std::nullopt;
   return roster().seats[guide()].at;
 }
 
-bool Membership::has_left(const Endpoint& at) const {
-  return std::any_of(roster().seats.begin(), roster().seats.end(),
-                     [&](const Seat& s) { return s.presence == Presence::kLeft && s.at == at; });
+bool Membership::is_alone() const {
+  return stands_down_ && guide() == kNoPeer;
+}
+
+// They may all be members again, as others than this peer knows. It asks each for a while, in turn.
+std::optional<Endpoint> Membership::place_of_somebody() const {
+  std::vector<Endpoint> places;
+  const auto add = [&](const Endpoint& at) {
+    const auto liar = testimony_.misled_by();
+    if (at.is_set() && !bars(at.key) && !(liar && roster().seats[*liar].at == at)) places.push_back(at);
+  };
+  for (PeerId p = 0; p < session_.slots; ++p)
+    if (p != session_.self) add(roster().seats[p].at);
+  for (const sync::Transfer::Gone& g : merge_.gone()) add(g.at);
+  if (places.empty()) return std::nullopt;
+  return places[static_cast<std::size_t>(roster().now / kInTurn) % places.size()];
+}
+
+bool Membership::asks_in_vain(const Endpoint& at) const {
+  return is_alone() || std::any_of(roster().seats.begin(), roster().seats.end(),
+                                   [&](const Seat& s) { return s.presence == Presence::kLeft && s.at == at; });
 }
 
 void Membership::announce_way_back() {

@@ -84,8 +84,9 @@ class Membership {
   /// Address at which to join anew after an eviction, a difference of confirmed worlds, a standstill or a lost merge of
   /// partitions; nothing if all is well.
   std::optional<Endpoint> way_back() const;
-  /// Whether a member at this address has left.
-  bool has_left(const Endpoint& at) const;
+  /// Whether this peer should ask at way_back() rather than at this address, where it has asked to join anew: the
+  /// member there has left, or nobody is known to live.
+  bool asks_in_vain(const Endpoint& at) const;
   /// Reports once, as an event, that this peer joins anew, and why.
   void announce_way_back();
   PeerId coordinator() const { return evictions_.coordinator(view()); }
@@ -111,6 +112,10 @@ class Membership {
   bool doubts() const;
   void watch_confirmed();
   bool stuck() const;
+  /// Whether this peer has left its seat to join anew, and no member is known to live by which it could.
+  bool is_alone() const;
+  /// Where a member is or was.
+  std::optional<Endpoint> place_of_somebody() const;
   std::string why_back() const;
   /// Counts whoever does not let this peer in anew as silent, after a while.
   void give_up_guide();

@@ -136,8 +136,8 @@ class Participant {
   void catch_up(Incarnation& incarnation, Micros local);
   void watch(Incarnation& incarnation, Micros local);
   void take_over();
-  /// Whether the member that this peer tries to join anew by has left, so that another one is to be asked.
-  bool asks_who_has_left(const Endpoint& way_back) const;
+  /// Whether another member is to be asked than the one that this peer tries to join anew by.
+  bool asks_in_vain(const Endpoint& way_back) const;
   void look_for_way_back(Micros local);
   void plan_farewell();
   void say_goodbye();

@@ -183,17 +183,17 @@ void Participant::take_over() {
 }
 
 // Of several coordinators that leave one after the other, each may be asked just before it leaves.
-bool Participant::asks_who_has_left(const Endpoint& way_back) const {
+bool Participant::asks_in_vain(const Endpoint& way_back) const {
   const node::SessionState& s = next_.session->state();
-  return s.phase == SessionPhase::kJoining && *s.config.join != way_back &&
-         current_.membership->has_left(*s.config.join);
+  const Endpoint& asked = *s.config.join;
+  return s.phase == SessionPhase::kJoining && asked != way_back && current_.membership->asks_in_vain(asked);
 }
 
 void Participant::look_for_way_back(Micros local) {
   if (left_at_) return;
   const auto where = current_.membership->way_back();
   if (where) current_.membership->announce_way_back();
-  if (next_.session && !next_.replica && (!where || asks_who_has_left(*where))) next_ = {};  // no longer needed
+  if (next_.session && !next_.replica && (!where || asks_in_vain(*where))) next_ = {};  // no longer needed
   if (next_.session || local < try_again_ || !where || !where->is_set()) return;
   SessionConfig c = config_.session;
   c.join = *where;

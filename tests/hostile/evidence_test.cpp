@@ -147,6 +147,24 @@ TEST(Evidence, TheLastOfThoseWhoAreMisledStaysUntilAnotherOneIsThere) {
   })) << t.party().story();
 }
 
+// Whoever has left to join anew is no member any more. Once, it knew nobody if all who had been there joined anew
+// before it could.
+TEST(Evidence, WhoStandsDownFindsThoseWhoHaveJoinedAnewSince) {
+  Trial t(4, 2, wire::SealMode::kAuth, 609);
+  lab::VirtualNetwork& net = t.party().net();
+  mislead(t, {0});
+  net.divide({{t.person(0), 1}});
+  for (const PeerId p : {PeerId{1}, PeerId{3}}) {
+    net.pause(t.person(p), true);
+    t.party().run(12);
+    net.pause(t.person(p), false);
+    EXPECT_TRUE(t.party().run_until(15, [&] { return net.peer(t.person(p)).incarnation() > 0; })) << t.party().story();
+  }
+  net.divide({});
+  t.party().run(15);
+  EXPECT_TRUE(t.party().united()) << t.party().story();
+}
+
 // Once, it counted as one that had left, and everybody waited for ever for the update that nobody had taken.
 TEST(Evidence, WhoLeavesBehindAnOrderThatNobodyTakesIsRemoved) {
   Trial t(4, 2, wire::SealMode::kAuth, 606);
