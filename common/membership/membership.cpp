@@ -176,6 +176,8 @@ void Membership::end_former_incarnations() {
 sync::Transfer Membership::transfer() const {
   sync::Transfer t = replica_.replica().transfer();
   t.gone = merge_.gone();
+  // Of what they have done there may be no proof: a newcomer would believe them, and join them.
+  std::erase_if(t.gone, [this](const auto& g) { return misbehaviour_.bars_for_good(g.at.key) && !convicts(g.at.key); });
   t.proofs = testimony_.proofs();
   for (PeerId p = 0; p < session_.slots; ++p) t.slots[p].since = merge_.since(p, view());
   return t;

@@ -40,6 +40,8 @@ class MisbehaviourPolicy {
   void advance(const View& view, Commands& out);
   /// Whether a joiner with this key is still barred.
   bool bars(const PublicKey& key, const View& view) const;
+  /// Whether it is for ever.
+  bool bars_for_good(const PublicKey& key) const;
   /// Keys with offences on record; kMostOffenders at most.
   std::size_t offenders() const { return offenders_.size(); }
   /// Whether datagrams of p are taken. The others relay the updates of a peer that is not heard.
@@ -83,7 +85,6 @@ class MisbehaviourPolicy {
     int times = 0;
   };
   bool is_heard(PeerId p, const View& view) const;
-  bool bars_for_good(const PublicKey& key) const;
   Offender& offender(PeerId p, const View& view);
   Watch& watch(PeerId p, const View& view);
   bool may_check(const sync::StatePacket& packet, const View& view);

@@ -71,5 +71,28 @@ TEST(Takeover, WhoeverHasTheKeyAndNeverWasAMember) {
   t.expect_confirmed({0, 1, 2});
 }
 
+// It was cut off for what it sent, which proves nothing to others, and is senior to the one that is left of those who
+// know. Once, each newcomer went over to it, to cut it off in turn.
+TEST(Takeover, NewcomersDoNotGoOverToWhoWasCutOff) {
+  Trial t(4, 2, wire::SealMode::kAuth, 504);
+  t.party().run(12);
+  t.liar().begin([&t](sync::StatePacket& p, PeerId) {
+    t.liar().signs = false;
+    for (sync::Bundle& b : p.updates)
+      if (b.avatar) b.avatar->position.x += 0.5F;
+  });
+  t.party().net().attract(Vec2{10, 7});
+  t.party().run(10);
+  ASSERT_TRUE(t.liar_is_out()) << t.party().story();
+  ASSERT_TRUE(t.replica(3).roster().is_senior(2, 3));
+  for (const PeerId p : {PeerId{0}, PeerId{1}}) t.party().net().leave(t.person(p));
+  t.party().run(2);
+  const int late = t.party().net().start(t.person(3));
+  t.party().run(15);
+  EXPECT_TRUE(t.party().net().peer(late).playing()) << t.party().story();
+  EXPECT_FALSE(t.party().noted(late, kOutvoted)) << t.party().story();
+  EXPECT_EQ(t.party().net().peer(t.person(3)).incarnation(), 0) << t.party().story();
+}
+
 }  // namespace
 }  // namespace padr::test
