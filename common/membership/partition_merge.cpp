@@ -24,6 +24,8 @@ void PartitionMerge::on_change(const MemberChange& change, const View& view) {
   };
   if (change.kind == MemberChange::Kind::kRemoved) {
     remember({change.at, first_admission(), change.tick}, view.roster.now);
+  } else if (change.kind == MemberChange::Kind::kLeft) {
+    if (change.at.has_key()) keep(gone_, {{change.at, first_admission(), change.tick}, view.roster.now, true}, kMost);
   } else if (change.kind == MemberChange::Kind::kAdmitted) {
     if (change.slot == view.roster.self) own_key_ = change.at.key;
     Gone before{change.at, first_admission(), change.tick};
@@ -38,13 +40,15 @@ void PartitionMerge::on_change(const MemberChange& change, const View& view) {
 }
 
 void PartitionMerge::remember(const Gone& gone, Tick now) {
+  std::erase_if(gone_, [&](const Remembered& r) { return r.has_left && r.gone.at == gone.at; });
   const bool known = std::any_of(gone_.begin(), gone_.end(), [&](const Remembered& r) { return r.gone.at == gone.at; });
   if (gone.at.is_set() && !known) keep(gone_, {gone, now}, kMost);
 }
 
 std::vector<sync::Transfer::Gone> PartitionMerge::gone() const {
   std::vector<Gone> all;
-  for (const Remembered& r : gone_) all.push_back(r.gone);
+  for (const Remembered& r : gone_)
+    if (!r.has_left) all.push_back(r.gone);
   return all;
 }
 
@@ -83,7 +87,8 @@ PartitionMerge::Side PartitionMerge::ours(const View& view) const {
 bool PartitionMerge::knows(const Endpoint& at, const View& view) const {
   for (PeerId p = 0; p < view.roster.slots(); ++p)
     if (p != session_.self && view.roster.seats[p].reachable() && same_place(view.roster.seats[p].at, at)) return true;
-  return std::any_of(gone_.begin(), gone_.end(), [&](const Remembered& r) { return same_place(r.gone.at, at); });
+  return std::any_of(gone_.begin(), gone_.end(),
+                     [&](const Remembered& r) { return !r.has_left && same_place(r.gone.at, at); });
 }
 
 // The two parts of a partition have no peer in common. If a peer seems to be in both, one of the lists is out of date.
@@ -102,8 +107,8 @@ void PartitionMerge::note_witness(const Endpoint& from, PeerId sender, std::uint
   keep(witnesses_, {from, sender, incarnation, now}, kMost);
 }
 
-// The peers of that part that have sent a Probe lately and, by our own log, were members until they were evicted, or
-// are until now.
+// The peers of that part that have sent a Probe lately and, by our own log, were members until they were evicted or
+// left, or are until now. Whoever left to join anew may have found other members than we did.
 std::vector<sync::Transfer::Gone> PartitionMerge::evidence(const Side& side, const View& view) const {
   std::vector<Gone> known;
   for (const Witness& w : witnesses_) {
@@ -199,7 +204,7 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
     return;
   }
   if (winner_ == from) winner_.reset();
-  if (!out.may_answer(local)) return;
+  if (view.roster.leaving || !out.may_answer(local)) return;
   if (known) return out.send(from, our_probe(true, view));
   reply_within_credit(from, bytes, view, out);
 }
@@ -242,11 +247,14 @@ void PartitionMerge::knock(const Endpoint& at, const View& view, Commands& out) 
 }
 
 void PartitionMerge::advance(const View& view, Commands& out) {
-  if (!view.roster.member || view.roster.now - probed_ < kPace) return;
+  // Nobody can join by whoever leaves.
+  if (!view.roster.member || view.roster.leaving || view.roster.now - probed_ < kPace) return;
   probed_ = view.roster.now;
-  std::erase_if(
-      gone_, [&](const Remembered& r) { return view.roster.now - r.kept > kRemember || member_at(r.gone.at, view); });
-  for (const Remembered& r : gone_) out.send(r.gone.at, our_probe(false, view));
+  std::erase_if(gone_, [&](const Remembered& r) {
+    return view.roster.now - r.kept > kRemember || (!r.has_left && member_at(r.gone.at, view));
+  });
+  for (const Remembered& r : gone_)
+    if (!r.has_left) out.send(r.gone.at, our_probe(false, view));
 }
 
 }  // namespace padr::node

@@ -20,8 +20,9 @@ namespace padr::node {
 ///
 /// A Probe lists the peers of a part, and a single liar could list any. So in a session with a key a list only says who
 /// belongs together. Each listed peer counts only if it has sent a Probe lately itself, and its key was a member's that
-/// this part evicted. Peers that the other part cannot know do not count on either side: those that were admitted after
-/// the eviction, or shortly before. Of two parts with equally many the one with the most senior of these peers wins.
+/// this part evicted, or that left: it may have found others than those who stayed. Peers that the other part cannot
+/// know do not count on either side: those that were admitted after the eviction, or shortly before. Of two parts with
+/// equally many the one with the most senior of these peers wins.
 class PartitionMerge {
  public:
   /// The living peers of one part, by slot.
@@ -67,7 +68,8 @@ class PartitionMerge {
   using Gone = sync::Transfer::Gone;
   struct Remembered {
     Gone gone;
-    Tick kept = 0;  ///< when it was remembered
+    Tick kept = 0;          ///< when it was remembered
+    bool has_left = false;  ///< by itself: it is not looked for
   };
   /// A peer of another part, by a Probe of its own.
   struct Witness {

@@ -272,5 +272,33 @@ TEST(PartitionMerge, WhoComesBackIsAsSeniorAsBefore) {
   EXPECT_EQ(rules.gone()[0].since, 100);
 }
 
+// They left to join anew, and have found others than those who stayed. Once, whoever had stayed alone stayed so.
+TEST(PartitionMerge, WhoHasLeftCountsInTheOtherPartAndIsNotLookedFor) {
+  test::Situation s(9, 2);
+  s.session.config.sealed = true;
+  for (PeerId p = 0; p < 9; ++p) s.roster.seats[p].at = keyed(p);
+  for (PeerId p = 3; p < 9; ++p) s.empty(p);
+  s.roster.in_since = 10;
+  PartitionMerge rules(s.session);
+  for (const PeerId p : {PeerId{0}, PeerId{1}}) {
+    s.roster.seats[p].presence = Presence::kLeft;
+    rules.on_change({MemberChange::Kind::kLeft, p, 1U + p, keyed(p), 900, p, 20}, s.view());
+    s.roster.seats[p].heard = test::kNow - Roster::kDeparted;
+  }
+  s.roster.now += Roster::kDeparted;
+  test::ListedCommands out;
+  rules.advance(s.view(), out);
+  EXPECT_TRUE(out.all<wire::Probe>().empty());
+  EXPECT_TRUE(rules.gone().empty());
+  for (const PeerId p : {PeerId{0}, PeerId{1}}) {
+    EXPECT_FALSE(rules.winner(s.view())) << "one is no more than we are, who are senior";
+    wire::Probe probe;
+    probe.members = {{5, 10, 0}, {6, 11, 0}};
+    probe.incarnation = 10U + p;
+    rules.on_probe(keyed(p), static_cast<PeerId>(5 + p), probe, wire::kMaxDatagram, s.view(), 0, out);
+  }
+  EXPECT_TRUE(rules.winner(s.view()));
+}
+
 }  // namespace
 }  // namespace padr::node
