@@ -196,7 +196,9 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
   }
   note_witness(from, sender, probe.incarnation, view.roster.now);
   const Side us = ours(view);
-  if (is_outranked(probe, us, view) || is_larger_for_long(probe, us, view)) {
+  // Whoever has left to join anew and knows nobody any more has nothing to lose.
+  const bool is_lost = view.roster.leaving && us.size() == 1;
+  if (is_lost || is_outranked(probe, us, view) || is_larger_for_long(probe, us, view)) {
     if (!winner_)
       out.tell({.kind = SessionEvent::Kind::kOutvoted, .at = from, .count = probe.members.size(), .own = us.size()});
     winner_ = from;

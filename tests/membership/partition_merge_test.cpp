@@ -300,5 +300,26 @@ TEST(PartitionMerge, WhoHasLeftCountsInTheOtherPartAndIsNotLookedFor) {
   EXPECT_TRUE(rules.winner(s.view()));
 }
 
+// It has left to join anew, and then all others have ended.
+TEST(PartitionMerge, WhoHasLeftAndIsAloneGoesToWhoeverIsThere) {
+  for (const bool leaving : {true, false}) {
+    for (const bool alone : {true, false}) {
+      test::Situation s(9, 2);
+      s.session.config.sealed = true;
+      for (PeerId p = 0; p < 9; ++p) s.roster.seats[p].at = keyed(p);
+      for (PeerId p = alone ? 0 : 1; p < 9; ++p)
+        if (p != 2) s.empty(p);
+      s.roster.leaving = leaving;
+      PartitionMerge rules(s.session);
+      test::ListedCommands out;
+      wire::Probe probe;
+      probe.members = {{5, 10, 0}};
+      probe.incarnation = 10;
+      rules.on_probe(keyed(8), 5, probe, wire::kMaxDatagram, s.view(), 0, out);
+      EXPECT_EQ(rules.winner(s.view()).has_value(), leaving && alone);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace padr::node
