@@ -11,6 +11,11 @@ namespace {
 // Four marks: time to hear that another peer leaves too, and to acknowledge everything, even if some marks get lost.
 constexpr Tick kLastAcks = 62;
 
+/// Arrears up to so long before a removal are forgiven, ticks: what it was in the way of is repeated in the other half
+/// of the time that members are allowed. Forgiven up to the removal, whoever tells nothing would be cut off only after
+/// the others have joined anew because nothing is confirmed.
+constexpr Tick kNotForgiven = 4 * kTicksPerSecond;
+
 bool changes_membership(const sync::Bundle& b) {
   return b.leave || b.admission || !b.removals.empty() || !b.passed_on.empty();
 }
@@ -109,7 +114,7 @@ void Replica::remove(const sync::Removal& r, const sync::Bundle& by) {
   links_[r.slot].held.clear();
   if (!n.there()) return;  // it has left: the end of its log is its leave update, which counts
   n.presence = Presence::kAbsent;
-  for (Seat& s : roster_.seats) s.forgiven = now();
+  for (Seat& s : roster_.seats) s.forgiven = std::max(s.forgiven, now() - kNotForgiven);
   changes_.push_back({MemberChange::Kind::kRemoved, r.slot, r.incarnation, n.at, by.tick, by.peer, n.since});
 }
 

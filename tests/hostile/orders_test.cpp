@@ -46,6 +46,18 @@ TEST(Orders, RemovalByTheCoordinatorThatAskedNobody) {
   t.expect_no_harm();
 }
 
+// Once, another eviction meanwhile gave the liar 8 s more, and all joined anew before these were over.
+TEST(Orders, WhoGivesOneIsCutOffInTimeThoughAnotherPeerIsLostMeanwhile) {
+  Trial t(5, 3, wire::SealMode::kAuth, 209);
+  give(t, [&t](sync::Bundle& b) { b.removals = {{1, t.incarnation(1), 5}}; });
+  EXPECT_TRUE(t.party().run_until(3, [&] { return t.dropped(0, DropReason::kRight) > 0; })) << t.party().story();
+  t.party().run(3);
+  t.party().net().kill(t.person(4));
+  t.party().run(14);
+  EXPECT_TRUE(t.liar_is_out()) << t.party().story();
+  t.expect_no_harm();
+}
+
 TEST(Orders, NobodyIsDeclaredGoneToItselfByWhoIsNotCoordinator) {
   Trial t(4, 2, wire::SealMode::kAuth, 208);
   give(t, [&t](sync::Bundle& b) { b.removals = {{3, t.incarnation(3), 5}}; });
