@@ -60,9 +60,12 @@ void Fold::apply_body(PeerId p, const BodyUpdate& u, Tick told) {
   if (plays(u.body)) world_.set_state(u.body, u.state);
 }
 
-// By the tick of the admission, so that play begins at the same one wherever it is heard of.
+// By the tick of the admission, so that play begins at the same one wherever it is heard of. Whoever has the slot until
+// then gives way to a newer incarnation, as in the roster: with another occupant here than there, nobody could be
+// removed.
 void Fold::admit(const Admission& a, Tick tick) {
-  if (members_[a.slot].present || a.incarnation <= members_[a.slot].incarnation) return;
+  if (a.incarnation <= members_[a.slot].incarnation) return;
+  if (members_[a.slot].present) remove(a.slot);
   members_[a.slot] = {true, a.incarnation, false};
   avatars_[a.slot] = {};
   // In a region its owner first has to say where it is.

@@ -168,6 +168,38 @@ TEST(Replica, AnOrderCountsOnceAllUpdatesBeforeItAreHere) {
   }
 }
 
+// Once, the world kept the first occupant and the roster the second one. Whoever is removed was never removed from the
+// world then, and all who came later waited for it.
+TEST(Replica, AnAdmissionToATakenSlotCountsInTheWorldAsInTheRoster) {
+  ReplicaConfig c;
+  c.peers = 1;
+  c.slots = 3;
+  Replica replica(scenarios::load_embedded("arena", 1), c);
+  const auto give = [&replica](const sync::Bundle& order) {
+    replica.order(order);
+    for (int i = 0; i < 10; ++i) replica.step({});
+  };
+  for (const std::uint32_t incarnation : {5U, 9U, 7U}) {
+    sync::Bundle order;
+    order.admission.emplace();
+    order.admission->slot = 1;
+    order.admission->incarnation = incarnation;
+    order.admission->at = ipv4({10, 0, 0, 3}, 7000);
+    order.admission->have = {1, 0, 0};
+    give(order);
+  }
+  EXPECT_EQ(replica.seat(1).incarnation, 9U);
+  sync::Bundle removal;
+  removal.removals.push_back({1, 9, 0});
+  give(removal);
+  for (int i = 0; i < 120; ++i) replica.step({});
+  const sync::FoldState& world = replica.agreed().confirmed();
+  ASSERT_GT(world.tick, 60);
+  EXPECT_EQ(world.members[1].incarnation, 9U);
+  EXPECT_FALSE(world.members[1].present);
+  EXPECT_FALSE(replica.seat(1).there());
+}
+
 // A newcomer to a session whose confirmed world lags far behind has many ticks to step up to.
 TEST(Replica, ANewcomerCatchesUpInPartsToTheSameBits) {
   const Scene scene = scenarios::load_embedded("arena", 1);
