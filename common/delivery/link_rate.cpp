@@ -28,8 +28,9 @@ constexpr float kResolution = 0.5F;
 // What is sent waits for an empty queue no longer than this, s.
 constexpr double kLongestWait = 4;
 
+// Marks come so often on any link, and no link is taken to carry less than that, bytes/s.
 constexpr Tick kLongestMarkInterval = kTicksPerSecond;
-constexpr double kLeast = 60;  // bytes/s: a mark a second
+constexpr double kLeast = 60;
 // Of what a link carries, so much is meant to be used: the rest is for what is sent again, and keeps the queue short.
 constexpr double kUsed = 0.9;
 
@@ -48,7 +49,7 @@ double LinkRate::ahead(Tick now) const {
 }
 
 Tick LinkRate::mark_interval(std::size_t bytes) const {
-  if (window_ && unacknowledged_ >= *window_) return kLongestMarkInterval;
+  if (window_is_full()) return kLongestMarkInterval;
   return static_cast<Tick>(
       std::min<double>(kLongestMarkInterval, std::ceil(static_cast<double>(bytes) * 8 * kTicksPerSecond / rate())));
 }
@@ -67,7 +68,7 @@ bool LinkRate::may_tell(Tick now) {
 
 bool LinkRate::may_send(Tick now) {
   drain(now);
-  const bool may = queued_ <= 0 && (!window_ || unacknowledged_ < *window_);
+  const bool may = queued_ <= 0 && !window_is_full();
   held_back_ = held_back_ || !may;
   return may;
 }

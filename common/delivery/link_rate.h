@@ -79,6 +79,7 @@ class LinkRate {
 
   void drain(Tick now);
   void widen_window(std::size_t later);
+  bool window_is_full() const { return window_ && unacknowledged_ >= *window_; }
   double meant() const;
   void note_transit(const Quickest& q, Tick now);
   const Quickest& quickest() const;

@@ -23,10 +23,10 @@ SessionEvent::Kind kind_of(const MemberChange& c, PeerId self) {
 constexpr Tick kStuck = 12 * kTicksPerSecond;
 /// Time for which this peer tries to join anew by one member, ticks.
 constexpr Tick kInVain = 10 * kTicksPerSecond;
-/// Time for which a peer that knows of no living member asks one place, ticks.
-constexpr Tick kInTurn = 2 * kTicksPerSecond;
 /// Time for which that member then counts as silent, ticks.
 constexpr Tick kGivenUp = 60 * kTicksPerSecond;
+/// Time for which a peer that knows of no living member asks one place, ticks.
+constexpr Tick kInTurn = 2 * kTicksPerSecond;
 /// Time for which a machine must report that nobody listens there, with nothing heard from the peer meanwhile.
 constexpr Tick kRefused = kTicksPerSecond / 10;
 
@@ -364,9 +364,9 @@ bool Membership::is_alone() const {
 
 // They may all be members again, as others than this peer knows. It asks each for a while, in turn.
 std::optional<Endpoint> Membership::place_of_somebody() const {
+  const auto liar = testimony_.misled_by();
   std::vector<Endpoint> places;
   const auto add = [&](const Endpoint& at) {
-    const auto liar = testimony_.misled_by();
     if (at.is_set() && !bars(at.key) && !(liar && roster().seats[*liar].at == at)) places.push_back(at);
   };
   for (PeerId p = 0; p < session_.slots; ++p)

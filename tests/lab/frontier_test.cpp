@@ -90,8 +90,8 @@ TEST(Frontier, ABudgetIsKeptByLargerErrors) {
   }
 }
 
-// A link of 1 kbit/s takes 5 s for the first 600 bytes, and as nobody answers meanwhile, marks follow. What is sent
-// before the first answers must not make a queue that never empties.
+// A link of 1 kbit/s takes 5 s for 600 bytes, and as nobody answers meanwhile, marks follow. What is sent before the
+// first answers must not make a queue that never empties.
 TEST(Frontier, ALinkOfAKilobitASecondIsSentNoMoreThanItCarries) {
   for (std::uint64_t i = 0; i < 3; ++i) {
     const std::uint64_t seed = test::seed(1) + i;
