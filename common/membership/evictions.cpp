@@ -43,15 +43,21 @@ bool Evictions::follows(PeerId from, const wire::Poll& poll, const View& view, T
   return view.roster.seats[from].there() && !suspected(view, from) && !lost_.contains(from);
 }
 
+// A lower number has been taken back, unless the higher one was a lie: then the asker goes on with its own number.
+bool Evictions::is_current(PeerId from, std::uint32_t number, Tick now) {
+  Numbered& newest = numbers_[from];
+  if (number < newest.number && now - newest.polled < kLease) return false;
+  if (number != newest.number) forget_answers(from);
+  newest = {number, now};
+  return true;
+}
+
 void Evictions::on_poll(PeerId from, const wire::Poll& poll, const View& view, Tick due, bool vouched, Commands& out) {
-  std::uint32_t& number = numbers_[from];
-  if (poll.number < number) return;  // it has been taken back
-  if (poll.number > number) forget_answers(from);
-  number = poll.number;
+  if (!is_current(from, poll.number, view.roster.now)) return;
   wire::Answer answer;
   answer.frozen = poll.freeze && !contests(from, poll, view) && !vouched && follows(from, poll, view, due);
   answer.tick = view.roster.now;
-  answer.number = number;
+  answer.number = poll.number;
   for (const wire::Seat& s : poll.lost) {
     if (s.slot >= session_.slots || s.slot == session_.self || s.slot == from) continue;
     const Seat& n = view.roster.seats[s.slot];

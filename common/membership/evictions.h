@@ -66,7 +66,8 @@ class Evictions {
   static constexpr Tick kAskAgain = 6;
   /// Time for which this peer must hear a peer that it has frozen to ask for it back, ticks.
   static constexpr Tick kHeardAgain = kTicksPerSecond;
-  /// Time in which an asker has to take its poll back then, or to poll again, ticks; only in a session with a key.
+  /// Time in which an asker has to take its poll back then, or to poll again, ticks; only in a session with a key. Also
+  /// the time after its last poll with a number from which polls with a lower number count again.
   static constexpr Tick kLease = 2 * kTicksPerSecond;
   /// Timeout for poll replies: worst honest delay plus margin. An honest peer may stand still for almost kSilence, wait
   /// kSilence more until it misses the lost peer itself, and then reply over a bad link. Shorter than the time after
@@ -96,6 +97,11 @@ class Evictions {
     Tick polled = 0;      ///< when the asker last polled about it
     Tick contested = -1;  ///< since when this peer replies that it hears it again; -1: it does not
   };
+  /// The newest number of an asker's polls, and the tick of the last poll with it.
+  struct Numbered {
+    std::uint32_t number = 0;
+    Tick polled = 0;
+  };
   /// An update that a member lacks and that is not here.
   struct Missing {
     PeerId of = kNoPeer;
@@ -108,6 +114,7 @@ class Evictions {
     std::erase_if(answered_, [asker](const auto& entry) { return entry.first.first == asker; });
   }
   static bool hears_again(PeerId p, const View& view);
+  bool is_current(PeerId from, std::uint32_t number, Tick now);
   bool contests(PeerId from, const wire::Poll& poll, const View& view);
   bool has_expired(PeerId asker, const Answered& a, const View& view) const;
   void thaw(const View& view, Commands& out);
@@ -140,14 +147,14 @@ class Evictions {
   const SessionView& session_;
   std::map<PeerId, Doubted> doubted_;
   Tick doubts_asked_ = 0;
-  std::map<PeerId, Lost> lost_;              ///< as the coordinator
-  std::set<PeerId> withholds_;               ///< members whose replies do not count for these
-  std::uint32_t number_ = 0;                 ///< of this peer's polls; grows with each that is taken back
-  std::vector<wire::Seat> taken_back_;       ///< the peers of the poll that was taken back last
-  Tick taken_back_at_ = 0;                   ///< when that was
-  std::set<PeerId> unaware_;                 ///< members that may not know yet that it is taken back
-  Tick told_ = 0;                            ///< when they were last sent a poll with the new number
-  std::map<PeerId, std::uint32_t> numbers_;  ///< of the newest poll, by asker
+  std::map<PeerId, Lost> lost_;         ///< as the coordinator
+  std::set<PeerId> withholds_;          ///< members whose replies do not count for these
+  std::uint32_t number_ = 0;            ///< of this peer's polls; grows with each that is taken back
+  std::vector<wire::Seat> taken_back_;  ///< the peers of the poll that was taken back last
+  Tick taken_back_at_ = 0;              ///< when that was
+  std::set<PeerId> unaware_;            ///< members that may not know yet that it is taken back
+  Tick told_ = 0;                       ///< when they were last sent a poll with the new number
+  std::map<PeerId, Numbered> numbers_;  ///< by asker
   std::map<std::pair<PeerId, PeerId>, Answered> answered_;  ///< by asker and slot
   Tick polled_ = 0;
   Tick asked_ = 0;

@@ -128,6 +128,28 @@ TEST(EvictionRules, AHigherNumberTakesBackAndALowerOneIsOld) {
   EXPECT_FALSE(s.roster.seats[2].frozen) << "nobody asks about it any more";
 }
 
+// A coordinator polled with high numbers about a living member, and then honestly about a lost one with its own: once,
+// nobody replied to it any more, and all were left out of the eviction.
+TEST(EvictionRules, ALowerNumberCountsAgainIfNoPollWithTheHigherOneHasComeForLong) {
+  Situation s(4, 3);
+  Evictions rules(s.session);
+  const auto poll = [&](PeerId about, std::uint32_t number) {
+    ListedCommands out;
+    rules.on_poll(0, {{s.named(about)}, true, number}, s.view(), s.roster.now, false, out);
+    s.follow(out);
+    const auto answers = out.all<wire::Answer>();
+    return !answers.empty() && answers[0].message.number == number;
+  };
+  const Tick polled = s.roster.now;
+  EXPECT_TRUE(poll(1, 5));
+  s.roster.now = polled + Evictions::kLease - 1;
+  EXPECT_FALSE(poll(2, 0));
+  s.roster.now = polled + Evictions::kLease;
+  EXPECT_TRUE(poll(2, 0));
+  EXPECT_TRUE(rules.answered(0, 2));
+  EXPECT_FALSE(rules.answered(0, 1));
+}
+
 TEST(EvictionRules, AQuestionAboutAnotherIncarnationFreezesNobody) {
   Situation s(4, 3);
   Evictions rules(s.session);
