@@ -79,6 +79,7 @@ void Evictions::on_poll(PeerId from, const wire::Poll& poll, const View& view, T
 void Evictions::on_answer(PeerId from, const wire::Answer& answer, const View& view, Commands& out) {
   if (answer.number != number_) return;
   unaware_.erase(from);
+  PeerSet vetoed = 0;
   for (const wire::Seat& s : answer.lost) {
     const Tick heard = s.heard > 0 ? std::min(answer.tick, view.roster.now) + 1 - static_cast<Tick>(s.heard) : -1;
     const auto doubted = doubted_.find(s.slot);
@@ -87,7 +88,7 @@ void Evictions::on_answer(PeerId from, const wire::Answer& answer, const View& v
     if (it == lost_.end() || it->second.incarnation != s.incarnation) continue;
     if (!answer.frozen) {
       it->second.hears[from] = heard;
-      if (is_vetoed(s.slot, it->second, view)) return take_back(view, out);
+      if (is_vetoed(s.slot, it->second, view)) vetoed |= only(s.slot);
       continue;
     }
     it->second.hears.erase(from);
@@ -95,6 +96,7 @@ void Evictions::on_answer(PeerId from, const wire::Answer& answer, const View& v
     const std::uint32_t most = view.log.have(s.slot) + sync::UpdateLog::kMostBeyond;
     if (it->second.have.insert_or_assign(from, std::min(s.have, most)).second) moved_ = view.roster.now;
   }
+  if (vetoed != 0) take_back(vetoed, view, out);
 }
 
 void Evictions::on_fetch(PeerId from, const wire::Fetch& fetch, const View& view, Commands& out) {
@@ -139,7 +141,7 @@ void Evictions::on_fetched(PeerId from, const wire::Fetched& fetched, const View
   const bool for_long = view.roster.silence(fetched.slot) >= kRelayUntil && it->second.have.contains(from);
   if (for_long || !lives(fetched.slot, it->second, view)) return;
   const auto evidence = std::move(it->second.fetched);
-  take_back(view, out);
+  take_back(only(fetched.slot), view, out);
   thaw(view, out);
   for (const auto& [number, b] : evidence)
     if (number >= view.log.have(fetched.slot)) out.relay({fetched.slot, fetched.incarnation, {b}}, from);
@@ -201,23 +203,36 @@ bool Evictions::is_vetoed(PeerId p, const Lost& lost, const View& view) const {
   return stays_by_word(h);
 }
 
-// thaw() then resumes each peer that no other asker polls about.
-void Evictions::take_back(const View& view, Commands& out) {
+// thaw() then resumes each peer that no other asker polls about. All members have to reply anew about those that are
+// still lost. Who was awaited before has no more time for it: once, vetoes about one peer, again and again, kept
+// everybody from being left out.
+void Evictions::take_back(PeerSet who, const View& view, Commands& out) {
   if (ordered() || number_ == wire::kMostPollNumber) return;
+  const Tick now = view.roster.now;
   taken_back_.clear();
-  for (const auto& [p, lost] : lost_) {
-    taken_back_.push_back({p, lost.incarnation});
+  for (PeerId p = 0; p < view.roster.slots(); ++p) {
+    if ((who & only(p)) == 0 || !lost_.contains(p)) continue;
+    if (taken_back_.size() < wire::kMostLost) taken_back_.push_back({p, lost_[p].incarnation});
     out.tell({.kind = SessionEvent::Kind::kHeardAgain, .peer = p});
+    lost_.erase(p);
+    for (auto& [slot, lost] : lost_) {
+      Tick& asked = lost.asked.try_emplace(p, lost.grounds.now).first->second;
+      asked = std::max(asked, now + kAnswerPatience - kWithheld);
+    }
   }
-  if (taken_back_.size() > wire::kMostLost) taken_back_.resize(wire::kMostLost);
-  lost_.clear();
+  for (auto& [slot, lost] : lost_) {
+    for (const auto& [q, have] : lost.have) lost.asked[q] = now;
+    lost.have.clear();
+    lost.hears.clear();
+  }
   missing_.reset();
   ++number_;
-  taken_back_at_ = view.roster.now;
+  polled_ = now - kAskAgain;
+  taken_back_at_ = now;
   unaware_.clear();
   for (PeerId p = 0; p < view.roster.slots(); ++p)
     if (p != session_.self && view.roster.seats[p].there()) unaware_.insert(p);
-  told_ = view.roster.now - kAskAgain;
+  told_ = now - kAskAgain;
 }
 
 // Any other poll with the new number has the same effect, but there may be none.

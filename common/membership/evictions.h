@@ -23,7 +23,8 @@ class MisbehaviourPolicy;
 /// The coordinator publishes in its own log the updates that a member lacks, and then the removal, with the number of
 /// the last update, at its present tick. These are delivered and repeated like any update. If the coordinator is lost
 /// meanwhile, the next one evicts both. If a member hears the peer again and does not follow the poll, the coordinator
-/// takes the poll back: polls are numbered, and one with a higher number cancels those before it.
+/// takes back its poll about that peer: polls are numbered, and one with a higher number cancels those before it. About
+/// other lost peers it polls anew.
 class Evictions {
  public:
   explicit Evictions(const SessionView& session) : session_(session) {}
@@ -89,6 +90,7 @@ class Evictions {
     bool ordered = false;
     std::size_t fetches = 0;
     LastHeard grounds;             ///< what was known when it was frozen
+    std::map<PeerId, Tick> asked;  ///< since when each member's reply is awaited; not in it: since the peer was frozen
     std::map<PeerId, Tick> hears;  ///< by member that does not follow: tick at which it heard the peer last; -1: never
   };
   /// That this peer has frozen a peer for an asker.
@@ -108,6 +110,7 @@ class Evictions {
     std::uint32_t index = 0;
   };
   bool is_to_blame(PeerId p, const Missing& missing, const View& view) const;
+  bool is_silent(PeerId p, const View& view) const;
   /// Whether `from` may evict peers, as far as this peer can tell.
   bool follows(PeerId from, const wire::Poll& poll, const View& view, Tick due) const;
   void forget_answers(PeerId asker) {
@@ -122,7 +125,7 @@ class Evictions {
   bool lives(PeerId p, const Lost& lost, const View& view) const;
   void go_on_without(const View& view, Commands& out);
   bool is_vetoed(PeerId p, const Lost& lost, const View& view) const;
-  void take_back(const View& view, Commands& out);
+  void take_back(PeerSet who, const View& view, Commands& out);
   void tell_taken_back(const View& view, Commands& out);
   void doubt(const View& view, Commands& out);
   bool is_first_well(const View& view) const;

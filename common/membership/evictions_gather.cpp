@@ -15,15 +15,24 @@ bool Evictions::is_to_blame(PeerId p, const Missing& missing, const View& view) 
   return has != (missing.index < view.log.have(missing.of));
 }
 
+// Whether p's reply about a lost peer has been awaited for too long. Time in which this peer was held up does not
+// count: it could not hear the replies.
+bool Evictions::is_silent(PeerId p, const View& view) const {
+  return std::any_of(lost_.begin(), lost_.end(), [&](const auto& entry) {
+    const Lost& lost = entry.second;
+    const auto asked = lost.asked.find(p);
+    const Tick since = asked != lost.asked.end() ? asked->second : lost.grounds.now;
+    return !lost.have.contains(p) && view.roster.now - std::max(since, view.roster.seats[p].excused) >= kWithheld;
+  });
+}
+
 std::vector<PeerId> Evictions::withholding(const View& view) const {
   std::vector<PeerId> who;
   if (lost_.empty() || ordered()) return who;
   for (PeerId p = 0; p < view.roster.slots(); ++p) {
-    // Time in which this peer was held up does not count: it could not hear the replies.
-    if (!counts(p, view) || view.roster.now - std::max(moved_, view.roster.seats[p].excused) < kWithheld) continue;
-    const bool silent =
-        std::any_of(lost_.begin(), lost_.end(), [p](const auto& entry) { return !entry.second.have.contains(p); });
-    if (silent || (missing_ && is_to_blame(p, *missing_, view))) who.push_back(p);
+    if (!counts(p, view)) continue;
+    const bool stands = view.roster.now - std::max(moved_, view.roster.seats[p].excused) >= kWithheld;
+    if (is_silent(p, view) || (stands && missing_ && is_to_blame(p, *missing_, view))) who.push_back(p);
   }
   return who;
 }

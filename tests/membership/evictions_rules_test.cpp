@@ -309,6 +309,43 @@ TEST_F(Eviction, GoesOnWithoutAMemberThatWithholdsItsReply) {
   EXPECT_FALSE(s_.roster.seats[2].frozen);
 }
 
+// Peer 3 is lost, and peer 2 does not reply. Peer 4 falls silent again and again, and each time peer 1 hears it. Once,
+// each take-back gave peer 2 its whole time again, so that peer 3 was never evicted and nobody let in.
+TEST(EvictionRules, VetoesAboutOnePeerGiveNobodyMoreTimeToReplyAboutAnother) {
+  Situation s(5, 0);
+  Evictions rules(s.session);
+  for (const PeerId p : {PeerId{3}, PeerId{4}}) s.silence(p, kNow - node::kDoubt);
+  int vetoes = 0;
+  Tick evicted = 0;
+  Tick lost = 0;
+  for (Tick t = 0; t < 2 * Evictions::kWithheld && evicted == 0; ++t) {
+    for (const PeerId p : {PeerId{1}, PeerId{2}}) s.silence(p, s.roster.now);
+    ListedCommands out;
+    rules.advance(s.view(), out);
+    s.follow(out);
+    if (lost == 0 && s.roster.seats[3].frozen) lost = s.roster.now;
+    for (const auto& order : out.orders)
+      if (!order.removals.empty()) evicted = s.roster.now;
+    for (const auto& [to, poll] : out.all<wire::Poll>()) {
+      if (to != Situation::at(1)) continue;
+      wire::Answer reply{poll.lost, poll.freeze, s.roster.now, poll.number};
+      for (wire::Seat& about : reply.lost)
+        if (poll.freeze && about.slot == 4) {
+          reply.frozen = false;
+          about.heard = 5;
+        }
+      ListedCommands then;
+      rules.on_answer(1, reply, s.view(), then);
+      if (!then.told(SessionEvent::Kind::kHeardAgain)) continue;
+      ++vetoes;
+      s.silence(4, s.roster.now);
+    }
+  }
+  EXPECT_GE(vetoes, 2);
+  ASSERT_GT(evicted, 0);
+  EXPECT_LE(evicted - lost, Evictions::kWithheld + node::kAnswerPatience + node::kSilence);
+}
+
 // It need not agree with anybody any more. Once, one that only said that it left held up every eviction for 7.5 s, and
 // with them all admissions.
 TEST_F(Eviction, DoesNotWaitForAMemberThatHasLeft) {
