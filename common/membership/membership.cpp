@@ -21,6 +21,9 @@ SessionEvent::Kind kind_of(const MemberChange& c, PeerId self) {
 
 /// The confirmed world may wait until a peer is evicted; only a longer wait means that this peer is stuck.
 constexpr Tick kStuck = 12 * kTicksPerSecond;
+/// Age of the confirmed world at which this peer is stuck though it confirms a tick now and then. The others may be far
+/// ahead: once, such a peer took their orders for unlawful ones, and cut them off.
+constexpr Tick kBehind = 2 * kStuck;
 /// Time for which this peer tries to join anew by one member, ticks.
 constexpr Tick kInVain = 10 * kTicksPerSecond;
 /// Time for which that member then counts as silent, ticks.
@@ -306,10 +309,6 @@ void Membership::watch_confirmed() {
   confirmed_ = confirmed;
 }
 
-bool Membership::stuck() const {
-  return roster().now - confirmed_at_ > kStuck;
-}
-
 // The coordinator's confirmed world is the right one, whatever other members say.
 std::string Membership::why_back() const {
   const Replica& n = replica_.replica();
@@ -325,7 +324,10 @@ std::string Membership::why_back() const {
   for (PeerId p = 0; p < session_.slots; ++p)
     if (n.seat(p).there() && view().lacks_former(p) && view().arrears(p) >= View::kArrears / 2)
       return "a former peer " + std::to_string(p) + " kept an update from this peer that it has told others";
-  if (stuck()) return "nothing has been confirmed for " + std::to_string(kStuck / kTicksPerSecond) + " s";
+  if (roster().now - confirmed_at_ > kStuck)
+    return "nothing has been confirmed for " + std::to_string(kStuck / kTicksPerSecond) + " s";
+  if (roster().now - std::max(confirmed_, roster().in_since) > kBehind)
+    return "what is confirmed is " + std::to_string(kBehind / kTicksPerSecond) + " s old";
   return n.expelled() ? "the others have declared this peer gone" : "";
 }
 

@@ -111,7 +111,6 @@ class Membership {
   /// Whether an eviction may be near.
   bool doubts() const;
   void watch_confirmed();
-  bool stuck() const;
   /// Whether this peer has left its seat to join anew, and no member is known to live by which it could.
   bool is_alone() const;
   /// Where a member is or was.

@@ -74,5 +74,23 @@ TEST(WayBack, WhatIsStuckIsStuckWhetherAnybodyHasAskedOrNot) {
   EXPECT_EQ(unasked.state().events[0].text, "nothing has been confirmed for 12 s");
 }
 
+// The third goes on for a moment every 10 s, so a little is confirmed now and then.
+TEST(WayBack, WhoConfirmsNowAndThenButIsFarBehindIsStuck) {
+  Trio trio;
+  trio.run_to(120, 3);
+  Tick now = 120;
+  const auto crawl_until = [&](Tick until) {
+    while (now < until) {
+      trio.run_to(now += 580, 2);
+      trio.run_to(now += 20, 3);
+    }
+  };
+  crawl_until(1320);
+  EXPECT_GT(trio.confirmed(), 120) << "something is confirmed now and then";
+  EXPECT_FALSE(trio.membership().way_back());
+  crawl_until(1920);
+  EXPECT_EQ(trio.membership().way_back(), trio.first());
+}
+
 }  // namespace
 }  // namespace padr::test
