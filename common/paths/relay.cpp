@@ -29,8 +29,9 @@ void Relay::on_fetched(PeerId from, const wire::Fetched& fetched, const View& vi
   if (fetched.slot >= session_.slots) return;
   Question& q = questions_[fetched.slot];
   const Tick now = view.roster.now;
-  if (q.to != from || now - q.at > kPatience) return;
-  q.to = kNoPeer;
+  const auto asked = q.asked.find(from);
+  if (asked == q.asked.end() || now - asked->second > kPatience) return;
+  q.asked.erase(asked);
   q.next = now + kHurry;
   out.relay(fetched, from);
 }
@@ -60,7 +61,8 @@ void Relay::advance(const View& view, Commands& out) {
     if (view.roster.now < q.next) continue;
     const PeerId whom = next_to_ask(p, view);
     if (whom == kNoPeer) return;
-    q = {whom, view.roster.now, view.roster.now + kPace};
+    q.asked[whom] = view.roster.now;
+    q.next = view.roster.now + kPace;
     out.send(view.roster.seats[whom].at, wire::Fetch{p, of.incarnation, view.log.have(p)});
   }
 }

@@ -41,8 +41,7 @@ class Relay {
 
  private:
   struct Question {
-    PeerId to = kNoPeer;
-    Tick at = -kPace;
+    std::map<PeerId, Tick> asked;  ///< when each member that has not replied was asked last
     Tick next = 0;
   };
   struct Service {

@@ -90,5 +90,29 @@ TEST(RelayRules, TakesOnlyWhatItHasAskedFor) {
   EXPECT_EQ(out.relayed.size(), 1U) << "once";
 }
 
+// Once, each question made this peer ignore the reply to the one before: where a reply took longer than kPace, nothing
+// was relayed, and members cut each other off.
+TEST(RelayRules, TakesAReplyAlsoWhenTheNextMemberHasBeenAsked) {
+  Situation s(4, 0);
+  s.silence(2, kNow - node::kRelayAfter);
+  Relay rules(s.session);
+  sync::Bundle b;
+  b.peer = 2;
+  const wire::Fetched reply{2, s.roster.seats[2].incarnation, {b}};
+  ListedCommands out;
+  rules.advance(s.view(), out);
+  s.roster.now += Relay::kPace;
+  rules.advance(s.view(), out);
+  const auto asked = out.all<wire::Fetch>();
+  ASSERT_EQ(asked.size(), 2U);
+  EXPECT_EQ(asked[0].to, Situation::at(1));
+  EXPECT_EQ(asked[1].to, Situation::at(3));
+  rules.on_fetched(1, reply, s.view(), out);
+  EXPECT_EQ(out.relayed.size(), 1U);
+  s.roster.now += Relay::kPatience + 1;
+  rules.on_fetched(3, reply, s.view(), out);
+  EXPECT_EQ(out.relayed.size(), 1U) << "that is too late";
+}
+
 }  // namespace
 }  // namespace padr::test
