@@ -225,6 +225,7 @@ class Replica {
   void admit(const sync::Admission& a, const sync::Bundle& by);
   void keep_places(const sync::Transfer& start);
   void remove(const sync::Removal& r, const sync::Bundle& by);
+  void forgive_arrears();
   void take_check(const sync::StatePacket& packet, PeerId from);
   void settle_checks();
   bool publish_order();

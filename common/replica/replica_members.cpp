@@ -15,6 +15,8 @@ constexpr Tick kLastAcks = 62;
 /// of the time that members are allowed. Forgiven up to the removal, whoever tells nothing would be cut off only after
 /// the others have joined anew because nothing is confirmed.
 constexpr Tick kNotForgiven = 4 * kTicksPerSecond;
+/// Most arrears that are forgiven, however many removals there are, ticks: for the same reason.
+constexpr Tick kMostForgiven = 3 * kTicksPerSecond;
 
 bool changes_membership(const sync::Bundle& b) {
   return b.leave || b.admission || !b.removals.empty() || !b.passed_on.empty();
@@ -114,8 +116,16 @@ void Replica::remove(const sync::Removal& r, const sync::Bundle& by) {
   links_[r.slot].held.clear();
   if (!n.there()) return;  // it has left: the end of its log is its leave update, which counts
   n.presence = Presence::kAbsent;
-  for (Seat& s : roster_.seats) s.forgiven = std::max(s.forgiven, now() - kNotForgiven);
+  forgive_arrears();
   changes_.push_back({MemberChange::Kind::kRemoved, r.slot, r.incarnation, n.at, by.tick, by.peer, n.since});
+}
+
+void Replica::forgive_arrears() {
+  for (PeerId p = 0; p < config_.slots; ++p) {
+    Seat& s = roster_.seats[p];
+    const Tick told = std::max(std::min(now(), agreed_.log().complete(p)), s.excused);
+    s.forgiven = std::max(s.forgiven, std::min(now() - kNotForgiven, told + kMostForgiven));
+  }
 }
 
 // The log of a frozen peer must not grow any more: not by its datagrams, and not by passed-on updates that fill a gap

@@ -58,6 +58,20 @@ TEST(Orders, WhoGivesOneIsCutOffInTimeThoughAnotherPeerIsLostMeanwhile) {
   t.expect_no_harm();
 }
 
+// Once, each further eviction gave the liar more time.
+TEST(Orders, WhoGivesOneIsCutOffInTimeThoughOthersAreLostOneAfterTheOther) {
+  Trial t(6, 3, wire::SealMode::kAuth, 210);
+  give(t, [&t](sync::Bundle& b) { b.removals = {{1, t.incarnation(1), 5}}; });
+  EXPECT_TRUE(t.party().run_until(3, [&] { return t.dropped(0, DropReason::kRight) > 0; })) << t.party().story();
+  t.party().run(3);
+  t.party().net().kill(t.person(4));
+  t.party().run(3);
+  t.party().net().kill(t.person(5));
+  t.party().run(12);
+  EXPECT_TRUE(t.liar_is_out()) << t.party().story();
+  t.expect_no_harm();
+}
+
 TEST(Orders, NobodyIsDeclaredGoneToItselfByWhoIsNotCoordinator) {
   Trial t(4, 2, wire::SealMode::kAuth, 208);
   give(t, [&t](sync::Bundle& b) { b.removals = {{3, t.incarnation(3), 5}}; });
