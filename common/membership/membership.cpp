@@ -343,6 +343,7 @@ void Membership::give_up_guide() {
   const bool returns = !why_back().empty();
   told_ = told_ && returns;
   const PeerId by = returns ? guide() : kNoPeer;
+  if (std::exchange(asked_, by) != by) back_since_ = now;
   if (!session_.config.sealed || (roster().leaving && !stands_down_) || by == kNoPeer) {
     back_since_ = now;
   } else if (now - back_since_ >= (by == coordinator() ? kInVain : 2 * kInVain)) {

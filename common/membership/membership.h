@@ -142,7 +142,8 @@ class Membership {
     Tick since = 0;
   };
   std::map<PeerId, Asked> in_vain_;  ///< members that count as silent, as they did not let this peer in anew
-  Tick back_since_ = 0;              ///< since when this peer has been trying to join anew, or has given somebody up
+  PeerId asked_ = kNoPeer;           ///< the member by which this peer tries to join anew
+  Tick back_since_ = 0;              ///< since when it has been trying that
   bool told_ = false;
   bool misled_ = false;       ///< another member has lied to this one
   bool stands_down_ = false;  ///< as the coordinator, it has left its seat to join anew

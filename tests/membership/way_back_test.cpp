@@ -1,8 +1,9 @@
 // Whether there is a reason to join anew: a question, which may be asked at any time or never.
 #include <gtest/gtest.h>
 
-#include <array>
+#include <algorithm>
 #include <memory>
+#include <vector>
 
 #include "common/membership/membership.h"
 #include "tests/world/test_scene.h"
@@ -10,40 +11,42 @@
 namespace padr::test {
 namespace {
 
-/// Three peers beside one another, of whom the second is looked at.
-class Trio {
+/// Peers beside one another, of whom the last but one is looked at.
+class Group {
  public:
-  Trio() {
-    for (PeerId p = 0; p < 3; ++p) {
+  explicit Group(PeerId peers) : nodes_(peers) {
+    for (PeerId p = 0; p < peers; ++p) {
       node::ReplicaConfig c;
       c.self = p;
-      c.peers = c.slots = 3;
+      c.peers = c.slots = peers;
       nodes_[p] = std::make_unique<node::RecordedReplica>(scene_, c);
     }
-    session_.self = 1;
-    session_.slots = 3;
-    for (PeerId p = 0; p < 3; ++p) nodes_[1]->locate(p, ipv4({10, 0, 0, static_cast<std::uint8_t>(p + 1)}, 7000));
-    membership_ = std::make_unique<node::Membership>(session_, *nodes_[1]);
+    session_.self = peers - 2;
+    session_.slots = peers;
+    for (PeerId p = 0; p < peers; ++p) own().locate(p, ipv4({10, 0, 0, static_cast<std::uint8_t>(p + 1)}, 7000));
+    membership_ = std::make_unique<node::Membership>(session_, own());
   }
-  /// The first `speaking` peers go on, and hear one another.
-  void run_to(Tick until, PeerId speaking) {
+  /// These peers go on, and hear one another.
+  void run_to(Tick until, const std::vector<PeerId>& speaking) {
     while (++now_ <= until) {
-      for (PeerId p = 0; p < speaking; ++p) nodes_[p]->step({});
+      for (const PeerId p : speaking) nodes_[p]->step({});
       membership_->advance(tick_start(now_));
-      for (PeerId p = 0; p < speaking; ++p)
+      for (const PeerId p : speaking)
         for (const node::Outgoing& o : nodes_[p]->outgoing())
-          if (o.to < speaking) nodes_[o.to]->receive(o.bytes, tick_start(now_));
+          if (std::count(speaking.begin(), speaking.end(), o.to) > 0) nodes_[o.to]->receive(o.bytes, tick_start(now_));
     }
     --now_;
   }
   node::Membership& membership() { return *membership_; }
-  const Endpoint& first() const { return nodes_[1]->replica().seat(0).at; }
+  const Endpoint& place(PeerId p) { return own().replica().seat(p).at; }
   node::SessionState& state() { return session_; }
-  Tick confirmed() const { return nodes_[1]->replica().agreed().confirmed().tick; }
+  Tick confirmed() { return own().replica().agreed().confirmed().tick; }
 
  private:
+  node::RecordedReplica& own() { return *nodes_[session_.self]; }
+
   Scene scene_ = busy_scene(1, 0);
-  std::array<std::unique_ptr<node::RecordedReplica>, 3> nodes_;
+  std::vector<std::unique_ptr<node::RecordedReplica>> nodes_;
   node::SessionState session_;
   std::unique_ptr<node::Membership> membership_;
   Tick now_ = 0;
@@ -51,21 +54,21 @@ class Trio {
 
 // The first never declares the third gone, so nothing is confirmed any more.
 TEST(WayBack, WhatIsStuckIsStuckWhetherAnybodyHasAskedOrNot) {
-  Trio trio;
-  trio.run_to(120, 3);
-  trio.run_to(180, 2);
+  Group trio(3);
+  trio.run_to(120, {0, 1, 2});
+  trio.run_to(180, {0, 1});
   const Tick stuck = trio.confirmed() + 12 * kTicksPerSecond;
-  trio.run_to(stuck - 30, 2);
+  trio.run_to(stuck - 30, {0, 1});
   ASSERT_LT(trio.confirmed(), 180);
   EXPECT_FALSE(trio.membership().way_back());
-  trio.run_to(stuck + 30, 2);
-  EXPECT_EQ(trio.membership().way_back(), trio.first());
+  trio.run_to(stuck + 30, {0, 1});
+  EXPECT_EQ(trio.membership().way_back(), trio.place(0));
 
-  Trio unasked;
-  unasked.run_to(120, 3);
-  unasked.run_to(stuck + 30, 2);
+  Group unasked(3);
+  unasked.run_to(120, {0, 1, 2});
+  unasked.run_to(stuck + 30, {0, 1});
   unasked.state().events.clear();
-  EXPECT_EQ(unasked.membership().way_back(), unasked.first());
+  EXPECT_EQ(unasked.membership().way_back(), unasked.place(0));
   EXPECT_TRUE(unasked.state().events.empty()) << "asking says nothing";
   unasked.membership().announce_way_back();
   unasked.membership().announce_way_back();
@@ -76,20 +79,36 @@ TEST(WayBack, WhatIsStuckIsStuckWhetherAnybodyHasAskedOrNot) {
 
 // The third goes on for a moment every 10 s, so a little is confirmed now and then.
 TEST(WayBack, WhoConfirmsNowAndThenButIsFarBehindIsStuck) {
-  Trio trio;
-  trio.run_to(120, 3);
+  Group trio(3);
+  trio.run_to(120, {0, 1, 2});
   Tick now = 120;
   const auto crawl_until = [&](Tick until) {
     while (now < until) {
-      trio.run_to(now += 580, 2);
-      trio.run_to(now += 20, 3);
+      trio.run_to(now += 580, {0, 1});
+      trio.run_to(now += 20, {0, 1, 2});
     }
   };
   crawl_until(1320);
   EXPECT_GT(trio.confirmed(), 120) << "something is confirmed now and then";
   EXPECT_FALSE(trio.membership().way_back());
   crawl_until(1920);
-  EXPECT_EQ(trio.membership().way_back(), trio.first());
+  EXPECT_EQ(trio.membership().way_back(), trio.place(0));
+}
+
+// Once, it was given up with whoever had coordinated before it, and this peer took itself for the coordinator.
+TEST(WayBack, WhoCoordinatesNextHasAsLongToLetThisPeerIn) {
+  Group four(4);
+  four.state().config.sealed = true;
+  four.run_to(120, {0, 1, 2, 3});
+  four.run_to(180, {0, 1, 2});
+  const Tick stuck = four.confirmed() + 12 * kTicksPerSecond;
+  const Tick second = stuck + 9 * kTicksPerSecond;
+  four.run_to(second - 3 * kTicksPerSecond, {0, 1, 2});
+  EXPECT_EQ(four.membership().way_back(), four.place(0));
+  four.run_to(second + 9 * kTicksPerSecond, {1, 2});
+  EXPECT_EQ(four.membership().way_back(), four.place(1));
+  four.run_to(second + 11 * kTicksPerSecond, {1, 2});
+  EXPECT_FALSE(four.membership().way_back()) << "the next one is this peer";
 }
 
 }  // namespace
