@@ -226,6 +226,8 @@ class Replica {
   void keep_places(const sync::Transfer& start);
   void remove(const sync::Removal& r, const sync::Bundle& by);
   void forgive_arrears();
+  /// The time in which p could not tell anything does not count as arrears.
+  void forgive(PeerId p, Tick meanwhile);
   void take_check(const sync::StatePacket& packet, PeerId from);
   void settle_checks();
   bool publish_order();

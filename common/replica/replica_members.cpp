@@ -128,10 +128,18 @@ void Replica::forgive_arrears() {
   }
 }
 
+void Replica::forgive(PeerId p, Tick meanwhile) {
+  Seat& s = roster_.seats[p];
+  const Tick counts = std::max({std::min(now(), agreed_.log().complete(p)), s.excused, s.forgiven});
+  s.forgiven = std::min(now(), counts + meanwhile);
+}
+
 // The log of a frozen peer must not grow any more: not by its datagrams, and not by passed-on updates that fill a gap
 // before updates already here.
 void Replica::freeze(PeerId p, bool frozen) {
-  if (roster_.seats[p].frozen == frozen) return;
+  const Seat& s = roster_.seats[p];
+  if (s.frozen == frozen) return;
+  if (!frozen && s.answered_frozen > s.answer_mark) forgive(p, roster_.silence(p));  // it repeats what was not taken
   roster_.freeze(p, frozen);
   std::vector<sync::Bundle>& held = links_[p].held;
   if (frozen) {

@@ -67,7 +67,7 @@ DropReason Replica::take(const wire::Opened& opened, Micros now) {
   const DropReason filed = file_updates(*packet, h.sender);
   if (filed != DropReason::kNone) return filed;
   // After so long a silence it tells what it could not tell meanwhile.
-  if (roster_.silence(h.sender) >= kLongSilence) from.forgiven = this->now();
+  if (roster_.silence(h.sender) >= kLongSilence) forgive(h.sender, roster_.silence(h.sender));
   from.heard = this->now();
   if (packet->seen_seq > link.answered_seq) {
     link.answered_seq = packet->seen_seq;

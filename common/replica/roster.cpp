@@ -45,7 +45,7 @@ void Roster::freeze(PeerId p, bool frozen) {
     s.answered_frozen = s.answers_since = -1;
   } else if (s.answered_frozen > s.answer_mark) {
     note_answer(p, s.answered_frozen);
-    s.forgiven = now;  // it repeats what was not taken
+    s.heard = s.answered_frozen;
   }
 }
 

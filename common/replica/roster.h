@@ -33,7 +33,7 @@ struct Seat {
 
   Tick since = 0;                  ///< tick of its admission; of its first, if the transfer told of it
   Tick excused = 0;                ///< silence and arrears before this tick do not count
-  Tick forgiven = 0;               ///< arrears before this tick do not count: a removal may have been in the way
+  Tick forgiven = 0;               ///< arrears before this tick do not count: something was in the way
   Tick heard = 0;                  ///< when its last valid datagram came
   Tick answered = 0;               ///< when it last acknowledged something new of ours
   Tick answer_mark = -1;           ///< tick of its newest mark that has answered us

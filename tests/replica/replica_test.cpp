@@ -9,6 +9,7 @@
 #include "common/link/link_mesh.h"
 #include "common/model/precision.h"
 #include "common/scenarios/scenarios.h"
+#include "common/session/view.h"
 #include "shell/netem_text.h"
 #include "tests/seed.h"
 
@@ -335,6 +336,49 @@ TEST(Rounding, WhoTellsRoundedStatesTakesThemOn) {
   }
   EXPECT_GT(bodies, 100U);
   EXPECT_GT(avatars, 100U);
+}
+
+/// Of peer 1 as peer 0 sees it, which refuses an update of peer 1's and 3 s later does not listen for 4 s.
+template <typename Deafen, typename Listen>
+Tick arrears_after(Mesh& mesh, bool refuses, const Deafen& deafen, const Listen& listen) {
+  const Replica& n = mesh[0];
+  const View view{n.roster(), n.agreed().log(), n.live().world().scene()};
+  std::vector<bool> running(2, true);
+  const auto run = [&](Tick ticks) {
+    for (Tick t = 0; t < ticks; ++t) mesh.step(running);
+  };
+  mesh.settle();
+  run(240);
+  mesh[0].set_judge([since = mesh.now(), refuses](const sync::StatePacket& p, PeerId) {
+    const bool refused = refuses && !p.updates.empty() && p.updates.back().tick >= since;
+    return refused ? sync::DropReason::kRight : sync::DropReason::kNone;
+  });
+  mesh[1].order({});
+  run(180);
+  EXPECT_EQ(view.arrears(1) > 170, refuses);
+  deafen(running);
+  run(240);
+  listen(running);
+  run(30);
+  return view.arrears(1);
+}
+
+// Once, all that it owed was forgiven: another 8 s passed until it was cut off, and the others joined anew before.
+TEST(Replica, WhoCouldTellNothingForAWhileIsForgivenThatTimeOnly) {
+  for (const bool refuses : {false, true}) {
+    const auto expect_forgiven = [refuses](Tick arrears) {
+      EXPECT_GE(arrears, refuses ? 170 : 0);
+      EXPECT_LE(arrears, refuses ? 240 : 60);
+    };
+    Mesh frozen(2, "delay 30ms", 1);
+    expect_forgiven(arrears_after(
+        frozen, refuses, [&](std::vector<bool>&) { frozen[0].freeze(1, true); },
+        [&](std::vector<bool>&) { frozen[0].freeze(1, false); }));
+    Mesh held_up(2, "delay 30ms", 1);
+    expect_forgiven(arrears_after(
+        held_up, refuses, [](std::vector<bool>& running) { running[1] = false; },
+        [](std::vector<bool>& running) { running[1] = true; }));
+  }
 }
 
 /// Mean bytes that a moving body's state adds to its datagram, in play.
