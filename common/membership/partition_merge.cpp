@@ -40,7 +40,12 @@ void PartitionMerge::on_change(const MemberChange& change, const View& view) {
 }
 
 void PartitionMerge::remember(const Gone& gone, Tick now) {
-  std::erase_if(gone_, [&](const Remembered& r) { return r.has_left && r.gone.at == gone.at; });
+  for (Remembered& r : gone_) {
+    if (!r.has_left || r.gone.at != gone.at) continue;
+    // That a peer was a member here is evidence, where it was seen elsewhere is none.
+    r = {gone.since < gone.removed ? gone : r.gone, now};
+    return;
+  }
   const bool known = std::any_of(gone_.begin(), gone_.end(), [&](const Remembered& r) { return r.gone.at == gone.at; });
   if (gone.at.is_set() && !known) keep(gone_, {gone, now}, kMost);
 }
@@ -253,10 +258,12 @@ void PartitionMerge::advance(const View& view, Commands& out) {
   if (!view.roster.member || view.roster.leaving || view.roster.now - probed_ < kPace) return;
   probed_ = view.roster.now;
   std::erase_if(gone_, [&](const Remembered& r) {
-    return view.roster.now - r.kept > kRemember || (!r.has_left && member_at(r.gone.at, view));
+    const bool is_back = std::any_of(view.roster.seats.begin(), view.roster.seats.end(),
+                                     [&](const Seat& s) { return s.there() && s.at == r.gone.at; });
+    return view.roster.now - r.kept > kRemember || (!r.has_left && is_back);
   });
   for (const Remembered& r : gone_)
-    if (!r.has_left) out.send(r.gone.at, our_probe(false, view));
+    if (!r.has_left && !member_at(r.gone.at, view)) out.send(r.gone.at, our_probe(false, view));
 }
 
 }  // namespace padr::node

@@ -245,7 +245,6 @@ TEST(PartitionMerge, AnEvictedPeerIsLookedForThoughItHadLeftAnotherSlot) {
   };
   s.roster.seats[1].heard = s.roster.now;
   EXPECT_EQ(probes(), 0U) << "it lingers there";
-  rules.remember({at, 0, 900}, 900);
   s.roster.seats[1].heard = s.roster.now - Roster::kDeparted;
   EXPECT_EQ(probes(), 1U);
 }
@@ -298,6 +297,34 @@ TEST(PartitionMerge, WhoHasLeftCountsInTheOtherPartAndIsNotLookedFor) {
     rules.on_probe(keyed(p), static_cast<PeerId>(5 + p), probe, wire::kMaxDatagram, s.view(), 0, out);
   }
   EXPECT_TRUE(rules.winner(s.view()));
+}
+
+// They left this session, as this peer had left the one before it, to join anew, and linger. Once, it looked for none
+// of them, forgot that they had been members, and stayed alone.
+TEST(PartitionMerge, WhoHasLeftIsLookedForWhereAFormerIncarnationKnewIt) {
+  test::Situation s(4, 2);
+  s.session.config.sealed = true;
+  for (PeerId p = 0; p < 4; ++p) s.roster.seats[p].at = keyed(p);
+  s.empty(3);
+  PartitionMerge rules(s.session);
+  for (const PeerId p : {PeerId{0}, PeerId{1}}) {
+    s.roster.seats[p].presence = Presence::kLeft;
+    rules.on_change({MemberChange::Kind::kLeft, p, 1U + p, keyed(p), 900, p, 20}, s.view());
+    rules.remember({keyed(p), 950, 950}, 950);
+  }
+  const auto probes = [&] {
+    test::ListedCommands out;
+    s.roster.now += PartitionMerge::kPace;
+    rules.advance(s.view(), out);
+    return out.all<wire::Probe>().size();
+  };
+  for (const PeerId p : {PeerId{0}, PeerId{1}}) s.roster.seats[p].heard = s.roster.now;
+  EXPECT_EQ(probes(), 0U);
+  for (const PeerId p : {PeerId{0}, PeerId{1}}) s.roster.seats[p].heard = s.roster.now - Roster::kDeparted;
+  EXPECT_EQ(probes(), 2U);
+  ASSERT_EQ(rules.gone().size(), 2U);
+  EXPECT_EQ(rules.gone()[0].since, 20);
+  EXPECT_EQ(rules.gone()[0].removed, 900);
 }
 
 // It has left to join anew, and then all others have ended.
