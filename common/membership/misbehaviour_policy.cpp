@@ -282,9 +282,13 @@ bool MisbehaviourPolicy::is_heard(PeerId p, const View& view) const {
 void MisbehaviourPolicy::advance(const View& view, Commands& out) {
   if (!view.roster.member || view.roster.leaving) return;
   for (PeerId p = 0; p < view.roster.slots(); ++p) {
+    if (!is_heard(p, view)) watch(p, view).unheard = view.roster.now;
     if (!is_heard(p, view) || !view.delays(p)) continue;
     const bool tells = view.arrears(p) < View::kArrears;
     if (!tells && view.lacks_former(p)) continue;  // this peer has to join anew
+    // Its updates may be on their way: a link that fails all the time has let nothing but marks through.
+    const bool is_back = view.roster.now - watch(p, view).unheard < kBackFor;
+    if (!tells && is_back && view.arrears(p) < kMostArrears) continue;
     // A lying coordinator can make an honest member freeze this peer for as long as it takes to see through it.
     if (tells && view.roster.unacknowledged(p) < kPatience) continue;
     const std::string what = tells ? "acknowledged no updates" : "not sent the updates that it promised";

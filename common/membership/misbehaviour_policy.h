@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/membership/last_heard.h"
 #include "common/session/commands.h"
 #include "common/session/session_state.h"
 #include "common/session/view.h"
@@ -58,6 +59,9 @@ class MisbehaviourPolicy {
   static constexpr Tick kBarred = 60 * kTicksPerSecond;  ///< first ban for arrears; doubles each time
   /// Time for which a member that is heard may acknowledge no updates, ticks.
   static constexpr Tick kPatience = 2 * View::kArrears;
+  /// Time for which a member that is heard again may owe what it could not tell before, ticks; kMostArrears in all.
+  static constexpr Tick kBackFor = 2 * kTicksPerSecond;
+  static constexpr Tick kMostArrears = View::kArrears + kSilence;
   static constexpr std::size_t kMostOffenders = 64;
   /// Signatures of one member's updates that are checked per tick, and at most at once. An honest member makes one
   /// update a tick; after an outage of View::kArrears all of them come at once.
@@ -69,6 +73,7 @@ class MisbehaviourPolicy {
   struct Watch {
     std::uint32_t incarnation = 0;
     Tick deaf_until = -1;
+    Tick unheard = -kBackFor;     ///< when it was last not heard
     double checks = kMostChecks;  ///< signatures that may be checked now
     Tick checked = 0;             ///< when that was
     struct Told {

@@ -250,6 +250,30 @@ TEST(MisbehaviourRules, WhoHoldsUpEverybodyIsCutOff) {
   }
 }
 
+// Once, it was cut off with the first datagram after a silence of two seconds, before any update could come.
+TEST(MisbehaviourRules, WhoIsHeardAgainHasAMomentToTellWhatItOwes) {
+  for (const bool long_owed : {false, true}) {
+    Situation s(4, 0);
+    const Tick owed = MisbehaviourPolicy::kMostArrears - (long_owed ? 0 : MisbehaviourPolicy::kBackFor);
+    s.log.begin(2, 0, s.roster.now - owed);
+    s.silence(2, s.roster.now - 2 * kTicksPerSecond);
+    MisbehaviourPolicy rules(s.session);
+    ListedCommands out;
+    const auto pass = [&](Tick ticks) {
+      for (Tick t = 0; t < ticks; ++t, ++s.roster.now) {
+        rules.advance(s.view(), out);
+        s.silence(2, s.roster.now + 1);
+      }
+    };
+    pass(1);
+    EXPECT_TRUE(out.cut_offs.empty());
+    pass(MisbehaviourPolicy::kBackFor - 1);
+    EXPECT_EQ(out.cut_offs.empty(), !long_owed);
+    pass(1);
+    EXPECT_FALSE(out.cut_offs.empty());
+  }
+}
+
 TEST(MisbehaviourRules, WhoIsConvictedIsGivenUpByWhoeverHadBarredItBefore) {
   Situation s(4, 0);
   s.session.config.sealed = true;
