@@ -71,6 +71,11 @@ bool TransferPull::pull_is_due(Micros local) const {
   return local - std::max(pulled_, came_) >= again << std::min(fruitless_, kPullDoublings);
 }
 
+// An introducer that lies may answer for ever, and never send all. Before the first piece, others may have their turn.
+bool TransferPull::comes_to_nothing(Micros local) const {
+  return missing_ > 0 && fruitless_ >= kMostFruitless && local - came_ > kPatience;
+}
+
 void TransferPull::on_redirect(const Endpoint& from, const wire::Redirect& redirect) {
   if (from == by_ && redirect.nonce == nonce_ && entering_) lost_ = true;
 }
@@ -81,11 +86,12 @@ void TransferPull::on_unreachable(const Endpoint& at) {
 }
 
 void TransferPull::advance(Micros local) {
-  lost_ = lost_ || local - heard_ > kPatience;
+  lost_ = lost_ || local - heard_ > kPatience || comes_to_nothing(local);
   if (lost_)
     return session_.fail(
         "peer at " + to_string(by_) +
-        " has ended, is silent, names another peer, or tells times that do not fit, before this peer was admitted");
+        " has ended, is silent, sends too little, names another peer, or tells times that do not fit, before this peer "
+        "was admitted");
   measure(local);
   if (pull_is_due(local)) pull(local);
   if (entering_ && local - entered_ >= (entries_ < kOften ? kAgain : kRarely)) enter(local);

@@ -32,7 +32,8 @@ class TransferPull {
   /// The transfer is complete, and the session's clock is set.
   bool ready() const { return ready_; }
   const wire::Bytes& transfer() const { return transfer_; }
-  /// The introducer has ended, fallen silent, redirected us, or told times that do not fit each other.
+  /// The introducer has ended, fallen silent, stopped sending pieces, redirected us, or told times that do not fit each
+  /// other.
   bool lost() const { return lost_; }
   const Endpoint& by() const { return by_; }
   Micros round_trip() const { return offset_.round_trip(); }
@@ -48,10 +49,12 @@ class TransferPull {
   static constexpr int kPullDoublings = 2;        ///< of the time between Pulls at most
   static constexpr int kMostWanted = 64;          ///< pieces that a Pull asks for
   static constexpr Micros kPatience = 2'500'000;  ///< longest silence of the introducer
+  static constexpr int kMostFruitless = 8;        ///< Pulls in a row without a new piece, after the first one
 
  private:
   void pull(Micros local);
   bool pull_is_due(Micros local) const;
+  bool comes_to_nothing(Micros local) const;
   void finish_if_complete();
 
   SessionState& session_;

@@ -1,0 +1,46 @@
+// When a newcomer goes on pulling the agreed world, and when it gives its introducer up.
+#include "common/participant/transfer_pull.h"
+
+#include <gtest/gtest.h>
+
+namespace padr::test {
+namespace {
+
+using node::TransferPull;
+
+constexpr Micros kRoundTrip = 20'000;
+
+struct Introducer {
+  std::string name;
+  Micros piece_every;  ///< 0: it sends the first piece only
+  bool is_given_up;
+};
+
+// Once, an introducer that never sent all kept a peer that joined anew waiting until it forgot it, 11 s later.
+TEST(TransferPull, GivesUpAnIntroducerThatSendsNothingMore) {
+  for (const Introducer& i :
+       {Introducer{"sends one piece only", 0, true}, Introducer{"is on a narrow link", 2'000'000, false}}) {
+    node::SessionState session;
+    const Endpoint by = ipv4({10, 0, 0, 1}, 7000);
+    wire::Welcome welcome;
+    welcome.nonce = 5;
+    TransferPull pull(session, by, welcome, 0);
+    std::uint32_t pieces = 0;
+    Micros given_up = 0;
+    for (Micros local = node::SessionPace::kTick; local < 10'000'000 && given_up == 0;
+         local += node::SessionPace::kTick) {
+      pull.on_pong(by, {local - kRoundTrip, local}, local);
+      const bool due = i.piece_every == 0 ? pieces == 0 : local / i.piece_every >= pieces;
+      if (due) pull.on_piece(by, {welcome.nonce, pieces++, 50, wire::Bytes(10)}, local);
+      pull.advance(local);
+      if (session.phase == node::SessionPhase::kFailed) given_up = local;
+    }
+    EXPECT_EQ(given_up > 0, i.is_given_up) << i.name;
+    if (i.is_given_up) {
+      EXPECT_LT(given_up, TransferPull::kPatience + kMicrosPerSecond);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace padr::test
