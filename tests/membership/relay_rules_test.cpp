@@ -71,47 +71,48 @@ TEST(RelayRules, ServesWhatIsHereAndNoMoreThanItsShare) {
   EXPECT_EQ(out.all<wire::Fetched>().size(), static_cast<std::size_t>(Relay::kServed) + 1);
 }
 
-TEST(RelayRules, TakesOnlyWhatItHasAskedFor) {
-  Situation s(4, 0);
-  s.silence(2, kNow - node::kRelayAfter);
-  Relay rules(s.session);
-  sync::Bundle b;
-  b.peer = 2;
-  const wire::Fetched reply{2, s.roster.seats[2].incarnation, {b}};
+/// Peer 0 of four has not heard peer 2 for so long that it asks the others for its updates.
+struct Lacking {
+  Lacking() {
+    s.silence(2, kNow - node::kRelayAfter);
+    sync::Bundle b;
+    b.peer = 2;
+    reply = {2, s.roster.seats[2].incarnation, {b}};
+  }
+  std::size_t taken_from(PeerId by) {
+    rules.on_fetched(by, reply, s.view(), out);
+    return out.relayed.size();
+  }
+
+  Situation s{4, 0};
+  Relay rules{s.session};
+  wire::Fetched reply;
   ListedCommands out;
-  rules.on_fetched(1, reply, s.view(), out);
-  EXPECT_TRUE(out.relayed.empty()) << "nobody was asked";
-  rules.advance(s.view(), out);
-  rules.on_fetched(3, reply, s.view(), out);
-  EXPECT_TRUE(out.relayed.empty()) << "another one was asked";
-  rules.on_fetched(1, reply, s.view(), out);
-  EXPECT_EQ(out.relayed.size(), 1U);
-  rules.on_fetched(1, reply, s.view(), out);
-  EXPECT_EQ(out.relayed.size(), 1U) << "once";
+};
+
+TEST(RelayRules, TakesOnlyWhatItHasAskedFor) {
+  Lacking peer;
+  EXPECT_EQ(peer.taken_from(1), 0U) << "nobody was asked";
+  peer.rules.advance(peer.s.view(), peer.out);
+  EXPECT_EQ(peer.taken_from(3), 0U) << "another one was asked";
+  EXPECT_EQ(peer.taken_from(1), 1U);
+  EXPECT_EQ(peer.taken_from(1), 1U) << "once";
 }
 
 // Once, each question made this peer ignore the reply to the one before: where a reply took longer than kPace, nothing
 // was relayed, and members cut each other off.
 TEST(RelayRules, TakesAReplyAlsoWhenTheNextMemberHasBeenAsked) {
-  Situation s(4, 0);
-  s.silence(2, kNow - node::kRelayAfter);
-  Relay rules(s.session);
-  sync::Bundle b;
-  b.peer = 2;
-  const wire::Fetched reply{2, s.roster.seats[2].incarnation, {b}};
-  ListedCommands out;
-  rules.advance(s.view(), out);
-  s.roster.now += Relay::kPace;
-  rules.advance(s.view(), out);
-  const auto asked = out.all<wire::Fetch>();
+  Lacking peer;
+  peer.rules.advance(peer.s.view(), peer.out);
+  peer.s.roster.now += Relay::kPace;
+  peer.rules.advance(peer.s.view(), peer.out);
+  const auto asked = peer.out.all<wire::Fetch>();
   ASSERT_EQ(asked.size(), 2U);
   EXPECT_EQ(asked[0].to, Situation::at(1));
   EXPECT_EQ(asked[1].to, Situation::at(3));
-  rules.on_fetched(1, reply, s.view(), out);
-  EXPECT_EQ(out.relayed.size(), 1U);
-  s.roster.now += Relay::kPatience + 1;
-  rules.on_fetched(3, reply, s.view(), out);
-  EXPECT_EQ(out.relayed.size(), 1U) << "that is too late";
+  EXPECT_EQ(peer.taken_from(1), 1U);
+  peer.s.roster.now += Relay::kPatience + 1;
+  EXPECT_EQ(peer.taken_from(3), 1U) << "that is too late";
 }
 
 }  // namespace
