@@ -18,16 +18,17 @@ constexpr std::uint64_t kSpread = 127;
 /// Silence of a peer after which its slot may come free.
 constexpr Tick kMayBeGone = kTicksPerSecond;
 
-}  // namespace
-
-// A member may have said where a joiner is that has proven another address since: it is known by its key.
-bool Admissions::is_of(const Guest& g, const Endpoint& where) {
-  return where.has_key() ? g.at.key == where.key : g.at == where;
+/// Whether the two are of one peer. A member may have said where a joiner is that has proven another address since: it
+/// is known by its key.
+bool is_same_peer(const Endpoint& at, const Endpoint& where) {
+  return where.has_key() ? at.key == where.key : at == where;
 }
 
+}  // namespace
+
 Admissions::Guest* Admissions::guest_at(const Endpoint& where, std::uint64_t nonce) {
-  const auto it =
-      std::find_if(guests_.begin(), guests_.end(), [&](const Guest& g) { return is_of(g, where) && g.nonce == nonce; });
+  const auto it = std::find_if(guests_.begin(), guests_.end(),
+                               [&](const Guest& g) { return is_same_peer(g.at, where) && g.nonce == nonce; });
   if (it == guests_.end()) return nullptr;
   it->at = where;
   return &*it;
@@ -75,11 +76,13 @@ void Admissions::on_join(const Endpoint& from, const wire::Join& join, const Vie
 Admissions::Guest* Admissions::take_in(const Endpoint& from, const wire::Join& join, const View& view, Micros local,
                                        Commands& out) {
   std::erase_if(guests_, [&](const Guest& g) { return same_place(g.at, from) && !g.ordered; });  // restarted
-  const auto slot = free_slot(view);
+  const auto slot = free_slot(from, view);
   if (!slot) {
-    if (!may_come_free(view))
+    const bool has_one = std::any_of(view.roster.seats.begin(), view.roster.seats.end(),
+                                     [&](const Seat& s) { return s.there() && is_same_peer(s.at, from); });
+    if (has_one || !may_come_free(view))
       refuse(from, join,
-             "the session is full: " + std::to_string(session_.slots) + " of " + std::to_string(session_.slots) +
+             std::string(kFull) + ": " + std::to_string(session_.slots) + " of " + std::to_string(session_.slots) +
                  " slots are taken",
              out);
     return nullptr;
@@ -116,16 +119,18 @@ std::uint32_t Admissions::incarnation_for(std::uint64_t nonce, const View& view)
   return next;
 }
 
-bool Admissions::is_free(PeerId p, const View& view) const {
+// Whoever has left to join anew goes on sending until it is in.
+bool Admissions::is_free(PeerId p, const Endpoint& joiner, const View& view) const {
   const sync::UpdateLog& log = view.log;
-  const bool empty = !view.roster.seats[p].reachable() || view.roster.departed(p);
+  const Seat& s = view.roster.seats[p];
+  const bool empty = !s.reachable() || view.roster.departed(p) || (!s.there() && is_same_peer(s.at, joiner));
   return p != session_.self && empty && log.closed(p) && !log.waits(p);
 }
 
-std::optional<PeerId> Admissions::free_slot(const View& view) const {
+std::optional<PeerId> Admissions::free_slot(const Endpoint& joiner, const View& view) const {
   for (PeerId p = 0; p < session_.slots; ++p) {
     const bool promised = std::any_of(guests_.begin(), guests_.end(), [p](const Guest& g) { return g.slot == p; });
-    if (is_free(p, view) && !promised) return p;
+    if (is_free(p, joiner, view) && !promised) return p;
   }
   return std::nullopt;
 }
@@ -148,7 +153,8 @@ bool Admissions::may_come_free(const View& view) const {
 }
 
 void Admissions::on_ping(const Endpoint& from, const wire::Ping& ping, Micros local, Commands& out) {
-  const bool known = std::any_of(guests_.begin(), guests_.end(), [&](const Guest& g) { return is_of(g, from); });
+  const bool known =
+      std::any_of(guests_.begin(), guests_.end(), [&](const Guest& g) { return is_same_peer(g.at, from); });
   if (known) out.send(from, wire::Pong{ping.sent, session_.clock.now(local)});
 }
 
@@ -201,7 +207,8 @@ void Admissions::on_enter(const Endpoint& from, const wire::Enter& enter, const 
   Guest* guest = guest_at(from, enter.nonce);
   if (guest == nullptr || guest->pieces.empty() || guest->ordered || !may_admit) return;
   if (!knows_all_orders(view)) return;
-  const bool taken = !is_free(guest->slot, view) || guest->incarnation <= view.roster.seats[guest->slot].incarnation;
+  const bool taken =
+      !is_free(guest->slot, guest->at, view) || guest->incarnation <= view.roster.seats[guest->slot].incarnation;
   if (taken) {  // by a peer that another coordinator admitted; the joiner gets no answer, and begins anew
     std::erase_if(guests_, [guest](const Guest& g) { return &g == guest; });
     return;

@@ -58,11 +58,10 @@ class Admissions {
     bool spectator = false;
   };
   std::uint32_t incarnation_for(std::uint64_t nonce, const View& view) const;
-  static bool is_of(const Guest& g, const Endpoint& where);
   Guest* guest_at(const Endpoint& where, std::uint64_t nonce);
   std::uint64_t cookie_for(const Endpoint& where, std::uint64_t nonce) const;
-  bool is_free(PeerId p, const View& view) const;
-  std::optional<PeerId> free_slot(const View& view) const;
+  bool is_free(PeerId p, const Endpoint& joiner, const View& view) const;
+  std::optional<PeerId> free_slot(const Endpoint& joiner, const View& view) const;
   bool knows_all_orders(const View& view) const;
   bool may_come_free(const View& view) const;
   Guest* take_in(const Endpoint& from, const wire::Join& join, const View& view, Micros local, Commands& out);

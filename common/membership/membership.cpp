@@ -384,6 +384,12 @@ bool Membership::asks_in_vain(const Endpoint& at) const {
                                    [&](const Seat& s) { return s.presence == Presence::kLeft && s.at == at; });
 }
 
+void Membership::give_seat_back() {
+  if (roster().leaving || why_back().empty()) return;
+  stands_down_ = true;
+  replica_.leave();
+}
+
 void Membership::announce_way_back() {
   const std::string why = why_back();
   if (!why.empty() && !std::exchange(told_, true))

@@ -87,6 +87,8 @@ class Membership {
   /// Whether this peer should ask at way_back() rather than at this address, where it has asked to join anew: the
   /// member there has left, or nobody is known to live.
   bool asks_in_vain(const Endpoint& at) const;
+  /// Leaves this peer's seat, so that it can have it anew: the session, which it has to join anew, is full.
+  void give_seat_back();
   /// Reports once, as an event, that this peer joins anew, and why.
   void announce_way_back();
   PeerId coordinator() const { return evictions_.coordinator(view()); }
@@ -146,7 +148,7 @@ class Membership {
   Tick back_since_ = 0;              ///< since when it has been trying that
   bool told_ = false;
   bool misled_ = false;       ///< another member has lied to this one
-  bool stands_down_ = false;  ///< as the coordinator, it has left its seat to join anew
+  bool stands_down_ = false;  ///< it has left its seat to join anew
 };
 
 }  // namespace padr::node

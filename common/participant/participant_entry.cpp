@@ -5,6 +5,7 @@
 #include "common/model/observed_address.h"
 #include "common/model/rng.h"
 #include "common/participant/participant.h"
+#include "common/session/session_objection.h"
 #include "common/wire/signature.h"
 #include "common/wire/transfer_codec.h"
 
@@ -53,6 +54,7 @@ Replica::ConfirmedSink Participant::sink() {
 void Participant::bring_in_next(Micros local) {
   Session& s = *next_.session;
   if (s.phase() == SessionPhase::kFailed && current_.session) {
+    if (s.failure().find(kFull) != std::string::npos) current_.membership->give_seat_back();
     collect(next_);
     next_ = {};
     try_again_ = local + kTryAgain;

@@ -1,10 +1,14 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "common/session/session_state.h"
 
 namespace padr::node {
+
+/// How a refusal begins if all slots are taken. Whoever joins anew may have to leave its own.
+inline constexpr std::string_view kFull = "the session is full";
 
 /// Why a joiner does not fit the session; empty if it does.
 std::string objection(const SessionConfig& session, const wire::Join& join);

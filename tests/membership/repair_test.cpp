@@ -48,6 +48,21 @@ TEST(Repair, ADifferenceIsToldByTickAndMostlyByEntityAndFieldAndMended) {
   std::cout << "entity and field " << told << " of " << kTimes << " times\n";
 }
 
+// Whoever joins anew goes on sending in its seat until it is in. Once, that kept its own seat taken, and it was
+// refused.
+TEST(Repair, WhoJoinsAnewFindsASeatInAFullSession) {
+  for (const bool sealed : {true, false}) {
+    lab::VirtualNetworkConfig c = with_fault(2, 43);
+    c.slots = 3;
+    if (sealed) c.seal = wire::SealMode::kAuth;
+    Party party(std::move(c));
+    ASSERT_TRUE(party.run_until(20, [&] { return party.net().peer(2).returning(); }).has_value()) << party.story();
+    const auto took = party.run_until(12, [&] { return party.net().peer(2).incarnation() > 0 && party.united(); });
+    EXPECT_TRUE(took.has_value()) << party.story();
+    if (took) std::cout << "in again after " << *took << " s\n";
+  }
+}
+
 TEST(Repair, TheMostSeniorPeerIsRight) {
   Party party(with_fault(0, 42));
   ASSERT_TRUE(
