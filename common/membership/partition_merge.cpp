@@ -40,14 +40,14 @@ void PartitionMerge::on_change(const MemberChange& change, const View& view) {
 }
 
 void PartitionMerge::remember(const Gone& gone, Tick now) {
+  // That a peer was a member here is evidence, where it was seen elsewhere is none.
+  const auto is_evidence = [](const Gone& g) { return g.since < g.removed; };
   for (Remembered& r : gone_) {
-    if (!r.has_left || r.gone.at != gone.at) continue;
-    // That a peer was a member here is evidence, where it was seen elsewhere is none.
-    r = {gone.since < gone.removed ? gone : r.gone, now};
+    if (r.gone.at != gone.at) continue;
+    if (r.has_left || !is_evidence(r.gone)) r = {is_evidence(gone) ? gone : r.gone, now};
     return;
   }
-  const bool known = std::any_of(gone_.begin(), gone_.end(), [&](const Remembered& r) { return r.gone.at == gone.at; });
-  if (gone.at.is_set() && !known) keep(gone_, {gone, now}, kMost);
+  if (gone.at.is_set()) keep(gone_, {gone, now}, kMost);
 }
 
 std::vector<sync::Transfer::Gone> PartitionMerge::gone() const {
@@ -165,21 +165,24 @@ bool PartitionMerge::has_stronger_evidence(const wire::Probe& probe, const Side&
   // while.
   const bool met = std::any_of(witnesses.begin(), witnesses.end(), [](const Gone& g) { return g.since < g.removed; });
   if (!met) return is_larger(probe, us, view) && view.roster.now - split >= kStrangers;
-  // If most were no members for long when the two parts evicted each other, all those count that were members.
-  for (const Tick margin : {kMayBeUnknown, 0}) {
-    Weight theirs;
-    Weight ours;
+  const auto weigh = [&](Tick margin) {
+    Weights w;
     for (const Gone& g : witnesses)
-      if (g.since + margin <= g.removed) theirs.add(g.since);
+      if (g.since + margin <= g.removed) w.theirs.add(g.since);
     for (const wire::Seat& s : us)
-      if (since(s.slot, view) + margin <= split) ours.add(since(s.slot, view));
-    const std::size_t both = theirs.peers + ours.peers;
-    if (both == 0 || (margin > 0 && 2 * both < witnesses.size() + us.size())) continue;
-    if (theirs.peers != ours.peers) return theirs.peers > ours.peers;
-    if (theirs.senior != ours.senior) return theirs.senior < ours.senior;
-    return outranks(probe.members, us);
-  }
-  return false;
+      if (since(s.slot, view) + margin <= split) w.ours.add(since(s.slot, view));
+    return w;
+  };
+  // If most of those that were members when the two parts evicted each other had not been so for long, all of them
+  // count. Each part must come to the same: its newcomers since then, which the other cannot know, do not count here.
+  const Weights members = weigh(0);
+  const Weights known = weigh(kMayBeUnknown);
+  const bool few = 2 * known.peers() < members.peers() || known.peers() == 0;
+  const auto& [theirs, ours] = few ? members : known;
+  if (members.peers() == 0) return false;
+  if (theirs.peers != ours.peers) return theirs.peers > ours.peers;
+  if (theirs.senior != ours.senior) return theirs.senior < ours.senior;
+  return outranks(probe.members, us);
 }
 
 void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, std::size_t bytes,

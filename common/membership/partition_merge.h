@@ -87,6 +87,11 @@ class PartitionMerge {
       senior = std::min(senior, since);
     }
   };
+  struct Weights {
+    Weight theirs;
+    Weight ours;
+    std::size_t peers() const { return theirs.peers + ours.peers; }
+  };
   /// An address of no member, and the bytes that it has sent beyond those it received.
   struct Credit {
     Endpoint at;

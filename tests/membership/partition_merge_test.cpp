@@ -202,6 +202,41 @@ struct Met {
   wire::Probe probe;
 };
 
+// The most senior of all is alone; one part has two newcomers that the other cannot know. Once, each stayed, as one of
+// them counted more peers that had not been here for long.
+TEST(PartitionMerge, BothPartsComeToTheSameThoughOneHasNewcomers) {
+  Met many({800, 20, 940}, 1);
+  many.s.roster.seats[3] = many.s.roster.seats[0];
+  many.s.roster.seats[3].incarnation = 4;
+  many.s.roster.seats[3].at = keyed(3);
+  many.s.roster.seats[3].since = 945;
+  many.rules.remember({keyed(6), 10, 900}, 900);
+  for (auto& m : many.probe.members) m.slot += 20;
+  many.probe.members.push_back({6, 7, 0});
+  many.probed_by(6, 6);
+  EXPECT_TRUE(many.yields());
+
+  Met alone({0, 0, 10}, 0);
+  for (const PeerId p : {PeerId{0}, PeerId{1}}) alone.s.empty(p);
+  alone.rules.remember({keyed(5), 20, 900}, 900);
+  alone.rules.remember({keyed(6), 800, 905}, 905);
+  alone.probed_by(5, 6);
+  EXPECT_FALSE(alone.yields());
+}
+
+// Once, a place that was known from elsewhere hid that its peer had been the most senior here, and of two that were
+// alone each took itself for the more senior one.
+TEST(PartitionMerge, AnEvictionCountsThoughItsPeersPlaceWasKnown) {
+  test::Situation s(4, 2);
+  PartitionMerge rules(s.session);
+  rules.remember({keyed(0), 950, 950}, 950);
+  rules.on_change({MemberChange::Kind::kRemoved, 0, 1, keyed(0), 940, 1, 0}, s.view());
+  rules.remember({keyed(0), 960, 960}, 960);
+  ASSERT_EQ(rules.gone().size(), 1U);
+  EXPECT_EQ(rules.gone()[0].since, 0);
+  EXPECT_EQ(rules.gone()[0].removed, 940);
+}
+
 // Once, each of two parts yielded to the other, as each went by what it knew, and neither let anybody in.
 TEST(PartitionMerge, OfTwoThatYieldTheLargerOneStays) {
   for (const int theirs : {1, 2, 3, 4}) {
