@@ -127,10 +127,13 @@ bool Admissions::is_free(PeerId p, const Endpoint& joiner, const View& view) con
   return p != session_.self && empty && log.closed(p) && !log.waits(p);
 }
 
+// Its own only if there is no other: that one's last words may still be under way.
 std::optional<PeerId> Admissions::free_slot(const Endpoint& joiner, const View& view) const {
-  for (PeerId p = 0; p < session_.slots; ++p) {
-    const bool promised = std::any_of(guests_.begin(), guests_.end(), [p](const Guest& g) { return g.slot == p; });
-    if (is_free(p, joiner, view) && !promised) return p;
+  for (const Endpoint& owner : {Endpoint{}, joiner}) {
+    for (PeerId p = 0; p < session_.slots; ++p) {
+      const bool promised = std::any_of(guests_.begin(), guests_.end(), [p](const Guest& g) { return g.slot == p; });
+      if (is_free(p, owner, view) && !promised) return p;
+    }
   }
   return std::nullopt;
 }
