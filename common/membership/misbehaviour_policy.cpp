@@ -282,8 +282,11 @@ bool MisbehaviourPolicy::is_heard(PeerId p, const View& view) const {
 void MisbehaviourPolicy::advance(const View& view, Commands& out) {
   if (!view.roster.member || view.roster.leaving) return;
   for (PeerId p = 0; p < view.roster.slots(); ++p) {
-    if (!is_heard(p, view)) watch(p, view).unheard = view.roster.now;
-    if (!is_heard(p, view) || !view.delays(p)) continue;
+    if (!is_heard(p, view)) {
+      watch(p, view).unheard = view.roster.now;
+      continue;
+    }
+    if (!view.delays(p)) continue;
     const bool tells = view.arrears(p) < View::kArrears;
     if (!tells && view.lacks_former(p)) continue;  // this peer has to join anew
     // Its updates may be on their way: a link that fails all the time has let nothing but marks through.

@@ -13,6 +13,11 @@ void keep(std::vector<T>& list, const T& entry, std::size_t most) {
   list.push_back(entry);
 }
 
+/// Whether the peer is known to have been a member here. That it was seen elsewhere is no evidence.
+bool was_member(const sync::Transfer::Gone& g) {
+  return g.since < g.removed;
+}
+
 }  // namespace
 
 void PartitionMerge::on_change(const MemberChange& change, const View& view) {
@@ -40,11 +45,9 @@ void PartitionMerge::on_change(const MemberChange& change, const View& view) {
 }
 
 void PartitionMerge::remember(const Gone& gone, Tick now) {
-  // That a peer was a member here is evidence, where it was seen elsewhere is none.
-  const auto is_evidence = [](const Gone& g) { return g.since < g.removed; };
   for (Remembered& r : gone_) {
     if (r.gone.at != gone.at) continue;
-    if (r.has_left || !is_evidence(r.gone)) r = {is_evidence(gone) ? gone : r.gone, now};
+    if (r.has_left || !was_member(r.gone)) r = {was_member(gone) ? gone : r.gone, now};
     return;
   }
   if (gone.at.is_set()) keep(gone_, {gone, now}, kMost);
@@ -163,8 +166,8 @@ bool PartitionMerge::has_stronger_evidence(const wire::Probe& probe, const Side&
   for (const Gone& g : witnesses) split = std::min(split, g.removed);
   // Nothing shows which part is the larger one, in neither of them perhaps: then they may have their word, after a
   // while.
-  const bool met = std::any_of(witnesses.begin(), witnesses.end(), [](const Gone& g) { return g.since < g.removed; });
-  if (!met) return is_larger(probe, us, view) && view.roster.now - split >= kStrangers;
+  if (std::none_of(witnesses.begin(), witnesses.end(), was_member))
+    return is_larger(probe, us, view) && view.roster.now - split >= kStrangers;
   const auto weigh = [&](Tick margin) {
     Weights w;
     for (const Gone& g : witnesses)

@@ -225,6 +225,7 @@ class Replica {
   void admit(const sync::Admission& a, const sync::Bundle& by);
   void keep_places(const sync::Transfer& start);
   void remove(const sync::Removal& r, const sync::Bundle& by);
+  Tick told_until(PeerId p) const;
   void forgive_arrears();
   /// The time in which p could not tell anything does not count as arrears.
   void forgive(PeerId p, Tick meanwhile);

@@ -120,18 +120,20 @@ void Replica::remove(const sync::Removal& r, const sync::Bundle& by) {
   changes_.push_back({MemberChange::Kind::kRemoved, r.slot, r.incarnation, n.at, by.tick, by.peer, n.since});
 }
 
+Tick Replica::told_until(PeerId p) const {
+  return std::max(std::min(now(), agreed_.log().complete(p)), roster_.seats[p].excused);
+}
+
 void Replica::forgive_arrears() {
   for (PeerId p = 0; p < config_.slots; ++p) {
     Seat& s = roster_.seats[p];
-    const Tick told = std::max(std::min(now(), agreed_.log().complete(p)), s.excused);
-    s.forgiven = std::max(s.forgiven, std::min(now() - kNotForgiven, told + kMostForgiven));
+    s.forgiven = std::max(s.forgiven, std::min(now() - kNotForgiven, told_until(p) + kMostForgiven));
   }
 }
 
 void Replica::forgive(PeerId p, Tick meanwhile) {
   Seat& s = roster_.seats[p];
-  const Tick counts = std::max({std::min(now(), agreed_.log().complete(p)), s.excused, s.forgiven});
-  s.forgiven = std::min(now(), counts + meanwhile);
+  s.forgiven = std::min(now(), std::max(told_until(p), s.forgiven) + meanwhile);
 }
 
 // The log of a frozen peer must not grow any more: not by its datagrams, and not by passed-on updates that fill a gap

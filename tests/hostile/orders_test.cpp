@@ -46,30 +46,29 @@ TEST(Orders, RemovalByTheCoordinatorThatAskedNobody) {
   t.expect_no_harm();
 }
 
+// The liar orders a removal, and `lost` are killed 3 s apart; `seconds` after the last one the liar has to be out.
+void expect_out_in_time(Trial& t, std::initializer_list<PeerId> lost, double seconds) {
+  give(t, [&t](sync::Bundle& b) { b.removals = {{1, t.incarnation(1), 5}}; });
+  EXPECT_TRUE(t.party().run_until(3, [&] { return t.dropped(0, DropReason::kRight) > 0; })) << t.party().story();
+  for (const PeerId p : lost) {
+    t.party().run(3);
+    t.party().net().kill(t.person(p));
+  }
+  t.party().run(seconds);
+  EXPECT_TRUE(t.liar_is_out()) << t.party().story();
+  t.expect_no_harm();
+}
+
 // Once, another eviction meanwhile gave the liar 8 s more, and all joined anew before these were over.
 TEST(Orders, WhoGivesOneIsCutOffInTimeThoughAnotherPeerIsLostMeanwhile) {
   Trial t(5, 3, wire::SealMode::kAuth, 209);
-  give(t, [&t](sync::Bundle& b) { b.removals = {{1, t.incarnation(1), 5}}; });
-  EXPECT_TRUE(t.party().run_until(3, [&] { return t.dropped(0, DropReason::kRight) > 0; })) << t.party().story();
-  t.party().run(3);
-  t.party().net().kill(t.person(4));
-  t.party().run(14);
-  EXPECT_TRUE(t.liar_is_out()) << t.party().story();
-  t.expect_no_harm();
+  expect_out_in_time(t, {4}, 14);
 }
 
 // Once, each further eviction gave the liar more time.
 TEST(Orders, WhoGivesOneIsCutOffInTimeThoughOthersAreLostOneAfterTheOther) {
   Trial t(6, 3, wire::SealMode::kAuth, 210);
-  give(t, [&t](sync::Bundle& b) { b.removals = {{1, t.incarnation(1), 5}}; });
-  EXPECT_TRUE(t.party().run_until(3, [&] { return t.dropped(0, DropReason::kRight) > 0; })) << t.party().story();
-  t.party().run(3);
-  t.party().net().kill(t.person(4));
-  t.party().run(3);
-  t.party().net().kill(t.person(5));
-  t.party().run(12);
-  EXPECT_TRUE(t.liar_is_out()) << t.party().story();
-  t.expect_no_harm();
+  expect_out_in_time(t, {4, 5}, 12);
 }
 
 TEST(Orders, NobodyIsDeclaredGoneToItselfByWhoIsNotCoordinator) {
