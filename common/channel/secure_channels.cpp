@@ -291,12 +291,12 @@ std::optional<SecureChannels::Arrival> SecureChannels::take_carried(const Channe
   return open(nullptr, carried_);
 }
 
-// As it came, and only to who is heard: a peer that has lost its link to somebody can be of no use there. One that does
-// not know whether it has may be.
+// As it came, and not to who says that it does not hear this peer. That this peer does not hear it proves nothing:
+// their link may work in this direction only.
 void SecureChannels::pass_on(const Channel& by, std::uint32_t to) {
   for (Channel& c : channels_) {
     if (c.id != to || &c == &by) continue;
-    const bool reached = (!is_carried(c) || c.directly_too) && local_ - c.direct <= kQuiet;
+    const bool reached = !is_carried(c) || c.directly_too;
     if (!reached || !config_.may_carry || !config_.may_carry(by.name, c.name, unsealed_.size())) {
       ++stats_.declined;
       continue;

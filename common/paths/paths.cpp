@@ -58,8 +58,8 @@ std::optional<float> Paths::cost(const Roster& roster, const std::vector<Link>& 
   const Way& to = ways_[p];
   const Way& w = ways_[by];
   if (!w.known || !roster.seats[by].there() || w.by != kNoPeer) return std::nullopt;
-  if (!hears(roster, by) || unanswered(roster, links, by) >= kUnheard) return std::nullopt;
-  if (has_told(w, roster.now) && !w.hears.contains(roster.self)) return std::nullopt;
+  const bool reached = has_told(w, roster.now) ? w.hears.contains(roster.self) : hears(roster, by);
+  if (!reached || unanswered(roster, links, by) >= kUnheard) return std::nullopt;
   const auto failed = to.failed.find(by);
   const float first = links[by].delay + (failed != to.failed.end() && roster.now < failed->second.until ? kLast : 0);
   if (!has_told(to, roster.now)) return first;

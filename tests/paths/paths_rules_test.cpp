@@ -159,6 +159,15 @@ TEST(PathsRules, WhoIsReachedThroughWhom) {
          s.run(1);
        },
        3},
+      {"the carrier is not heard directly, but has told that it hears this peer",
+       [](Scene& s) {
+         s.silent = only(1);
+         s.run(Paths::kUnheard + 1);
+         s.tell(1, {{0, 2}, {2, 2}, {3, 2}});
+         s.tell(2, {{1, 2}, {3, 2}});
+         s.run(1);
+       },
+       1},
       {"the carrier has told that it does not hear this peer",
        [](Scene& s) {
          s.tell(1, {{2, 2}, {3, 2}});
