@@ -126,29 +126,23 @@ void OutLink::line_up(std::uint32_t oldest, std::uint32_t end) {
   if (lined_up_.size() > kAcknowledged) std::reverse(lined_up_.begin() + 1, lined_up_.end());
 }
 
-StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::uint32_t first,
-                              const std::function<std::size_t(const Bundle&)>& size_of, std::size_t room) {
-  const auto end = first + static_cast<std::uint32_t>(own.size());
-  if (answered_at_ == kNever) answered_at_ = c.now;
-  // Marks give way to updates where the link is narrow.
-  interval_ = std::max(interval(c, end), rate_.mark_interval(mark_bytes_));
-  begin_marks(c.now);
+// On a silent link nothing is repeated but the update that was sent longest ago, with whatever goes out: the link may
+// work in this direction only, or by a carrier that the other end does not know, as it lacks that one's admission.
+bool OutLink::choose(const Context& c, const Ring<Bundle>& own, std::uint32_t first,
+                     const std::function<bool(std::uint32_t)>& fits) {
   const bool silent = unanswered(c.now) >= kSilent;
   bool urgent = false;
   repeated_.clear();
   chosen_.clear();
-  std::size_t used = 0;
-  const auto fits = [&](std::uint32_t i) {
-    const std::size_t n = size_of(own[i - first]);
-    if (used > 0 && used + n > room) return false;
-    used += n;
-    return true;
-  };
-  line_up(std::max(acked_, first), end);
+  stalest_.reset();
+  line_up(std::max(acked_, first), first + static_cast<std::uint32_t>(own.size()));
   for (const std::uint32_t i : lined_up_) {
     if (arrived(i)) continue;
     const Flight& f = flight(i);
-    if (silent && f.times > 0) continue;
+    if (silent && f.times > 0) {
+      if (!stalest_ || f.sent < flight(*stalest_).sent) stalest_ = i;
+      continue;
+    }
     const Alone& alone = own[i - first].bodies.empty() ? kAlone : kBodiesAlone;
     const bool copy = loss_ >= alone.loss && f.times == 1 && c.now - f.sent >= alone.after;
     const bool must = f.times == 0 || copy || lost(f, c.now);
@@ -159,6 +153,24 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
       repeated_.push_back(i);
     }
   }
+  return urgent;
+}
+
+StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::uint32_t first,
+                              const std::function<std::size_t(const Bundle&)>& size_of, std::size_t room) {
+  const auto end = first + static_cast<std::uint32_t>(own.size());
+  if (answered_at_ == kNever) answered_at_ = c.now;
+  // Marks give way to updates where the link is narrow.
+  interval_ = std::max(interval(c, end), rate_.mark_interval(mark_bytes_));
+  begin_marks(c.now);
+  std::size_t used = 0;
+  const auto fits = [&](std::uint32_t i) {
+    const std::size_t n = size_of(own[i - first]);
+    if (used > 0 && used + n > room) return false;
+    used += n;
+    return true;
+  };
+  const bool urgent = choose(c, own, first, fits);
   gap_since_ = c.gap ? (gap_since_ < 0 ? c.now : gap_since_) : -1;
   const bool asks = c.again || missed_ || (gap_since_ >= 0 && c.now - gap_since_ >= kGapPatience);
   const bool ask = asks && c.now - last_sent_ >= kGapPatience;
@@ -169,7 +181,9 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
   if (only_mark) {
     chosen_.clear();
     repeated_.clear();
+    used = 0;
   }
+  if (stalest_) repeated_.push_back(*stalest_);
   for (const std::uint32_t i : repeated_)
     if (fits(i)) chosen_.push_back(i);
   empty_packet();

@@ -14,7 +14,7 @@ namespace padr::sync {
 /// When and what to send on one directed link, so that its receiver gets every update of ours, soon, and with few
 /// bytes: new updates at once, unacknowledged ones once more with whatever goes out next, lost ones again as soon as
 /// their loss shows, and a mark now and then when there is nothing to say. A link that has fallen silent is probed more
-/// often, and nothing is repeated on it until it answers: what arrives there is not known.
+/// often, and with each datagram one update is repeated, until it answers: what arrives there is not known.
 class OutLink {
  public:
   /// To or of somebody who has just come in. `acked`: the receiver has our updates below this already.
@@ -55,7 +55,7 @@ class OutLink {
   Tick unanswered(Tick now) const { return answered_at_ == kNever ? 0 : now - answered_at_; }
   /// Marks on a link that has been unanswered for so long come at most so many ticks after one another.
   static Tick probe_interval(Tick unanswered);
-  /// Unanswered for so long, a link is sent no repeats: see above.
+  /// Unanswered for so long, a link is sent one repeat with each datagram, and no others.
   static constexpr Tick kSilent = 3 * kTicksPerSecond;
   /// Updates sent more than once, counted by repetition.
   std::uint64_t repeats() const { return repeats_; }
@@ -71,6 +71,9 @@ class OutLink {
   bool echoes(const Flight& f, Tick now) const;
   /// Updates in the order in which they are considered for a packet.
   void line_up(std::uint32_t oldest, std::uint32_t end);
+  /// Chooses what goes out, and what goes along with it. Returns whether it has to go out now.
+  bool choose(const Context& c, const Ring<Bundle>& own, std::uint32_t first,
+              const std::function<bool(std::uint32_t)>& fits);
   void begin_marks(Tick now);
   bool mark_is_due(const Context& c) const;
   Tick interval(const Context& c, std::uint32_t end) const;
@@ -82,11 +85,12 @@ class OutLink {
 
   std::uint32_t seq_ = 0;
   StatePacket packet_;
-  BundlePool pool_;                      ///< for packet_
-  std::vector<std::uint32_t> repeated_;  ///< scratch
-  std::vector<std::uint32_t> lined_up_;  ///< scratch
-  std::vector<std::uint32_t> chosen_;    ///< scratch
-  std::size_t mark_bytes_ = 60;          ///< of the last datagram without updates
+  BundlePool pool_;                       ///< for packet_
+  std::vector<std::uint32_t> repeated_;   ///< scratch
+  std::vector<std::uint32_t> lined_up_;   ///< scratch
+  std::vector<std::uint32_t> chosen_;     ///< scratch
+  std::optional<std::uint32_t> stalest_;  ///< on a silent link: the one that was sent longest ago
+  std::size_t mark_bytes_ = 60;           ///< of the last datagram without updates
   LinkRate rate_;
   std::uint32_t acked_ = 0;
   std::uint32_t acked_beyond_ = 0;
