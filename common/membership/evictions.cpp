@@ -292,12 +292,21 @@ LastHeard Evictions::hearsay(PeerId p, const View& view) const {
   return h;
 }
 
+// Whether p, about which the poll has just been taken back, is left alone while the others that are lost are evicted.
+// One of them may have been the cause: members that have frozen p for it take nothing from p until it is out.
+bool Evictions::waits_for_others(PeerId p, const View& view) const {
+  return !lost_.empty() && view.roster.now - taken_back_at_ < kAnswerPatience &&
+         std::any_of(taken_back_.begin(), taken_back_.end(), [&](const wire::Seat& s) {
+           return s.slot == p && s.incarnation == view.roster.seats[p].incarnation;
+         });
+}
+
 void Evictions::notice(const View& view, Commands& out) {
   for (PeerId p = 0; p < view.roster.slots(); ++p) {
     if (p == session_.self || !view.roster.seats[p].there() || !suspected(view, p) || lost_.contains(p)) continue;
     if (coordinator(view) != session_.self) return;
     const auto doubted = doubted_.find(p);
-    if (doubted == doubted_.end()) continue;
+    if (doubted == doubted_.end() || waits_for_others(p, view)) continue;
     const LastHeard h = hearsay(p, view);
     if (!may_evict(h)) {
       if (is_heard(h) && !h.deaf && !std::exchange(doubted->second.told, true))

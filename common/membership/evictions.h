@@ -130,6 +130,7 @@ class Evictions {
   void doubt(const View& view, Commands& out);
   bool is_first_well(const View& view) const;
   LastHeard hearsay(PeerId p, const View& view) const;
+  bool waits_for_others(PeerId p, const View& view) const;
   void notice(const View& view, Commands& out);
   bool counts(PeerId p, const View& view) const;
   bool all_answered(const View& view) const;

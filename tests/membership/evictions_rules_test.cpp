@@ -346,6 +346,43 @@ TEST(EvictionRules, VetoesAboutOnePeerGiveNobodyMoreTimeToReplyAboutAnother) {
   EXPECT_LE(evicted - lost, Evictions::kWithheld + node::kAnswerPatience + node::kSilence);
 }
 
+// Peers 3 and 4 are silent, and peer 1 hears peer 4. Peer 3 may be the cause: if it had others freeze peer 4 and then
+// ended, they take nothing from peer 4 until it is out. Once, peer 4 was polled about again at once, and neither ever
+// was.
+TEST(EvictionRules, AfterATakeBackTheOthersThatAreLostAreEvictedFirst) {
+  Situation s(5, 0);
+  Evictions rules(s.session);
+  for (const PeerId p : {PeerId{3}, PeerId{4}}) s.silence(p, kNow - node::kDoubt);
+  Tick taken_back = 0;
+  Tick evicted = 0;
+  for (Tick t = 0; t < 2 * node::kSilence && evicted == 0; ++t) {
+    for (const PeerId p : {PeerId{1}, PeerId{2}}) s.silence(p, s.roster.now);
+    ListedCommands out;
+    rules.advance(s.view(), out);
+    s.follow(out);
+    for (const auto& order : out.orders)
+      if (!order.removals.empty()) evicted = s.roster.now;
+    for (const auto& [to, poll] : out.all<wire::Poll>()) {
+      const auto from = static_cast<PeerId>(std::find_if(s.roster.seats.begin(), s.roster.seats.end(),
+                                                         [&, at = to](const auto& seat) { return seat.at == at; }) -
+                                            s.roster.seats.begin());
+      wire::Answer reply{poll.lost, poll.freeze, s.roster.now, poll.number};
+      for (wire::Seat& about : reply.lost) {
+        if (!poll.freeze || about.slot != 4 || from != 1) continue;
+        reply.frozen = false;
+        about.heard = 5;
+      }
+      ListedCommands then;
+      rules.on_answer(from, reply, s.view(), then);
+      if (then.told(SessionEvent::Kind::kHeardAgain) && taken_back == 0) taken_back = s.roster.now;
+    }
+  }
+  ASSERT_GT(taken_back, 0);
+  ASSERT_GT(evicted, 0);
+  EXPECT_LE(evicted - taken_back, node::kAnswerPatience);
+  EXPECT_FALSE(s.roster.seats[4].frozen);
+}
+
 // It need not agree with anybody any more. Once, one that only said that it left held up every eviction for 7.5 s, and
 // with them all admissions.
 TEST_F(Eviction, DoesNotWaitForAMemberThatHasLeft) {
