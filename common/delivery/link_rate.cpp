@@ -11,9 +11,12 @@ namespace {
 // what the present one leaves, and less by at least so much.
 constexpr float kBetter = 0.25F;
 constexpr float kClearly = 20;
-// The estimate grows by this factor while something is held back, and it explains no more than a link without a queue.
+// The estimate grows by a factor in this range while something is held back.
 constexpr double kGrowth = 1.25;
+constexpr double kMostGrowth = 2;
 constexpr Tick kGrowEvery = 6;  // at least
+// After so long without a change it grows on trial, and after half of that the next time, until a queue contradicts it.
+constexpr Tick kTrial = 10 * kTicksPerSecond;
 // A queue is taken to have begun no more than this many datagrams ago.
 constexpr std::size_t kQueued = 64;
 std::size_t first_that_may_have_begun_it(std::size_t last) {
@@ -147,6 +150,20 @@ float LinkRate::unexplained(double rate) const {
   return sum;
 }
 
+// By what factor the link carries more than the estimate, as the latest receipts show: 1, or a growth. Only those that
+// come earlier than the estimate's queue explains show it: a busy machine and jitter make others later.
+double LinkRate::growth() const {
+  double early = 0;
+  double expected = 0;
+  for (std::size_t i = 0; i < receipts_.size(); ++i) {
+    const float late = predicted(receipts_[i], rate_);
+    expected += late;
+    early += std::max(0.0F, late - lateness(receipts_[i]));
+  }
+  if (early < kBetter * expected) return 1;
+  return early > 0 ? std::clamp(expected / std::max(expected - early, 1e-3), kGrowth, kMostGrowth) : kGrowth;
+}
+
 void LinkRate::set_rate(double rate, Tick now) {
   drain(now);
   rate_ = std::clamp(rate, kLeast, kMost);
@@ -187,11 +204,18 @@ void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_t
   }
   if (least < kBetter * left && least + kClearly < left) {
     set_rate(best, now);
-  } else if (held_back_ && left >= kBetter * unexplained(kMost) &&
-             now - grown_ > std::max(static_cast<Tick>(round_trip), kGrowEvery)) {
-    grown_ = now;
+    changed_ = now;
+    until_trial_ = kTrial;
+  } else if (held_back_ && now - changed_ > std::max(static_cast<Tick>(round_trip), kGrowEvery)) {
+    double factor = growth();
+    if (factor == 1 && now - changed_ > until_trial_ && left >= kBetter * unexplained(kMost)) {
+      factor = kGrowth;
+      until_trial_ /= 2;
+    }
+    if (factor == 1) return;
+    changed_ = now;
     held_back_ = false;
-    set_rate(rate_ * kGrowth, now);
+    set_rate(rate_ * factor, now);
   }
 }
 

@@ -12,7 +12,8 @@ namespace padr::sync {
 /// What a directed link carries, and whether it may be sent something now. The acknowledgements show by how much each
 /// datagram was later than the quickest of late. A queue of what we have sent explains that for exactly one rate of the
 /// link: the estimate. Nothing but marks is sent while that queue, as the estimate has it, is not empty, so what is
-/// sent is never older than the link makes it. While something is held back and no queue shows, the estimate grows.
+/// sent is never older than the link makes it. While something is held back, the estimate grows if datagrams come
+/// earlier than it explains; and, seconds apart, on trial.
 ///
 /// Over seconds less is to be sent than the link carries, and no more than a share of a budget: see `ahead`.
 ///
@@ -88,6 +89,7 @@ class LinkRate {
   float predicted(const Receipt& r, double rate) const;
   double came_through() const;
   float unexplained(double rate) const;
+  double growth() const;
   void set_rate(double rate, Tick now);
 
   Ring<Sent> sent_{kRemembered + 1};
@@ -104,8 +106,9 @@ class LinkRate {
   Tick span_ = kNever;
   float queue_ = 0;
   Ring<Receipt> receipts_{kReceipts + 1};  ///< the latest
-  Tick grown_ = kNever;
-  bool held_back_ = false;  ///< since the rate last grew
+  Tick changed_ = kNever;                  ///< when the estimate last did
+  Tick until_trial_ = 0;                   ///< time without a change after which it grows on trial, ticks
+  bool held_back_ = false;                 ///< since the rate last grew
 
   static constexpr Tick kNever = -1'000'000;
 };
