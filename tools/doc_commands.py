@@ -5,7 +5,7 @@ usage: tools/doc_commands.py [--bin DIR] run PAGE...
        tools/doc_commands.py [--bin DIR] write PAGE...
        tools/doc_commands.py [--bin DIR] check [PAGE...]
 
-  run     every command of README.md or a tutorial, in order, in a fresh folder and a network of its own; exit 1 with the first
+  run     every command of docs/start.md or a tutorial, in order, in a fresh folder and a network of its own; exit 1 with the first
           thing that is not as the page says
   write   the same, and puts in what came for each shown line that has the same words and other numbers
   check   of all documents: whether each program, subcommand and option in a command is one that --help names; of tutorials:

@@ -317,7 +317,7 @@ FIGURES = [
     Picture("figures", experiments_over_time, copied(*DRAWN, "--out", "OUT", file="drift.svg")),
     Picture("film-ball", stories, copied(*FILMS, "--out", "OUT", file="film-ball.svg")),
     Picture("film-dominoes", stories, copied(*FILMS, "--out", "OUT", file="film-dominoes.svg")),
-    Figure("rivals", "README.md", rivals.briefly),
+    Figure("rivals", "docs/compare.md", rivals.briefly),
     Figure("budgets", "docs/compare.md", rivals.budgets),
     Figure("met", "docs/compare.md", rivals.met),
     Picture("compare", rivals.data_of("frontier_delay_100ms"), rivals.drawn("frontier_delay_100ms")),
