@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace padr::sync {
@@ -17,6 +18,8 @@ constexpr double kMostGrowth = 2;
 constexpr Tick kGrowEvery = 6;  // at least
 // After so long without a change it grows on trial, and after half of that the next time, until a queue contradicts it.
 constexpr Tick kTrial = 10 * kTicksPerSecond;
+// By no less than this, ticks, do all datagrams come later if the link has become longer.
+constexpr float kLonger = 3;
 // A queue is taken to have begun no more than this many datagrams ago.
 constexpr std::size_t kQueued = 64;
 std::size_t first_that_may_have_begun_it(std::size_t last) {
@@ -151,14 +154,22 @@ float LinkRate::unexplained(double rate) const {
 }
 
 // By what factor the link carries more than the estimate, as the latest receipts show: 1, or a growth. Only those that
-// come earlier than the estimate's queue explains show it: a busy machine and jitter make others later.
+// come earlier than the estimate's queue explains show it: a busy machine and jitter make others later. By how much all
+// of them are later, the link has become longer.
 double LinkRate::growth() const {
+  float least_expected = std::numeric_limits<float>::max();
+  float least_late = least_expected;
+  for (std::size_t i = 0; i < receipts_.size(); ++i) {
+    least_expected = std::min(least_expected, predicted(receipts_[i], rate_));
+    least_late = std::min(least_late, lateness(receipts_[i]));
+  }
+  const float longer = least_late - least_expected < kLonger ? 0 : least_late - least_expected;
   double early = 0;
   double expected = 0;
   for (std::size_t i = 0; i < receipts_.size(); ++i) {
     const float late = predicted(receipts_[i], rate_);
     expected += late;
-    early += std::max(0.0F, late - lateness(receipts_[i]));
+    early += std::max(0.0F, late + longer - lateness(receipts_[i]));
   }
   if (early < kBetter * expected) return 1;
   return early > 0 ? std::clamp(expected / std::max(expected - early, 1e-3), kGrowth, kMostGrowth) : kGrowth;

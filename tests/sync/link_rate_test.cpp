@@ -19,6 +19,7 @@ struct Link {
   LinkRate measured;
   double rate = 0;  ///< 0: no limit
   Tick jitter = 0;
+  Tick longer = 0;  ///< by so much more than three
   Rng rng{test::seed(1)};
   double busy_until = 0;  ///< ticks
   Tick now = 0;
@@ -47,7 +48,8 @@ struct Link {
     longest_queue = std::max(longest_queue, static_cast<float>(begins - now));
     if (rate > 0) busy_until = begins + static_cast<double>(bytes) / rate * kTicksPerSecond;
     const auto leaves = static_cast<Tick>(rate > 0 ? busy_until : now);
-    const Tick received = leaves + 3 + (jitter > 0 ? static_cast<Tick>(rng.below(static_cast<unsigned>(jitter))) : 0);
+    const Tick received =
+        leaves + 3 + longer + (jitter > 0 ? static_cast<Tick>(rng.below(static_cast<unsigned>(jitter))) : 0);
     measured.sent(bytes, now);
     // The newest one that has come is told with the receiver's next datagram.
     if (sent % 3 == 0) on_its_way.push_back({received, received + 8, sent});
@@ -124,6 +126,19 @@ TEST(LinkRate, LateArrivalsAreNoWiderLink) {
       EXPECT_LT(high, kLinks * kTimes / 6) << "jitter " << jitter << ", rate " << rate;
       EXPECT_LT(low, kLinks * kTimes / 6) << "jitter " << jitter << ", rate " << rate;
     }
+  }
+}
+
+// When all comes later, by another way perhaps, that looks like a queue at first. Once, the estimate then stayed low.
+TEST(LinkRate, GrowsAgainWhereTheLinkHasBecomeLonger) {
+  for (const Tick longer : {4, 10, 28}) {
+    Link l;
+    l.run(10 * kTicksPerSecond, 4);
+    l.longer = longer;
+    l.run(5 * kTicksPerSecond, 4);
+    const int before = l.sent;
+    l.run(5 * kTicksPerSecond, 4);
+    EXPECT_GE(l.sent - before, 55) << "of 75, longer by " << longer;
   }
 }
 
