@@ -153,23 +153,29 @@ float LinkRate::unexplained(double rate) const {
   return sum;
 }
 
-// By what factor the link carries more than the estimate, as the latest receipts show: 1, or a growth. Only those that
-// come earlier than the estimate's queue explains show it: a busy machine and jitter make others later. By how much all
-// of them are later, the link has become longer.
-double LinkRate::growth() const {
-  float least_expected = std::numeric_limits<float>::max();
-  float least_late = least_expected;
+// By how much all of the latest receipts are later than the estimate's queues explain: the link has become longer.
+float LinkRate::longer() const {
+  if (receipts_.size() < kReceipts) return 0;
+  float least_late = std::numeric_limits<float>::max();
+  float least_expected = least_late;
   for (std::size_t i = 0; i < receipts_.size(); ++i) {
-    least_expected = std::min(least_expected, predicted(receipts_[i], rate_));
     least_late = std::min(least_late, lateness(receipts_[i]));
+    least_expected = std::min(least_expected, predicted(receipts_[i], rate_));
   }
-  const float longer = least_late - least_expected < kLonger ? 0 : least_late - least_expected;
+  const float longer = least_late - least_expected;
+  return longer < kLonger ? 0 : longer;
+}
+
+// By what factor the link carries more than the estimate, as the latest receipts show: 1, or a growth. Only those that
+// come earlier than the estimate's queue explains show it: a busy machine and jitter make others later.
+double LinkRate::growth() const {
+  const float by = longer();
   double early = 0;
   double expected = 0;
   for (std::size_t i = 0; i < receipts_.size(); ++i) {
     const float late = predicted(receipts_[i], rate_);
     expected += late;
-    early += std::max(0.0F, late + longer - lateness(receipts_[i]));
+    early += std::max(0.0F, late + by - lateness(receipts_[i]));
   }
   if (early < kBetter * expected) return 1;
   return early > 0 ? std::clamp(expected / std::max(expected - early, 1e-3), kGrowth, kMostGrowth) : kGrowth;
@@ -217,13 +223,17 @@ void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_t
     set_rate(best, now);
     changed_ = now;
     until_trial_ = kTrial;
-  } else if (held_back_ && now - changed_ > std::max(static_cast<Tick>(round_trip), kGrowEvery)) {
+    return;
+  }
+  if (held_back_ && now - changed_ > std::max(static_cast<Tick>(round_trip), kGrowEvery)) {
     double factor = growth();
     if (factor == 1 && now - changed_ > until_trial_ && left >= kBetter * unexplained(kMost)) {
       factor = kGrowth;
       until_trial_ /= 2;
     }
     if (factor == 1) return;
+    // The quickest datagram takes so much more, too, or what is no queue is soon explained by a low rate again.
+    now_quickest_ = was_quickest_ = {quickest().transit + static_cast<Tick>(longer()), quickest().bytes};
     changed_ = now;
     held_back_ = false;
     set_rate(rate_ * factor, now);

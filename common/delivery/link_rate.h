@@ -89,6 +89,7 @@ class LinkRate {
   float predicted(const Receipt& r, double rate) const;
   double came_through() const;
   float unexplained(double rate) const;
+  float longer() const;
   double growth() const;
   void set_rate(double rate, Tick now);
 
