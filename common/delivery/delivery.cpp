@@ -126,12 +126,19 @@ void OutLink::line_up(std::uint32_t oldest, std::uint32_t end) {
   if (lined_up_.size() > kAcknowledged) std::reverse(lined_up_.begin() + 1, lined_up_.end());
 }
 
+bool OutLink::fits(std::size_t bytes, std::size_t room) {
+  if (used_ > 0 && used_ + bytes > room) return false;
+  used_ += bytes;
+  return true;
+}
+
 // On a silent link nothing is repeated but the update that was sent longest ago, with whatever goes out: the link may
 // work in this direction only, or by a carrier that the other end does not know, as it lacks that one's admission.
-bool OutLink::choose(const Context& c, const Ring<Bundle>& own, std::uint32_t first,
-                     const std::function<bool(std::uint32_t)>& fits) {
+bool OutLink::choose(const Context& c, const Ring<Bundle>& own, std::uint32_t first, const SizeOf& size_of,
+                     std::size_t room) {
   const bool silent = unanswered(c.now) >= kSilent;
   bool urgent = false;
+  used_ = 0;
   repeated_.clear();
   chosen_.clear();
   stalest_.reset();
@@ -146,7 +153,7 @@ bool OutLink::choose(const Context& c, const Ring<Bundle>& own, std::uint32_t fi
     const Alone& alone = own[i - first].bodies.empty() ? kAlone : kBodiesAlone;
     const bool copy = loss_ >= alone.loss && f.times == 1 && c.now - f.sent >= alone.after;
     const bool must = f.times == 0 || copy || lost(f, c.now);
-    if (must && fits(i)) {
+    if (must && fits(size_of(own[i - first]), room)) {
       urgent = true;
       chosen_.push_back(i);
     } else if (!must && echoes(f, c.now)) {
@@ -156,21 +163,14 @@ bool OutLink::choose(const Context& c, const Ring<Bundle>& own, std::uint32_t fi
   return urgent;
 }
 
-StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::uint32_t first,
-                              const std::function<std::size_t(const Bundle&)>& size_of, std::size_t room) {
+StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::uint32_t first, const SizeOf& size_of,
+                              std::size_t room) {
   const auto end = first + static_cast<std::uint32_t>(own.size());
   if (answered_at_ == kNever) answered_at_ = c.now;
   // Marks give way to updates where the link is narrow.
   interval_ = std::max(interval(c, end), rate_.mark_interval(mark_bytes_));
   begin_marks(c.now);
-  std::size_t used = 0;
-  const auto fits = [&](std::uint32_t i) {
-    const std::size_t n = size_of(own[i - first]);
-    if (used > 0 && used + n > room) return false;
-    used += n;
-    return true;
-  };
-  const bool urgent = choose(c, own, first, fits);
+  const bool urgent = choose(c, own, first, size_of, room);
   gap_since_ = c.gap ? (gap_since_ < 0 ? c.now : gap_since_) : -1;
   const bool asks = c.again || missed_ || (gap_since_ >= 0 && c.now - gap_since_ >= kGapPatience);
   const bool ask = asks && c.now - last_sent_ >= kGapPatience;
@@ -181,11 +181,11 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
   if (only_mark) {
     chosen_.clear();
     repeated_.clear();
-    used = 0;
+    used_ = 0;
   }
   if (stalest_) repeated_.push_back(*stalest_);
   for (const std::uint32_t i : repeated_)
-    if (fits(i)) chosen_.push_back(i);
+    if (fits(size_of(own[i - first]), room)) chosen_.push_back(i);
   empty_packet();
   StatePacket& p = packet_;
   p.seq = ++seq_;

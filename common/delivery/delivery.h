@@ -33,11 +33,12 @@ class OutLink {
     bool again = false;  ///< the receiver has sent something again, as it has not heard that it is here
   };
 
+  using SizeOf = std::function<std::size_t(const Bundle&)>;
   /// The packet to send this tick, good until the next call, updates and marks filled in; null: none. `own`: this
   /// peer's log, `own.front()` numbered `first`. `size_of` gives the bytes an update takes, `room` those that updates
   /// may take in all.
-  StatePacket* compose(const Context& c, const Ring<Bundle>& own, std::uint32_t first,
-                       const std::function<std::size_t(const Bundle&)>& size_of, std::size_t room);
+  StatePacket* compose(const Context& c, const Ring<Bundle>& own, std::uint32_t first, const SizeOf& size_of,
+                       std::size_t room);
   /// What compose() gave left as a datagram of so many bytes, IP and UDP headers included.
   void left(std::size_t bytes, Tick now);
   /// Takes in what a datagram from the receiver says about ours.
@@ -72,8 +73,9 @@ class OutLink {
   /// Updates in the order in which they are considered for a packet.
   void line_up(std::uint32_t oldest, std::uint32_t end);
   /// Chooses what goes out, and what goes along with it. Returns whether it has to go out now.
-  bool choose(const Context& c, const Ring<Bundle>& own, std::uint32_t first,
-              const std::function<bool(std::uint32_t)>& fits);
+  bool choose(const Context& c, const Ring<Bundle>& own, std::uint32_t first, const SizeOf& size_of, std::size_t room);
+  /// Whether an update of so many bytes goes into the datagram, too.
+  bool fits(std::size_t bytes, std::size_t room);
   void begin_marks(Tick now);
   bool mark_is_due(const Context& c) const;
   Tick interval(const Context& c, std::uint32_t end) const;
@@ -89,6 +91,7 @@ class OutLink {
   std::vector<std::uint32_t> repeated_;   ///< scratch
   std::vector<std::uint32_t> lined_up_;   ///< scratch
   std::vector<std::uint32_t> chosen_;     ///< scratch
+  std::size_t used_ = 0;                  ///< bytes of the updates that go out
   std::optional<std::uint32_t> stalest_;  ///< on a silent link: the one that was sent longest ago
   std::size_t mark_bytes_ = 60;           ///< of the last datagram without updates
   LinkRate rate_;
