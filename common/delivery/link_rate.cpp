@@ -167,15 +167,15 @@ float LinkRate::longer() const {
 }
 
 // By what factor the link carries more than the estimate, as the latest receipts show: 1, or a growth. Only those that
-// come earlier than the estimate's queue explains show it: a busy machine and jitter make others later.
-double LinkRate::growth() const {
-  const float by = longer();
+// come earlier than the estimate's queue explains show it: a busy machine and jitter make others later. `longer`: ticks
+// that all take more by now.
+double LinkRate::growth(float longer) const {
   double early = 0;
   double expected = 0;
   for (std::size_t i = 0; i < receipts_.size(); ++i) {
     const float late = predicted(receipts_[i], rate_);
     expected += late;
-    early += std::max(0.0F, late + by - lateness(receipts_[i]));
+    early += std::max(0.0F, late + longer - lateness(receipts_[i]));
   }
   if (early < kBetter * expected) return 1;
   return early > 0 ? std::clamp(expected / std::max(expected - early, 1e-3), kGrowth, kMostGrowth) : kGrowth;
@@ -226,14 +226,15 @@ void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_t
     return;
   }
   if (held_back_ && now - changed_ > std::max(static_cast<Tick>(round_trip), kGrowEvery)) {
-    double factor = growth();
+    const float by = longer();
+    double factor = growth(by);
     if (factor == 1 && now - changed_ > until_trial_ && left >= kBetter * unexplained(kMost)) {
       factor = kGrowth;
       until_trial_ /= 2;
     }
     if (factor == 1) return;
     // The quickest datagram takes so much more, too, or what is no queue is soon explained by a low rate again.
-    now_quickest_ = was_quickest_ = {quickest().transit + static_cast<Tick>(longer()), quickest().bytes};
+    now_quickest_ = was_quickest_ = {quickest().transit + static_cast<Tick>(by), quickest().bytes};
     changed_ = now;
     held_back_ = false;
     set_rate(rate_ * factor, now);

@@ -90,7 +90,7 @@ class LinkRate {
   double came_through() const;
   float unexplained(double rate) const;
   float longer() const;
-  double growth() const;
+  double growth(float longer) const;
   void set_rate(double rate, Tick now);
 
   Ring<Sent> sent_{kRemembered + 1};

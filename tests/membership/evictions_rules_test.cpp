@@ -309,6 +309,36 @@ TEST_F(Eviction, GoesOnWithoutAMemberThatWithholdsItsReply) {
   EXPECT_FALSE(s_.roster.seats[2].frozen);
 }
 
+struct Step {
+  bool evicts = false;
+  bool takes_back = false;
+};
+
+/// A tick in which peers 1 and 2 are heard, and those of `replying` reply to each poll. Peer 1 hears peer 4.
+Step step_with_veto(Situation& s, Evictions& rules, PeerSet replying) {
+  Step step;
+  for (const PeerId p : {PeerId{1}, PeerId{2}}) s.silence(p, s.roster.now);
+  ListedCommands out;
+  rules.advance(s.view(), out);
+  s.follow(out);
+  for (const auto& order : out.orders) step.evicts = step.evicts || !order.removals.empty();
+  for (const auto& [to, poll] : out.all<wire::Poll>()) {
+    for (PeerId p = 0; p < s.roster.slots(); ++p) {
+      if (to != Situation::at(p) || (replying & only(p)) == 0) continue;
+      wire::Answer reply{poll.lost, poll.freeze, s.roster.now, poll.number};
+      for (wire::Seat& about : reply.lost) {
+        if (!poll.freeze || about.slot != 4 || p != 1) continue;
+        reply.frozen = false;
+        about.heard = 5;
+      }
+      ListedCommands then;
+      rules.on_answer(p, reply, s.view(), then);
+      step.takes_back = step.takes_back || then.told(SessionEvent::Kind::kHeardAgain);
+    }
+  }
+  return step;
+}
+
 // Peer 3 is lost, and peer 2 does not reply. Peer 4 falls silent again and again, and each time peer 1 hears it. Once,
 // each take-back gave peer 2 its whole time again, so that peer 3 was never evicted and nobody let in.
 TEST(EvictionRules, VetoesAboutOnePeerGiveNobodyMoreTimeToReplyAboutAnother) {
@@ -319,27 +349,12 @@ TEST(EvictionRules, VetoesAboutOnePeerGiveNobodyMoreTimeToReplyAboutAnother) {
   Tick evicted = 0;
   Tick lost = 0;
   for (Tick t = 0; t < 2 * Evictions::kWithheld && evicted == 0; ++t) {
-    for (const PeerId p : {PeerId{1}, PeerId{2}}) s.silence(p, s.roster.now);
-    ListedCommands out;
-    rules.advance(s.view(), out);
-    s.follow(out);
+    const Step step = step_with_veto(s, rules, only(1));
     if (lost == 0 && s.roster.seats[3].frozen) lost = s.roster.now;
-    for (const auto& order : out.orders)
-      if (!order.removals.empty()) evicted = s.roster.now;
-    for (const auto& [to, poll] : out.all<wire::Poll>()) {
-      if (to != Situation::at(1)) continue;
-      wire::Answer reply{poll.lost, poll.freeze, s.roster.now, poll.number};
-      for (wire::Seat& about : reply.lost)
-        if (poll.freeze && about.slot == 4) {
-          reply.frozen = false;
-          about.heard = 5;
-        }
-      ListedCommands then;
-      rules.on_answer(1, reply, s.view(), then);
-      if (!then.told(SessionEvent::Kind::kHeardAgain)) continue;
-      ++vetoes;
-      s.silence(4, s.roster.now);
-    }
+    if (step.evicts) evicted = s.roster.now;
+    if (!step.takes_back) continue;
+    ++vetoes;
+    s.silence(4, s.roster.now);
   }
   EXPECT_GE(vetoes, 2);
   ASSERT_GT(evicted, 0);
@@ -356,26 +371,9 @@ TEST(EvictionRules, AfterATakeBackTheOthersThatAreLostAreEvictedFirst) {
   Tick taken_back = 0;
   Tick evicted = 0;
   for (Tick t = 0; t < 2 * node::kSilence && evicted == 0; ++t) {
-    for (const PeerId p : {PeerId{1}, PeerId{2}}) s.silence(p, s.roster.now);
-    ListedCommands out;
-    rules.advance(s.view(), out);
-    s.follow(out);
-    for (const auto& order : out.orders)
-      if (!order.removals.empty()) evicted = s.roster.now;
-    for (const auto& [to, poll] : out.all<wire::Poll>()) {
-      const auto from = static_cast<PeerId>(std::find_if(s.roster.seats.begin(), s.roster.seats.end(),
-                                                         [&, at = to](const auto& seat) { return seat.at == at; }) -
-                                            s.roster.seats.begin());
-      wire::Answer reply{poll.lost, poll.freeze, s.roster.now, poll.number};
-      for (wire::Seat& about : reply.lost) {
-        if (!poll.freeze || about.slot != 4 || from != 1) continue;
-        reply.frozen = false;
-        about.heard = 5;
-      }
-      ListedCommands then;
-      rules.on_answer(from, reply, s.view(), then);
-      if (then.told(SessionEvent::Kind::kHeardAgain) && taken_back == 0) taken_back = s.roster.now;
-    }
+    const Step step = step_with_veto(s, rules, only(1) | only(2) | only(4));
+    if (step.evicts) evicted = s.roster.now;
+    if (step.takes_back && taken_back == 0) taken_back = s.roster.now;
   }
   ASSERT_GT(taken_back, 0);
   ASSERT_GT(evicted, 0);
