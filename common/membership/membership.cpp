@@ -255,10 +255,11 @@ void Membership::advance(Micros local) {
   count_present();
 }
 
+// Whoever has come back may have another slot than before, and its address is still that of the former one, too.
 bool Membership::may_carry(const Endpoint& from, const Endpoint& to) const {
   const auto is_member = [this](const Endpoint& at) {
     for (PeerId p = 0; p < session_.slots; ++p)
-      if (is_at(p, at)) return roster().seats[p].reachable() && hears(p);
+      if (is_at(p, at) && roster().seats[p].reachable()) return hears(p);
     return false;
   };
   return roster().member && is_member(from) && is_member(to);

@@ -140,6 +140,28 @@ TEST(CarriedBy, WhoLetsSomebodyIn) {
   party.expect_to_stay(3);
 }
 
+// While it was out, its slot was promised to a newcomer that has not come. It has another one now, and its former one
+// is empty. Once, nobody carried for it any more.
+TEST(CarriedBy, WhoHasComeBackInAnotherSlot) {
+  Party party(sealed_party(4, "delay 30ms", test::seed(89)));
+  party.run(6);
+  const PeerId before = party.replica(3).self();
+  party.net().divide({{3, 1}});
+  party.run(6);
+  const int newcomer = party.net().start(0);
+  party.run(0.08);
+  party.net().kill(newcomer);
+  party.net().divide({});
+  ASSERT_TRUE(party.run_until(10, [&] { return party.net().peer(3).incarnation() == 1 && party.united(); }));
+  ASSERT_GT(party.replica(3).self(), before);
+  party.net().cut(1, 3, true);
+  party.net().cut(3, 1, true);
+  party.run(10);
+  for (const int p : {1, 3}) EXPECT_TRUE(party.noted(p, "is reached through peer")) << party.story();
+  EXPECT_TRUE(party.united()) << party.story();
+  EXPECT_EQ(party.judge().violation(), "");
+}
+
 // Of two, the one by which it takes less.
 TEST(CarriedBy, TheQuickerOfTwo) {
   Party party(sealed_party(4, "delay 20ms", test::seed(86)));
