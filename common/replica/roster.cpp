@@ -51,7 +51,7 @@ void Roster::freeze(PeerId p, bool frozen) {
 
 void Roster::note_answer_of_frozen(PeerId p) {
   Seat& s = seats[p];
-  if (s.answers_since < 0 || now - s.answered_frozen > kTicksPerSecond) s.answers_since = now;
+  if (s.answers_since < 0 || now - s.answered_frozen > kAnswerPause) s.answers_since = now;
   s.answered_frozen = now;
 }
 

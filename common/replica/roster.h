@@ -115,6 +115,9 @@ struct Roster {
   /// Gives slot p to another peer from that tick on, and remembers the former occupant.
   void seat(PeerId p, std::uint32_t as_incarnation, std::uint32_t first, const Endpoint& at, Tick from);
 
+  /// Longest pause in which a frozen peer still counts as answering, ticks. It is sent a mark a second, and sends one a
+  /// second, as nothing that the two say is acknowledged; some get lost.
+  static constexpr Tick kAnswerPause = 3 * kTicksPerSecond;
   /// Silence after which a peer that has left counts as ended, ticks.
   static constexpr Tick kDeparted = 60;
 };

@@ -381,6 +381,25 @@ TEST(Replica, WhoCouldTellNothingForAWhileIsForgivenThatTimeOnly) {
   }
 }
 
+// Nothing that the two say is acknowledged, so both soon send a mark a second only. Once, a pause of more than a second
+// hid that a frozen peer answers, and whoever had frozen it by a liar's word never took it up again.
+TEST(Replica, AFrozenPeerIsKnownToAnswerOnABadLink) {
+  const std::uint64_t base = test::seed(1);
+  for (std::uint64_t seed = base; seed < base + 5; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Mesh mesh(2, "delay 150ms 50ms loss 10%", seed);
+    for (Tick t = 0; t < 40; ++t) mesh.step(std::vector<bool>(2, true));
+    mesh[0].freeze(1, true);
+    Tick known = 0;
+    for (Tick t = 0; t < 900; ++t) {
+      mesh.step(std::vector<bool>(2, true));
+      const Seat& s = mesh[0].roster().seats[1];
+      if (s.answered_frozen - s.answers_since >= kTicksPerSecond) ++known;
+    }
+    EXPECT_GT(known, 450);
+  }
+}
+
 /// Mean bytes that a moving body's state adds to its datagram, in play.
 double bytes_of_a_body(const Technique& technique) {
   Mesh mesh(3, "delay 60ms 20ms loss 5%", test::seed(1), technique, "clutter");

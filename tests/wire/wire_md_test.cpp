@@ -389,6 +389,7 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("relay_patience", node::Relay::kPatience);
   add("relay_served", node::Relay::kServed);
   add("heard_again", node::Evictions::kHeardAgain);
+  add("answer_pause", node::Roster::kAnswerPause);
   add("lease", node::Evictions::kLease);
   add("vouch_grace", node::Vouching::kGrace);
   add("vouch_again", node::Vouching::kAskAgain);
