@@ -193,8 +193,13 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
   p.mark_count = end;
   p.have = c.have;
   p.have_beyond = c.have_beyond;
-  p.seen_seq = heard_seq_;
-  p.seen_age = static_cast<std::uint32_t>(std::max(0, c.now - heard_at_));
+  // What came while this peer stood still is told of when its ticks have got there: ages are not negative.
+  if (heard_at_ <= c.now) {
+    told_seq_ = heard_seq_;
+    told_at_ = heard_at_;
+  }
+  p.seen_seq = told_seq_;
+  p.seen_age = static_cast<std::uint32_t>(c.now - told_at_);
   take_chosen(c.now, own, first);
   last_sent_ = c.now;
   missed_ = false;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -41,7 +42,8 @@ class OutLink {
                        std::size_t room);
   /// What compose() gave left as a datagram of so many bytes, IP and UDP headers included.
   void left(std::size_t bytes, Tick now);
-  /// Takes in what a datagram from the receiver says about ours.
+  /// Takes in what a datagram from the receiver says about ours. `now`: when it came, no earlier than the last
+  /// compose() and perhaps later than the next.
   void on_packet(const StatePacket& p, Tick now);
 
   /// Our updates 0 .. acked-1 have arrived there.
@@ -53,7 +55,7 @@ class OutLink {
   const LinkRate& rate() const { return rate_; }
   LinkRate& rate() { return rate_; }
   /// Ticks since the receiver last said that something new of ours has arrived.
-  Tick unanswered(Tick now) const { return answered_at_ == kNever ? 0 : now - answered_at_; }
+  Tick unanswered(Tick now) const { return answered_at_ == kNever ? 0 : std::max(0, now - answered_at_); }
   /// Marks on a link that has been unanswered for so long come at most so many ticks after one another.
   static Tick probe_interval(Tick unanswered);
   /// Unanswered for so long, a link is sent one repeat with each datagram, and no others.
@@ -109,7 +111,9 @@ class OutLink {
   Tick gap_since_ = -1;
   std::uint32_t heard_seq_ = 0;  ///< highest seq from the receiver
   Tick heard_at_ = 0;
-  std::uint32_t loss_ = 0;  ///< per cent, as the receiver told last
+  std::uint32_t told_seq_ = 0;  ///< highest of which it has been told
+  Tick told_at_ = 0;            ///< when that one came
+  std::uint32_t loss_ = 0;      ///< per cent, as the receiver told last
   float srtt_ = 12;
   float rttvar_ = 6;
   bool measured_ = false;

@@ -76,7 +76,8 @@ DropReason Replica::take(const wire::Opened& opened, Micros now) {
   } else if (packet->have > link.out.acked()) {  // by whatever way it has got it
     roster_.note_answer(h.sender, packet->mark_tick);
   }
-  link.out.on_packet(*packet, this->now());
+  // While this peer stood still, its tick did, too: by that, what waited for it would have been quick.
+  link.out.on_packet(*packet, std::max(this->now(), tick_at(now) - 1));
   link.clock.sample(packet->mark_tick, now);
   link.arrivals.sample(packet->mark_tick, now);
   if (packet->transit != 0) link.clock.told(packet->transit);

@@ -125,5 +125,23 @@ TEST(HarmMeter, KnowsWhoWasEvictedAndWhetherOthersReachedIt) {
   EXPECT_EQ(meter.harm().evicted_reachable, 0);
 }
 
+// What arrives at a peer that stands still waits for it. Once, its tick of before dated that, so that all other
+// datagrams looked late, and each link to it was taken for one of 10 kbit/s, for minutes.
+TEST(HearingHeldUp, WhoStandsStillNowAndThenHasNoNarrowLinks) {
+  Party party(4, "delay 40ms 10ms loss 1%", seed(61));
+  party.run(5);
+  int narrow = 0;
+  for (int i = 0; i < 30; ++i) {
+    party.net().pause(1, true);
+    party.run(0.15);
+    party.net().pause(1, false);
+    party.run(1.35);
+    for (int a = 0; a < 4; ++a)
+      for (PeerId b = 0; b < 4; ++b)
+        if (b != party.replica(a).self()) narrow += party.replica(a).link(b).out.rate().is_limited() ? 1 : 0;
+  }
+  EXPECT_EQ(narrow, 0);
+}
+
 }  // namespace
 }  // namespace padr::test
