@@ -170,7 +170,7 @@ build_programs() {
   if ! [[ $jobs =~ ^[1-9][0-9]*$ ]]; then fail_usage "PADR_JOBS is '$jobs', must be a number from 1"; fi
   # What has to be compiled is preprocessed once and not twice.
   export CCACHE_DEPEND=1
-  echo "== installing packages that are missing (about a minute on a bare system)"
+  echo "== looking for packages that are missing (on a bare system they take about a minute)"
   # What only the report draws with can wait, unless somebody has to be asked for a password.
   if ((EUID == 0)); then tools/deps.sh build; else tools/deps.sh build run; fi
   mkdir -p "$out"
@@ -219,7 +219,19 @@ else
 fi
 if [[ $out == "$PWD"/* ]]; then shown=${out#"$PWD"/}; else shown=$out; fi
 
+# What only the programs can judge, scenario and network, is tried before an older recording gives way.
+shaped=()
+if [[ -n $netem ]]; then shaped=(--netem "$netem"); fi
+tried=0
+words=$("$bin/padr-peer" --wait-peers 1 --slots "$peers" --scenario "$scenario" --technique "$technique" "${scene_flags[@]}" \
+  "${shaped[@]}" --input rest --duration 0.02 --linger 0 2>&1) || tried=$?
+if ((tried == 2)); then
+  echo "$words" >&2
+  exit 2
+fi
+
 # --- run
+if compgen -G "$out/peer*.trace" >/dev/null; then echo "== the recording in $shown gives way to a new one"; fi
 rm -f "$out"/peer*.trace "$out"/peer*.json "$out"/peer*.log "$out"/report.json "$out"/monitor.log "$out"/page
 rm -f "$out"/plots/*.svg "$out"/plots/*.png "$out"/csv/*.csv
 
@@ -364,12 +376,10 @@ if [[ -t 1 ]]; then printf '\r\033[K'; fi
 
 # --- judge
 failed=()
-worst=0
 for ((i = 0; i < peers; ++i)); do
   if alive "${pids[i]}"; then
     if ((elapsed >= limit)); then
       failed+=("peer $i was still running after $limit s: $shown/peer$i.log")
-      worst=1
     fi
     continue
   fi
@@ -377,28 +387,22 @@ for ((i = 0; i < peers; ++i)); do
   wait "${pids[i]}" || status=$?
   if ((status == 0 && elapsed < duration / 2)); then
     failed+=("peer $i ended after $elapsed of $duration s: $shown/peer$i.log")
-    worst=1
   elif ((status != 0)); then
     failed+=("peer $i exited with status $status: $shown/peer$i.log")
     # The first ones tell the story.
     if ((${#failed[@]} <= 3)); then tail -n 5 "$out/peer$i.log" | sed "s/^/  peer $i: /" >&2; fi
-    if ((status > worst)); then worst=$status; fi
   fi
 done
 stop_peers
 if ((${#failed[@]} > 0)); then
   printf "$me: %s\\n" "${failed[@]}" >&2
-  # What only the programs can judge (scenario, netem) is a wrong argument of ours as well.
-  if ((worst == 2)); then exit 2; fi
   exit 1
 fi
 
-traces=()
-for ((i = 0; i < peers; ++i)); do traces+=("$out/peer$i.trace"); done
 await_report
 echo "== report"
 verdict=0
-"$bin/padr-report" "${traces[@]}" --plots "$out/plots" --csv "$out/csv" --json "$out/report.json" || verdict=$?
+"$bin/padr-report" "$out"/peer*.trace --plots "$out/plots" --csv "$out/csv" --json "$out/report.json" || verdict=$?
 echo
 echo "plots:  $shown/plots"
 echo "tables: $shown/csv, $shown/report.json"

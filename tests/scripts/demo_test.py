@@ -14,7 +14,12 @@ import unittest
 
 from stand_in import PATIENCE, REPOSITORY, Case
 
+# The one that is only tried has the slots of all.
 PEER = """#!/bin/sh
+case "$*" in
+  *dely*) echo "padr-peer: --netem: no word is dely" >&2; exit 2 ;;
+  *--slots*) exit 0 ;;
+esac
 echo "$@" >>"$SEEN"
 while [ "$1" != --duration ]; do shift; done
 exec sleep "$2"
@@ -143,6 +148,21 @@ class Demo(Case):
         self.assertIn("/usr/share/padr/paths/ball.csv,loop", self.text("seen"))
         refused = self.run_script("usr/bin/padr-demo", "--peers", "1")
         self.assertEqual(refused.stderr, "padr-demo: --peers '1': must be a whole number from 2 to 64 (see --help)\n")
+
+    def test_what_a_peer_refuses_leaves_the_older_recording(self):
+        self.put("out/demo/peer0.trace", "older")
+        done = self.demo("--netem", "dely 50ms")
+        self.assertEqual(done.returncode, 2)
+        self.assertEqual(done.stderr, "padr-peer: --netem: no word is dely\n")
+        self.assertEqual(self.text("out/demo/peer0.trace"), "older")
+        done = self.demo()
+        self.assertIn("the recording in out/demo gives way to a new one", done.stdout)
+        self.assertFalse(os.path.exists(self.path("out/demo/peer0.trace")))
+
+    def test_reports_of_whoever_has_come_back_too(self):
+        self.put("build/release/bin/padr-peer", PEER.replace("exec", ": >out/demo/peer0.trace; : >out/demo/peer0.2.trace; exec"))
+        self.put("build/release/bin/padr-report", "#!/bin/sh\necho of $(basename -a $1 $2)\n")
+        self.assertIn("\nof peer0.2.trace peer0.trace\n", self.demo("--page", "off").stdout)
 
     def test_refuses_other_scenes(self):
         for flags, said in [(["--scene", "ball"], "--scene 'ball': must be one of: stop-short predictor proxy"),
