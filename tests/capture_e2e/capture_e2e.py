@@ -162,6 +162,8 @@ class Captures(Case):
         self.assertGreater(known["wrong"], 0)  # the shim's corruption
         self.assertEqual(unknown["checked"], 0)
         self.assertGreater(min(unknown["unchecked"], unknown["encrypted"]), 20)
+        blind = subprocess.run([CAPTURE, "rebuild", capture], capture_output=True, text=True, timeout=60)
+        self.assertRegex(blind.stderr, "[0-9]+ datagrams are encrypted, and no --keylog has a key for them")
         keys[1] = self.file("none", "padr-key 12\n")
         self.assertEqual(self.capture("summary", capture, *keys, code=2), "")
 
