@@ -235,6 +235,14 @@ void Evictions::take_back(PeerSet who, const View& view, Commands& out) {
   told_ = now - kAskAgain;
 }
 
+// It may be the only one through which this peer reaches the others, who then get none of its polls.
+void Evictions::take_back_heard_again(const View& view, Commands& out) {
+  PeerSet again = 0;
+  for (const auto& [p, lost] : lost_)
+    if (hears_again(p, view)) again |= only(p);
+  if (again != 0) take_back(again, view, out);
+}
+
 // Any other poll with the new number has the same effect, but there may be none.
 void Evictions::tell_taken_back(const View& view, Commands& out) {
   std::erase_if(unaware_, [&](PeerId p) { return !view.roster.seats[p].there(); });
@@ -347,6 +355,7 @@ void Evictions::poll(const wire::Poll& poll, const View& view, Commands& out) {
 
 void Evictions::advance(const View& view, Commands& out) {
   std::erase_if(lost_, [&](const auto& entry) { return !view.roster.seats[entry.first].frozen; });
+  take_back_heard_again(view, out);
   thaw(view, out);
   tell_taken_back(view, out);
   doubt(view, out);

@@ -126,6 +126,7 @@ class Evictions {
   void go_on_without(const View& view, Commands& out);
   bool is_vetoed(PeerId p, const Lost& lost, const View& view) const;
   void take_back(PeerSet who, const View& view, Commands& out);
+  void take_back_heard_again(const View& view, Commands& out);
   void tell_taken_back(const View& view, Commands& out);
   void doubt(const View& view, Commands& out);
   bool is_first_well(const View& view) const;

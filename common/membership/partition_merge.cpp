@@ -144,9 +144,9 @@ bool PartitionMerge::is_outranked(const wire::Probe& probe, const Side& us, cons
 }
 
 // A newcomer counts in its own part only, and seniority may then keep the smaller part from joining the larger one for
-// ever. A single witness may be a liar that lists others.
+// ever. A single liar moves nobody by this but who is alone.
 bool PartitionMerge::is_larger_for_long(const wire::Probe& probe, const Side& us, const View& view) {
-  if (!session_.config.sealed || evidence(probe.members, view).size() < 2 || !is_larger(probe, us, view)) return false;
+  if (!session_.config.sealed || !is_larger(probe, us, view)) return false;
   const Tick now = view.roster.now;
   if (now - larger_seen_ >= kLately) larger_since_ = now;
   larger_seen_ = now;

@@ -295,6 +295,20 @@ TEST_F(Eviction, IsTakenBackIfAMemberHearsItAgain) {
   EXPECT_FALSE(s_.roster.seats[3].frozen);
 }
 
+// Once, only members could say so; but the lost peer was the one through which they would have got the polls.
+TEST_F(Eviction, IsTakenBackIfTheCoordinatorItselfHearsItAgain) {
+  begin();
+  for (Tick t = 0; t <= Evictions::kHeardAgain; ++t) {
+    EXPECT_TRUE(rules_.busy());
+    s_.roster.note_answer_of_frozen(3);
+    pass(1);
+  }
+  EXPECT_FALSE(rules_.busy());
+  EXPECT_FALSE(s_.roster.seats[3].frozen);
+  EXPECT_EQ(rules_.number(), 1U);
+  EXPECT_TRUE(orders_.empty());
+}
+
 // Nobody else can tell whether it does, so it is not evicted.
 TEST_F(Eviction, GoesOnWithoutAMemberThatWithholdsItsReply) {
   begin();
