@@ -329,7 +329,8 @@ std::string Membership::why_back() const {
     return "nothing has been confirmed for " + std::to_string(kStuck / kTicksPerSecond) + " s";
   if (roster().now - std::max(confirmed_, roster().in_since) > kBehind)
     return "what is confirmed is " + std::to_string(kBehind / kTicksPerSecond) + " s old";
-  return n.expelled() ? "the others have declared this peer gone" : "";
+  if (n.expelled()) return "the others have declared this peer gone";
+  return roster().leaving && stands_down_ ? "it has left its seat to join anew" : "";
 }
 
 // A coordinator that lies can make all others join anew, and then let none of them in. Whoever is asked before the
@@ -360,10 +361,6 @@ std::optional<Endpoint> Membership::way_back() const {
   if (is_alone()) return place_of_somebody();
   if (why_back().empty()) return std::nullopt;
   return roster().seats[guide()].at;
-}
-
-bool Membership::is_alone() const {
-  return stands_down_ && guide() == kNoPeer;
 }
 
 // They may all be members again, as others than this peer knows. It asks each for a while, in turn.

@@ -114,7 +114,7 @@ class Membership {
   bool doubts() const;
   void watch_confirmed();
   /// Whether this peer has left its seat to join anew, and no member is known to live by which it could.
-  bool is_alone() const;
+  bool is_alone() const { return stands_down_ && guide() == kNoPeer; }
   /// Where a member is or was.
   std::optional<Endpoint> place_of_somebody() const;
   std::string why_back() const;

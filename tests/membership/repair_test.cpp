@@ -63,6 +63,18 @@ TEST(Repair, WhoJoinsAnewFindsASeatInAFullSession) {
   }
 }
 
+// With another coordinator nothing differs any more. Once, whoever had left its seat stayed out for ever then.
+TEST(Repair, WhoHasLeftItsSeatComesBackThoughTheReasonIsGone) {
+  lab::VirtualNetworkConfig c = with_fault(0, 42);
+  c.slots = 4;
+  c.seal = wire::SealMode::kAuth;
+  Party party(std::move(c));
+  ASSERT_TRUE(party.run_until(30, [&] { return party.noted(1, " has left") || party.noted(2, " has left"); }))
+      << party.story();
+  party.net().kill(0);
+  EXPECT_TRUE(party.run_until(15, [&] { return party.united(); })) << party.story();
+}
+
 TEST(Repair, TheMostSeniorPeerIsRight) {
   Party party(with_fault(0, 42));
   ASSERT_TRUE(
