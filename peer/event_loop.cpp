@@ -42,9 +42,10 @@ EventLoop::EventLoop(const Options& options, Log& log, const shell::Clock& clock
   say_where(links);
   if (join_) log_.session->info("joining {} ({})", options.join->text, to_string(*join_));
   if (!join_)
-    log_.session->info("founded, waiting for {}", options.spectates
-                                                      ? fmt::format("{} players", options.wait_peers)
-                                                      : fmt::format("{} peers in all", options.wait_peers));
+    log_.session->info("founded, waiting for {}",
+                       options.spectates
+                           ? fmt::format("{} player{}", options.wait_peers, options.wait_peers == 1 ? "" : "s")
+                           : fmt::format("{} peer{} in all", options.wait_peers, options.wait_peers == 1 ? "" : "s"));
 }
 
 void EventLoop::open_all_files() {

@@ -131,7 +131,7 @@ void Player::begin_incarnation() {
   waited_ = !replica().playing() || replica().config().incarnation == 0;
   if (replica().config().incarnation == 0) return;
   if (const int wanted = replica().start().wanted; wanted > present()) {
-    log_.session->info("{}: waiting as peer {} of {}, for {} in all, round trip {:.1f} ms", ours, self(), present(),
+    log_.session->info("{}: waiting as peer {}, {} of {} are here, round trip {:.1f} ms", ours, self(), present(),
                        wanted, round_trip_ms);
   } else if (!waited_) {
     log_.session->info("{}: in as peer {} of {} at tick {}, round trip {:.1f} ms", ours, self(), present(), next,

@@ -28,12 +28,11 @@ std::string words_of(const node::SessionEvent& e) {
     case Kind::kUnreachable:
       return "nobody listens at " + who + "'s address any more";
     case Kind::kSuspected:
-      return who + " has been silent for " + std::to_string(node::kSilence / kTicksPerSecond) +
-             " s: asking the others for its updates";
+      return who + " is silent: asking the others for its updates";
     case Kind::kHeard:
       return who + " does not answer, but others hear it: it stays";
     case Kind::kHeardAgain:
-      return who + " is heard by others again: it stays";
+      return who + " is heard again: it stays";
     case Kind::kCarried:
       return who + " is reached through peer " + std::to_string(e.by) + ": the link to it does not work";
     case Kind::kDirect:
@@ -47,12 +46,13 @@ std::string words_of(const node::SessionEvent& e) {
     case Kind::kCutOff:
       return who + " " + e.text + ": cut off";
     case Kind::kOutvoted:
-      return "met " + count + " peers that go on without us, who are " + std::to_string(e.own) + ": joining them by " +
-             to_string(e.at);
+      return "met " + count + (e.count == 1 ? " peer" : " peers") + " that go on without us, who are " +
+             std::to_string(e.own) + ": joining them by " + to_string(e.at);
     case Kind::kReturning:
       return e.text + ": joining anew";
     case Kind::kWrongKey:
-      return count + " datagrams were not made with this session's key, the last by " + to_string(e.at);
+      return count + (e.count == 1 ? " datagram was" : " datagrams were") +
+             " not made with this session's key, the last by " + to_string(e.at);
     case Kind::kLastKeyLogged:
       return "the keys of " + count + " peers have been logged, and no more will be";
     case Kind::kReadable:

@@ -75,7 +75,7 @@ TEST(Losing, WhoComesBackAtTheLastMomentStaysOrGoesButHoldsUpNobody) {
     party.run(2);
     EXPECT_TRUE(party.united()) << "try " << i << "\n" << party.story();
     EXPECT_EQ(party.judge().violation(), "") << "try " << i;
-    for (int p = 1; p < 5; ++p) taken_back += party.noted(p, "is heard by others again") ? 1 : 0;
+    for (int p = 1; p < 5; ++p) taken_back += party.noted(p, "is heard again") ? 1 : 0;
   }
   EXPECT_GT(taken_back, 0);
 }
