@@ -144,13 +144,13 @@ bool PartitionMerge::is_outranked(const wire::Probe& probe, const Side& us, cons
 }
 
 // A newcomer counts in its own part only, and seniority may then keep the smaller part from joining the larger one for
-// ever. A single liar moves nobody by this but who is alone.
+// ever. A single witness may be a liar, and moves nobody but who has been alone for longer.
 bool PartitionMerge::is_larger_for_long(const wire::Probe& probe, const Side& us, const View& view) {
   if (!session_.config.sealed || !is_larger(probe, us, view)) return false;
   const Tick now = view.roster.now;
   if (now - larger_seen_ >= kLately) larger_since_ = now;
   larger_seen_ = now;
-  return now - larger_since_ >= kStrangers;
+  return now - larger_since_ >= (evidence(probe.members, view).size() > 1 ? kStrangers : kAlone);
 }
 
 bool PartitionMerge::is_larger(const wire::Probe& probe, const Side& us, const View& view) const {

@@ -62,6 +62,8 @@ class PartitionMerge {
   static constexpr Tick kMayBeUnknown = kSilence + Evictions::kWithheld;
   /// Time after which a part is believed of which this peer knows no more than where its peers are, ticks.
   static constexpr Tick kStrangers = 10 * kTicksPerSecond;
+  /// The same for a peer that is alone, if it knows but one of that part.
+  static constexpr Tick kAlone = 30 * kTicksPerSecond;
   static constexpr std::size_t kMost = sync::Transfer::kMostGone;
 
  private:

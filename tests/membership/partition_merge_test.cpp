@@ -259,7 +259,8 @@ TEST(PartitionMerge, SeniorityKeepsTheSmallerPartApartForAWhileOnly) {
       met.rules.remember({keyed(person), person == 5 ? 20 : 800, 900}, 900);
     for (PeerId p = 0; p < 3 - ours; ++p) met.s.empty(p);
     const Tick begin = met.s.roster.now;
-    for (; met.s.roster.now < begin + PartitionMerge::kStrangers; met.s.roster.now += PartitionMerge::kPace) {
+    const Tick patience = theirs > 1 ? PartitionMerge::kStrangers : PartitionMerge::kAlone;
+    for (; met.s.roster.now < begin + patience; met.s.roster.now += PartitionMerge::kPace) {
       for (PeerId p = 0; p < 2; ++p) met.s.roster.seats[p].answered = met.s.roster.now;
       met.probed_by(5, 4 + theirs);
       ASSERT_FALSE(met.yields()) << met.s.roster.now - begin;

@@ -404,6 +404,7 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("probe_lately", node::PartitionMerge::kLately);
   add("may_be_unknown", node::PartitionMerge::kMayBeUnknown);
   add("strangers", node::PartitionMerge::kStrangers);
+  add("alone", node::PartitionMerge::kAlone);
   add("probe_remember", node::PartitionMerge::kRemember);
   add("unheard", node::Paths::kUnheard);
   add("carried_unanswered", node::Paths::kUnanswered);
