@@ -75,7 +75,7 @@ OutLink::Flight& OutLink::flight(std::uint32_t index) {
 
 // Lost: something sent clearly later has arrived, or it is overdue.
 bool OutLink::lost(const Flight& f, Tick now) const {
-  if (heard_seq_ == 0) return now - f.sent > kUnheard * std::min(f.times, 2);
+  if (heard_.seq == 0) return now - f.sent > kUnheard * std::min(f.times, 2);
   const auto slack = static_cast<Tick>(std::ceil(rttvar_));
   const auto timeout = static_cast<Tick>(std::ceil(srtt_ + 4 * rttvar_ + rate_.queue())) + interval_ + 1;
   return newest_seen_sent_ > f.sent + slack || now - f.sent > timeout * std::min(f.times, 4);
@@ -84,7 +84,7 @@ bool OutLink::lost(const Flight& f, Tick now) const {
 // Goes along with another datagram.
 bool OutLink::echoes(const Flight& f, Tick now) const {
   if (now - f.sent < kEcho) return false;
-  if (fresh_ && heard_seq_ == 0) return f.times < kFirstWords;
+  if (fresh_ && heard_.seq == 0) return f.times < kFirstWords;
   return loss_ >= kLossy && f.times == 1;
 }
 
@@ -193,18 +193,22 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
   p.mark_count = end;
   p.have = c.have;
   p.have_beyond = c.have_beyond;
-  // What came while this peer stood still is told of when its ticks have got there: ages are not negative.
-  if (heard_at_ <= c.now) {
-    told_seq_ = heard_seq_;
-    told_at_ = heard_at_;
-  }
-  p.seen_seq = told_seq_;
-  p.seen_age = static_cast<std::uint32_t>(c.now - told_at_);
+  tell_heard(c.now);
+  p.seen_seq = told_.seq;
+  p.seen_age = static_cast<std::uint32_t>(std::max(0, c.now - told_.at));
   take_chosen(c.now, own, first);
   last_sent_ = c.now;
   missed_ = false;
   marked_ = !urgent || only_mark;
   return &p;
+}
+
+// What came while this peer stood still is told of when its ticks have got there, as ages are not negative. A peer that
+// is always behind tells of one after the other.
+void OutLink::tell_heard(Tick now) {
+  if (due_.at > now) return;
+  told_ = heard_.at <= now ? heard_ : due_;
+  due_ = heard_;
 }
 
 // They are on their way now.
@@ -220,11 +224,11 @@ void OutLink::take_chosen(Tick now, const Ring<Bundle>& own, std::uint32_t first
 }
 
 void OutLink::on_packet(const StatePacket& p, Tick now) {
-  if (p.seq > heard_seq_) {
-    if (heard_seq_ == 0) rate_.begin_window();
+  if (p.seq > heard_.seq) {
+    if (heard_.seq == 0) rate_.begin_window();
     if (p.updates.empty()) loss_ = p.loss;
-    heard_seq_ = p.seq;
-    heard_at_ = now;
+    heard_ = {p.seq, now};
+    if (due_.seq == told_.seq) due_ = heard_;
   }
   if (p.have > acked_) {
     for (std::uint32_t i = acked_; i < p.have && !flights_.empty(); ++i) flights_.pop_front();

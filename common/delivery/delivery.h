@@ -69,6 +69,12 @@ class OutLink {
     Tick sent = -1;  ///< tick of the last transmission, -1 before the first
     int times = 0;
   };
+  /// A datagram from the receiver.
+  struct Heard {
+    std::uint32_t seq = 0;
+    Tick at = 0;
+  };
+  void tell_heard(Tick now);
   bool arrived(std::uint32_t index) const;
   bool lost(const Flight& f, Tick now) const;
   bool echoes(const Flight& f, Tick now) const;
@@ -109,11 +115,10 @@ class OutLink {
   Tick interval_ = 15;   ///< between marks
   bool marked_ = false;  ///< the last datagram had nothing but its mark
   Tick gap_since_ = -1;
-  std::uint32_t heard_seq_ = 0;  ///< highest seq from the receiver
-  Tick heard_at_ = 0;
-  std::uint32_t told_seq_ = 0;  ///< highest of which it has been told
-  Tick told_at_ = 0;            ///< when that one came
-  std::uint32_t loss_ = 0;      ///< per cent, as the receiver told last
+  Heard heard_;             ///< the newest from the receiver
+  Heard due_;               ///< the eldest of which it has not been told
+  Heard told_;              ///< the newest of which it has
+  std::uint32_t loss_ = 0;  ///< per cent, as the receiver told last
   float srtt_ = 12;
   float rttvar_ = 6;
   bool measured_ = false;

@@ -214,6 +214,7 @@ class Replica {
   ConfirmedSink check_and(ConfirmedSink sink);
   sync::DropReason take(const wire::Opened& opened, Micros now);
   void note_time();
+  Tick came_at(Micros now) const;
   sync::DropReason check_claims(const sync::StatePacket& packet, PeerId from) const;
   bool repeats(const sync::StatePacket& packet, PeerId from) const;
   sync::DropReason file_updates(const sync::StatePacket& packet, PeerId from);

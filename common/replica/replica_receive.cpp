@@ -76,13 +76,20 @@ DropReason Replica::take(const wire::Opened& opened, Micros now) {
   } else if (packet->have > link.out.acked()) {  // by whatever way it has got it
     roster_.note_answer(h.sender, packet->mark_tick);
   }
-  // While this peer stood still, its tick did, too: by that, what waited for it would have been quick.
-  link.out.on_packet(*packet, std::max(this->now(), tick_at(now) - 1));
+  link.out.on_packet(*packet, came_at(now));
   link.clock.sample(packet->mark_tick, now);
   link.arrivals.sample(packet->mark_tick, now);
   if (packet->transit != 0) link.clock.told(packet->transit);
   take_check(*packet, h.sender);
   return DropReason::kNone;
+}
+
+// By the session clock. While this peer stands still, its tick does, too, and by that what has waited would have been
+// quick. But who is far behind is not to be silent until its ticks have got there.
+Tick Replica::came_at(Micros now) const {
+  constexpr Tick kMostBehind = 24;
+  const Tick tick = tick_at(now) - 1;
+  return tick > this->now() && tick <= this->now() + kMostBehind ? tick : this->now();
 }
 
 DropReason Replica::check_claims(const sync::StatePacket& packet, PeerId from) const {

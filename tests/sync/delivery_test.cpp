@@ -74,6 +74,27 @@ struct Script {
   }
 };
 
+// Its ticks get to when something came only when more has come.
+TEST(Delivery, WhoIsAlwaysBehindTellsWhatHasComeAllTheSame) {
+  constexpr Tick kBehind = 5;
+  Script s;
+  std::uint32_t told = 0;
+  for (Tick t = 0; t < 100; ++t) {
+    StatePacket p;
+    p.seq = static_cast<std::uint32_t>(t + 1);
+    s.link.on_packet(p, t + kBehind);
+    s.update(t);
+    const auto sent = s.at(t);
+    ASSERT_TRUE(sent);
+    if (sent->seen_seq == 0) continue;
+    const Tick came = static_cast<Tick>(sent->seen_seq) - 1 + kBehind;
+    EXPECT_EQ(t - static_cast<Tick>(sent->seen_age), came);
+    EXPECT_LE(t - came, kBehind);
+    told = sent->seen_seq;
+  }
+  EXPECT_GE(told, 100 - 2 * kBehind);
+}
+
 TEST(Delivery, NothingToSayIsAMarkFourTimesASecond) {
   Script s;
   ASSERT_TRUE(s.at(0));
