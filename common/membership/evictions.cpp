@@ -150,7 +150,8 @@ void Evictions::on_fetched(PeerId from, const wire::Fetched& fetched, const View
 // Whether a frozen peer and this one have heard each other for a while: it was silent here, too, but for a moment only.
 bool Evictions::hears_again(PeerId p, const View& view) {
   const Seat& s = view.roster.seats[p];
-  return s.there() && !s.given_up_for_good && s.answered_frozen - s.answers_since >= kHeardAgain;
+  return s.there() && s.frozen && !s.given_up_for_good && s.answered_frozen - s.answers_since >= kHeardAgain &&
+         view.roster.now - s.answered_frozen <= Roster::kAnswerPause;
 }
 
 // Whether this peer hears somebody again whom it has frozen for this asker. Then it wants the poll to be taken back.
@@ -314,7 +315,7 @@ void Evictions::notice(const View& view, Commands& out) {
     if (p == session_.self || !view.roster.seats[p].there() || !suspected(view, p) || lost_.contains(p)) continue;
     if (coordinator(view) != session_.self) return;
     const auto doubted = doubted_.find(p);
-    if (doubted == doubted_.end() || waits_for_others(p, view)) continue;
+    if (doubted == doubted_.end() || waits_for_others(p, view) || hears_again(p, view)) continue;
     const LastHeard h = hearsay(p, view);
     if (!may_evict(h)) {
       if (is_heard(h) && !h.deaf && !std::exchange(doubted->second.told, true))

@@ -309,6 +309,25 @@ TEST_F(Eviction, IsTakenBackIfTheCoordinatorItselfHearsItAgain) {
   EXPECT_TRUE(orders_.empty());
 }
 
+// This peer has frozen it for an asker that is lost itself. Once, it was polled about again and again, and with each
+// time that its poll was taken back the eviction of the asker began anew.
+TEST_F(Eviction, OfWhomAnotherAskerHadFrozenIsNotBegunWhileThisPeerHearsIt) {
+  s_.roster.freeze(3, true);
+  for (Tick t = 0; t < 3 * node::kSilence; ++t) {
+    s_.roster.note_answer_of_frozen(3);
+    s_.roster.seats[3].frozen = true;  // as long as the asker is there
+    pass(1);
+  }
+  EXPECT_FALSE(rules_.busy());
+  EXPECT_EQ(rules_.number(), 0U);
+  for (Tick t = 0; t <= node::Roster::kAnswerPause + node::kAnswerPatience; ++t) {
+    s_.roster.seats[3].frozen = true;
+    pass(1);
+  }
+  EXPECT_TRUE(rules_.busy()) << "it has fallen silent for this peer, too";
+  EXPECT_EQ(rules_.number(), 0U);
+}
+
 // Nobody else can tell whether it does, so it is not evicted.
 TEST_F(Eviction, GoesOnWithoutAMemberThatWithholdsItsReply) {
   begin();
