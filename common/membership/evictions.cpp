@@ -161,7 +161,7 @@ bool Evictions::contests(PeerId from, const wire::Poll& poll, const View& view) 
     const auto it = answered_.find({from, s.slot});
     if (it == answered_.end() || it->second.incarnation != s.incarnation) continue;
     it->second.polled = view.roster.now;
-    if (!view.roster.seats[s.slot].frozen || lost_.contains(s.slot) || !hears_again(s.slot, view)) continue;
+    if (lost_.contains(s.slot) || !hears_again(s.slot, view)) continue;
     if (it->second.contested < 0) it->second.contested = view.roster.now;
     any = true;
   }
@@ -210,11 +210,12 @@ bool Evictions::is_vetoed(PeerId p, const Lost& lost, const View& view) const {
 void Evictions::take_back(PeerSet who, const View& view, Commands& out) {
   if (ordered() || number_ == wire::kMostPollNumber) return;
   const Tick now = view.roster.now;
+  const bool decides = coordinator(view) == session_.self;
   taken_back_.clear();
   for (PeerId p = 0; p < view.roster.slots(); ++p) {
     if ((who & only(p)) == 0 || !lost_.contains(p)) continue;
     if (taken_back_.size() < wire::kMostLost) taken_back_.push_back({p, lost_[p].incarnation});
-    out.tell({.kind = SessionEvent::Kind::kHeardAgain, .peer = p});
+    if (decides) out.tell({.kind = SessionEvent::Kind::kHeardAgain, .peer = p});
     lost_.erase(p);
     for (auto& [slot, lost] : lost_) {
       Tick& asked = lost.asked.try_emplace(p, lost.grounds.now).first->second;
@@ -236,12 +237,14 @@ void Evictions::take_back(PeerSet who, const View& view, Commands& out) {
   told_ = now - kAskAgain;
 }
 
-// It may be the only one through which this peer reaches the others, who then get none of its polls.
-void Evictions::take_back_heard_again(const View& view, Commands& out) {
-  PeerSet again = 0;
+// Whoever is heard again may be the only one through which this peer reaches the others, who then get none of its
+// polls. And if this peer is no longer the coordinator, the others follow another one.
+void Evictions::take_back_if_over(const View& view, Commands& out) {
+  const bool decides = coordinator(view) == session_.self;
+  PeerSet over = 0;
   for (const auto& [p, lost] : lost_)
-    if (hears_again(p, view)) again |= only(p);
-  if (again != 0) take_back(again, view, out);
+    if (!decides || hears_again(p, view)) over |= only(p);
+  if (over != 0) take_back(over, view, out);
 }
 
 // Any other poll with the new number has the same effect, but there may be none.
@@ -356,7 +359,7 @@ void Evictions::poll(const wire::Poll& poll, const View& view, Commands& out) {
 
 void Evictions::advance(const View& view, Commands& out) {
   std::erase_if(lost_, [&](const auto& entry) { return !view.roster.seats[entry.first].frozen; });
-  take_back_heard_again(view, out);
+  take_back_if_over(view, out);
   thaw(view, out);
   tell_taken_back(view, out);
   doubt(view, out);

@@ -56,6 +56,9 @@ class Evictions {
   /// Members that are heard but, for kWithheld, have not replied to a poll, not sent an update that they claim to have,
   /// or claimed to lack one that all have. The eviction goes on without them.
   std::vector<PeerId> withholding(const View& view) const;
+  /// Whether none of two or more members has followed this peer's polls in kWithheld: they follow another one, and
+  /// would not take its order. One member alone may be lying.
+  bool is_forsaken() const { return forsaken_; }
   bool busy() const { return !lost_.empty(); }
   /// Whether this peer has replied to a poll of `by` about the peer in the slot: then `by` may evict that peer.
   bool answered(PeerId by, PeerId slot) const { return answered_.contains({by, slot}); }
@@ -124,9 +127,10 @@ class Evictions {
   void keep(const wire::Fetched& fetched, Lost& lost, const View& view, const MisbehaviourPolicy& misbehaviour);
   bool lives(PeerId p, const Lost& lost, const View& view) const;
   void go_on_without(const View& view, Commands& out);
+  bool is_forsaken_by(const std::vector<PeerId>& who, const View& view) const;
   bool is_vetoed(PeerId p, const Lost& lost, const View& view) const;
   void take_back(PeerSet who, const View& view, Commands& out);
-  void take_back_heard_again(const View& view, Commands& out);
+  void take_back_if_over(const View& view, Commands& out);
   void tell_taken_back(const View& view, Commands& out);
   void doubt(const View& view, Commands& out);
   bool is_first_well(const View& view) const;
@@ -165,6 +169,7 @@ class Evictions {
   Tick asked_ = 0;
   Tick moved_ = 0;                  ///< tick of the last progress: a reply, a fetched update, or one more lost peer
   std::optional<Missing> missing_;  ///< the update that is being fetched
+  bool forsaken_ = false;
 };
 
 }  // namespace padr::node

@@ -105,10 +105,23 @@ void Evictions::bury(Commands& out) {
   out.publish(last);
 }
 
+bool Evictions::is_forsaken_by(const std::vector<PeerId>& who, const View& view) const {
+  std::size_t members = 0;
+  for (PeerId p = 0; p < view.roster.slots(); ++p) {
+    if (!withholds_.contains(p) && !counts(p, view)) continue;
+    const bool silent = std::find(who.begin(), who.end(), p) != who.end() && is_silent(p, view);
+    if (!silent && !withholds_.contains(p)) return false;
+    ++members;
+  }
+  return members > 1;
+}
+
 // A member that was not waited for does not take the removal, as it has not been asked. It joins anew.
 void Evictions::go_on_without(const View& view, Commands& out) {
   const std::vector<PeerId> who = withholding(view);
   if (who.empty()) return;
+  forsaken_ = is_forsaken_by(who, view);
+  if (forsaken_) return;
   for (const PeerId p : who) {
     withholds_.insert(p);
     out.tell({.kind = SessionEvent::Kind::kWithholds, .peer = p});

@@ -244,6 +244,7 @@ void Membership::advance(Micros local) {
   follow_testimony();
   give_up_guide();
   evictions_.advance(view, commands_);
+  if (evictions_.is_forsaken()) give_seat_back();
   relay_.advance(view, commands_);
   find_paths();
   follow_changes();
@@ -315,6 +316,7 @@ std::string Membership::why_back() const {
   const Replica& n = replica_.replica();
   if (const auto liar = testimony_.misled_by(); liar && guide() != kNoPeer)
     return "peer " + std::to_string(*liar) + " kept an update from this peer that it has told others";
+  if (evictions_.is_forsaken() && guide() != kNoPeer) return "none of the others follows this peer";
   const PeerId c = coordinator();
   if (c == session_.self || c == kNoPeer) return "";
   // With a key, the two first find out who has lied to whom.
