@@ -103,6 +103,10 @@ class Membership {
   void on_newcomer(PeerId by, const wire::Newcomer& newcomer, Micros local);
   sync::DropReason judge(const sync::StatePacket& packet, PeerId relayed_by);
   void follow_testimony();
+  /// Whether this peer has confirmed nothing for long, while another member has.
+  bool is_overtaken() const;
+  /// Leaves this peer's seat if it is the coordinator and has to join anew.
+  void step_down();
   /// The most senior living member but this peer and whoever has misled it; kNoPeer if there is none.
   PeerId guide() const;
   void follow_changes();

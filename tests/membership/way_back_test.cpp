@@ -11,17 +11,18 @@
 namespace padr::test {
 namespace {
 
-/// Peers beside one another, of whom the last but one is looked at.
+/// Peers beside one another, of whom one is looked at: the last but one unless told otherwise.
 class Group {
  public:
-  explicit Group(PeerId peers) : nodes_(peers) {
+  explicit Group(PeerId peers) : Group(peers, peers - 2) {}
+  Group(PeerId peers, PeerId self) : nodes_(peers) {
     for (PeerId p = 0; p < peers; ++p) {
       node::ReplicaConfig c;
       c.self = p;
       c.peers = c.slots = peers;
       nodes_[p] = std::make_unique<node::RecordedReplica>(scene_, c);
     }
-    session_.self = peers - 2;
+    session_.self = self;
     session_.slots = peers;
     for (PeerId p = 0; p < peers; ++p) own().locate(p, ipv4({10, 0, 0, static_cast<std::uint8_t>(p + 1)}, 7000));
     membership_ = std::make_unique<node::Membership>(session_, own());
@@ -31,6 +32,7 @@ class Group {
     while (++now_ <= until) {
       for (const PeerId p : speaking) nodes_[p]->step({});
       membership_->advance(tick_start(now_));
+      for (const PeerId p : unheard) own().freeze(p, true);
       for (const PeerId p : speaking)
         for (const node::Outgoing& o : nodes_[p]->outgoing())
           if (std::count(speaking.begin(), speaking.end(), o.to) > 0) nodes_[o.to]->receive(o.bytes, tick_start(now_));
@@ -40,6 +42,9 @@ class Group {
   node::Membership& membership() { return *membership_; }
   const Endpoint& place(PeerId p) { return own().replica().seat(p).at; }
   node::SessionState& state() { return session_; }
+  bool has_left() { return own().replica().roster().leaving; }
+  /// The peer that is looked at takes no updates of these.
+  std::vector<PeerId> unheard;
   Tick confirmed() { return own().replica().agreed().confirmed().tick; }
 
  private:
@@ -109,6 +114,34 @@ TEST(WayBack, WhoCoordinatesNextHasAsLongToLetThisPeerIn) {
   EXPECT_EQ(four.membership().way_back(), four.place(1));
   four.run_to(second + 11 * kTicksPerSecond, {1, 2});
   EXPECT_FALSE(four.membership().way_back()) << "the next one is this peer";
+}
+
+// The last falls silent, and the others never say what they have of it, as if they followed another coordinator.
+TEST(WayBack, ACoordinatorWhomNobodyFollowsLeavesItsSeatAndJoinsAnew) {
+  Group four(4, 0);
+  four.run_to(120, {0, 1, 2, 3});
+  const Tick lost = 120 + node::kSilence;
+  four.run_to(lost + node::Evictions::kWithheld - kTicksPerSecond, {0, 1, 2});
+  EXPECT_FALSE(four.membership().way_back());
+  EXPECT_FALSE(four.has_left());
+  four.run_to(lost + node::Evictions::kWithheld + kTicksPerSecond, {0, 1, 2});
+  EXPECT_TRUE(four.has_left());
+  EXPECT_EQ(four.membership().way_back(), four.place(1));
+  four.membership().announce_way_back();
+  EXPECT_EQ(four.state().events.back().text, "none of the others follows this peer");
+}
+
+// Once, a coordinator never asked why it confirmed nothing, and stayed as it was.
+TEST(WayBack, ACoordinatorThatIsStuckWhileAnotherMemberIsNotJoinsAnew) {
+  Group trio(3, 0);
+  trio.run_to(120, {0, 1, 2});
+  trio.unheard = {2};
+  const Tick stuck = 120 + 12 * kTicksPerSecond;
+  trio.run_to(stuck - kTicksPerSecond, {0, 1, 2});
+  EXPECT_FALSE(trio.has_left());
+  trio.run_to(stuck + kTicksPerSecond, {0, 1, 2});
+  EXPECT_TRUE(trio.has_left());
+  EXPECT_EQ(trio.membership().way_back(), trio.place(1));
 }
 
 }  // namespace

@@ -1,0 +1,134 @@
+// When a member has to join anew, by whom it does, and when it leaves its seat for that.
+#include <algorithm>
+#include <utility>
+
+#include "common/membership/membership.h"
+
+namespace padr::node {
+namespace {
+
+/// The confirmed world may wait until a peer is evicted; only a longer wait means that this peer is stuck.
+constexpr Tick kStuck = 12 * kTicksPerSecond;
+/// Age of the confirmed world at which this peer is stuck though it confirms a tick now and then. The others may be far
+/// ahead: once, such a peer took their orders for unlawful ones, and cut them off.
+constexpr Tick kBehind = 2 * kStuck;
+/// Time for which this peer tries to join anew by one member, ticks.
+constexpr Tick kInVain = 10 * kTicksPerSecond;
+/// Time for which that member then counts as silent, ticks.
+constexpr Tick kGivenUp = 60 * kTicksPerSecond;
+/// Time for which a peer that knows of no living member asks one place, ticks.
+constexpr Tick kInTurn = 2 * kTicksPerSecond;
+
+}  // namespace
+
+bool Membership::is_overtaken() const {
+  const auto is_ahead = [&](const Seat& s) { return s.there() && s.confirmed > confirmed_ + kStuck; };
+  return roster().now - confirmed_at_ > kStuck && std::any_of(roster().seats.begin(), roster().seats.end(), is_ahead);
+}
+
+// The others redirect whoever joins to the coordinator, which has to be another one. If all have cause to join anew,
+// the last one stays until somebody whom it has let in is really there: a joiner may have given up just before.
+void Membership::step_down() {
+  if (roster().leaving || (!testimony_.misled_by() && !evictions_.is_forsaken() && !is_overtaken())) return;
+  const PeerId next = guide();
+  stands_down_ = coordinator() == session_.self && next != kNoPeer && roster().seats[next].proven;
+  if (stands_down_) replica_.leave();
+}
+
+PeerId Membership::guide() const {
+  const auto liar = testimony_.misled_by();
+  return evictions_.first_of(view(), only(session_.self) | (liar ? only(*liar) : 0));
+}
+
+void Membership::watch_confirmed() {
+  const Tick confirmed = replica_.replica().agreed().confirmed().tick;
+  if (confirmed != confirmed_) confirmed_at_ = roster().now;
+  confirmed_ = confirmed;
+}
+
+// The coordinator's confirmed world is the right one, whatever other members say.
+std::string Membership::why_back() const {
+  const Replica& n = replica_.replica();
+  if (const auto liar = testimony_.misled_by(); liar && guide() != kNoPeer)
+    return "peer " + std::to_string(*liar) + " kept an update from this peer that it has told others";
+  if (evictions_.is_forsaken() && guide() != kNoPeer) return "none of the others follows this peer";
+  const PeerId c = coordinator();
+  if (c == session_.self || c == kNoPeer) return "";
+  // With a key, the two first find out who has lied to whom.
+  const Tick disputed = session_.config.sealed ? roster().now - n.seat(c).disputed : Testimony::kDispute;
+  if (n.seat(c).differs && disputed >= Testimony::kDispute)
+    return "CONFIRMED WORLDS DIFFER from peer " + std::to_string(c) + "'s at tick " +
+           std::to_string(n.stats().first_mismatch);
+  for (PeerId p = 0; p < session_.slots; ++p)
+    if (n.seat(p).there() && view().lacks_former(p) && view().arrears(p) >= View::kArrears / 2)
+      return "a former peer " + std::to_string(p) + " kept an update from this peer that it has told others";
+  if (roster().now - confirmed_at_ > kStuck)
+    return "nothing has been confirmed for " + std::to_string(kStuck / kTicksPerSecond) + " s";
+  if (roster().now - std::max(confirmed_, roster().in_since) > kBehind)
+    return "what is confirmed is " + std::to_string(kBehind / kTicksPerSecond) + " s old";
+  if (n.expelled()) return "the others have declared this peer gone";
+  return roster().leaving && stands_down_ ? "it has left its seat to join anew" : "";
+}
+
+// A coordinator that lies can make all others join anew, and then let none of them in. Whoever is asked before the
+// coordinator, as that one has lied, may first have to find out itself.
+void Membership::give_up_guide() {
+  const Tick now = roster().now;
+  std::erase_if(in_vain_, [&](const auto& entry) {
+    const auto& [slot, asked] = entry;
+    return now - asked.since >= kGivenUp || roster().seats[slot].incarnation != asked.incarnation;
+  });
+  for (const auto& [slot, asked] : in_vain_) commands_.give_up(slot, true);
+  const bool returns = !why_back().empty();
+  told_ = told_ && returns;
+  const PeerId by = returns ? guide() : kNoPeer;
+  if (std::exchange(asked_, by) != by) back_since_ = now;
+  if (!session_.config.sealed || (roster().leaving && !stands_down_) || by == kNoPeer) {
+    back_since_ = now;
+  } else if (now - back_since_ >= (by == coordinator() ? kInVain : 2 * kInVain)) {
+    in_vain_[by] = {roster().seats[by].incarnation, now};
+    evictions_.forget_asker(by);
+    back_since_ = now;
+  }
+}
+
+std::optional<Endpoint> Membership::way_back() const {
+  if (roster().leaving && !stands_down_) return std::nullopt;
+  if (const auto winner = merge_.winner(view())) return winner;
+  if (is_alone()) return place_of_somebody();
+  if (why_back().empty()) return std::nullopt;
+  return roster().seats[guide()].at;
+}
+
+// They may all be members again, as others than this peer knows. It asks each for a while, in turn.
+std::optional<Endpoint> Membership::place_of_somebody() const {
+  const auto liar = testimony_.misled_by();
+  std::vector<Endpoint> places;
+  const auto add = [&](const Endpoint& at) {
+    if (at.is_set() && !bars(at.key) && !(liar && roster().seats[*liar].at == at)) places.push_back(at);
+  };
+  for (PeerId p = 0; p < session_.slots; ++p)
+    if (p != session_.self) add(roster().seats[p].at);
+  for (const sync::Transfer::Gone& g : merge_.gone()) add(g.at);
+  if (places.empty()) return std::nullopt;
+  return places[static_cast<std::size_t>(roster().now / kInTurn) % places.size()];
+}
+
+bool Membership::asks_in_vain(const Endpoint& at) const {
+  return is_alone() || std::any_of(roster().seats.begin(), roster().seats.end(),
+                                   [&](const Seat& s) { return s.presence == Presence::kLeft && s.at == at; });
+}
+
+void Membership::give_seat_back() {
+  if (roster().leaving || why_back().empty()) return;
+  stands_down_ = true;
+  replica_.leave();
+}
+
+void Membership::announce_way_back() {
+  const std::string why = why_back();
+  if (!why.empty() && !std::exchange(told_, true))
+    commands_.tell({.kind = SessionEvent::Kind::kReturning, .text = why});
+}
+
+}  // namespace padr::node
