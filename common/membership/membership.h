@@ -103,7 +103,9 @@ class Membership {
   void on_newcomer(PeerId by, const wire::Newcomer& newcomer, Micros local);
   sync::DropReason judge(const sync::StatePacket& packet, PeerId relayed_by);
   void follow_testimony();
-  /// Whether this peer has confirmed nothing for long, while another member has.
+  /// A slot of whose former occupant an update has been missing here for long; kNoPeer: there is none.
+  PeerId lacks_former() const;
+  /// Whether this peer confirms nothing, and another member does.
   bool is_overtaken() const;
   /// Leaves this peer's seat if it is the coordinator and has to join anew.
   void step_down();

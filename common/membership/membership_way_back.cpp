@@ -21,9 +21,17 @@ constexpr Tick kInTurn = 2 * kTicksPerSecond;
 
 }  // namespace
 
+PeerId Membership::lacks_former() const {
+  const View view = this->view();
+  for (PeerId p = 0; p < session_.slots; ++p)
+    if (roster().seats[p].there() && view.lacks_former(p) && view.arrears(p) >= View::kArrears / 2) return p;
+  return kNoPeer;
+}
+
 bool Membership::is_overtaken() const {
-  const auto is_ahead = [&](const Seat& s) { return s.there() && s.confirmed > confirmed_ + kStuck; };
-  return roster().now - confirmed_at_ > kStuck && std::any_of(roster().seats.begin(), roster().seats.end(), is_ahead);
+  const auto is_ahead = [&](const Seat& s) { return s.there() && s.confirmed > confirmed_; };
+  return (roster().now - confirmed_at_ > kStuck || lacks_former() != kNoPeer) &&
+         std::any_of(roster().seats.begin(), roster().seats.end(), is_ahead);
 }
 
 // The others redirect whoever joins to the coordinator, which has to be another one. If all have cause to join anew,
@@ -59,9 +67,8 @@ std::string Membership::why_back() const {
   if (n.seat(c).differs && disputed >= Testimony::kDispute)
     return "CONFIRMED WORLDS DIFFER from peer " + std::to_string(c) + "'s at tick " +
            std::to_string(n.stats().first_mismatch);
-  for (PeerId p = 0; p < session_.slots; ++p)
-    if (n.seat(p).there() && view().lacks_former(p) && view().arrears(p) >= View::kArrears / 2)
-      return "a former peer " + std::to_string(p) + " kept an update from this peer that it has told others";
+  if (const PeerId p = lacks_former(); p != kNoPeer)
+    return "a former peer " + std::to_string(p) + " kept an update from this peer that it has told others";
   if (roster().now - confirmed_at_ > kStuck)
     return "nothing has been confirmed for " + std::to_string(kStuck / kTicksPerSecond) + " s";
   if (roster().now - std::max(confirmed_, roster().in_since) > kBehind)

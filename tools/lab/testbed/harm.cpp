@@ -44,14 +44,21 @@ bool HarmMeter::know_each_other(int a, int b) const {
   return n.self() != m.self() && knows(n, m) && knows(m, n);
 }
 
-std::set<int> HarmMeter::largest_group() const {
+// Those whom a liar alone has let in know of nobody else, and nobody else of them: neither can find the others.
+std::set<int> HarmMeter::largest_groups() const {
   std::vector<int> all;
   for (int p = 0; p < network_.persons(); ++p)
     if (honest(p) && plays(p)) all.push_back(p);
-  std::vector<int> largest;
-  for (std::vector<int>&group : groups_of(std::move(all), [this](int a, int b) { return know_each_other(a, b); }))
-    if (group.size() > largest.size()) largest = std::move(group);
-  return {largest.begin(), largest.end()};
+  std::vector<std::vector<int>> parts{all};
+  if (!liars_.empty()) parts = groups_of(all, [this](int a, int b) { return network_.know_of_each_other(a, b); });
+  std::set<int> found;
+  for (std::vector<int>& part : parts) {
+    std::vector<int> largest;
+    for (std::vector<int>&group : groups_of(std::move(part), [this](int a, int b) { return know_each_other(a, b); }))
+      if (group.size() > largest.size()) largest = std::move(group);
+    found.insert(largest.begin(), largest.end());
+  }
+  return found;
 }
 
 bool HarmMeter::is_reachable(int person) const {
@@ -85,13 +92,13 @@ bool HarmMeter::was_reachable(int person) {
 }
 
 void HarmMeter::look() {
-  const std::set<int> group = largest_group();
+  const std::set<int> in = largest_groups();
   for (int p = 0; p < network_.persons(); ++p)
     if (plays(p) && !is_reachable(p)) watched_[p].unreachable_at = network_.now();
   for (int p = 0; p < network_.persons(); ++p) {
     if (!honest(p)) continue;
     if (plays(p))
-      look_at(p, group.contains(p));
+      look_at(p, in.contains(p));
     else
       look_at_ended(p);
   }

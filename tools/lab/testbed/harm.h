@@ -12,10 +12,10 @@ namespace padr::lab {
 
 /// What honest peers suffered, longest times in us. Times in which a peer stood still itself do not count.
 struct Harm {
-  Micros unconfirmed = 0;     ///< one confirmed nothing new
-  Micros out = 0;             ///< one that had been in was not a member of the largest group of the honest
-  Micros stalled = 0;         ///< one's live world made no step
-  int evicted = 0;            ///< times that one was declared gone
+  Micros unconfirmed = 0;  ///< one confirmed nothing new
+  Micros out = 0;          ///< one that had been in was not in the largest group of the honest who know of one another
+  Micros stalled = 0;      ///< one's live world made no step
+  int evicted = 0;         ///< times that one was declared gone
   int evicted_reachable = 0;  ///< of them, though it and one of those who did it were in reach of all others lately
   int begun_anew = 0;         ///< incarnations begun after the first
   int kept_out = 0;           ///< joiners that gave up, were refused, or got into a session of the liar's own
@@ -59,7 +59,7 @@ class HarmMeter {
   bool honest(int person) const { return !liars_.contains(person); }
   bool plays(int person) const;
   bool know_each_other(int a, int b) const;
-  std::set<int> largest_group() const;
+  std::set<int> largest_groups() const;
   bool is_reachable(int person) const;
   /// Within the last kLately.
   bool was_reachable(int person);

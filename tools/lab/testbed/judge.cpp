@@ -148,9 +148,7 @@ void Judge::final_check() {
 }
 
 std::vector<std::vector<int>> Judge::parts_that_know_of_each_other(std::vector<int> all) const {
-  return groups_of(std::move(all), [this](int p, int q) {
-    return network_.peer(p).knows(network_.place_of(q)) || network_.peer(q).knows(network_.place_of(p));
-  });
+  return groups_of(std::move(all), [this](int p, int q) { return network_.know_of_each_other(p, q); });
 }
 
 void Judge::check_part(const std::vector<int>& all) {

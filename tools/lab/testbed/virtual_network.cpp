@@ -87,6 +87,10 @@ bool VirtualNetwork::knocks_in_vain(int person) const {
   return p.by && !runs(*p.by) && p.peer->incarnation() < 0 && p.peer->session().phase() == node::SessionPhase::kJoining;
 }
 
+bool VirtualNetwork::know_of_each_other(int p, int q) const {
+  return peer(p).knows(place_of(q)) || peer(q).knows(place_of(p));
+}
+
 void VirtualNetwork::leave(int person) {
   Person& p = persons_[at(person)];
   p.peer->leave(local(p));

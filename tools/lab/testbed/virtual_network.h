@@ -83,6 +83,8 @@ class VirtualNetwork {
   /// Has got no answer from the only one it was told of, who does not run any more: nobody knows of it, nor it of
   /// anybody.
   bool knocks_in_vain(int person) const;
+  /// Whether one of the two knows the other's place: as a member's, or as one where it looks for a former one.
+  bool know_of_each_other(int p, int q) const;
   bool paused(int person) const { return persons_[at(person)].paused; }
   const node::Participant& peer(int person) const { return *persons_[at(person)].peer; }
   /// When it was first a part of the session, after its start; -1: not yet.
