@@ -119,11 +119,16 @@ bool OutLink::mark_is_due(const Context& c) const {
 }
 
 // Newest first: it matters most to what is seen. But where the other end cannot acknowledge all that it has one by one,
-// that would be repeated for ever, and what it waits for would never get its turn.
+// that would be repeated for ever, and what it waits for would never get its turn. Where not all fits, the oldest is
+// the first every other time: on a link that only just takes what is new it would never get its turn, either.
 void OutLink::line_up(std::uint32_t oldest, std::uint32_t end) {
   lined_up_.clear();
   for (std::uint32_t i = end; i-- > oldest;) lined_up_.push_back(i);
-  if (lined_up_.size() > kAcknowledged) std::reverse(lined_up_.begin() + 1, lined_up_.end());
+  if (oldest_first_) {
+    std::reverse(lined_up_.begin(), lined_up_.end());
+  } else if (lined_up_.size() > kAcknowledged) {
+    std::reverse(lined_up_.begin() + 1, lined_up_.end());
+  }
 }
 
 bool OutLink::fits(std::size_t bytes, std::size_t room) {
@@ -142,6 +147,7 @@ bool OutLink::choose(const Context& c, const Ring<Bundle>& own, std::uint32_t fi
   repeated_.clear();
   chosen_.clear();
   stalest_.reset();
+  left_out_ = false;
   line_up(std::max(acked_, first), first + static_cast<std::uint32_t>(own.size()));
   for (const std::uint32_t i : lined_up_) {
     if (arrived(i)) continue;
@@ -156,7 +162,9 @@ bool OutLink::choose(const Context& c, const Ring<Bundle>& own, std::uint32_t fi
     if (must && fits(size_of(own[i - first]), room)) {
       urgent = true;
       chosen_.push_back(i);
-    } else if (!must && echoes(f, c.now)) {
+    } else if (must) {
+      left_out_ = true;
+    } else if (echoes(f, c.now)) {
       repeated_.push_back(i);
     }
   }
@@ -199,6 +207,7 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
   take_chosen(c.now, own, first);
   last_sent_ = c.now;
   missed_ = false;
+  oldest_first_ = left_out_ && !oldest_first_;
   marked_ = !urgent || only_mark;
   return &p;
 }

@@ -100,6 +100,8 @@ class OutLink {
   std::vector<std::uint32_t> lined_up_;   ///< scratch
   std::vector<std::uint32_t> chosen_;     ///< scratch
   std::size_t used_ = 0;                  ///< bytes of the updates that go out
+  bool left_out_ = false;                 ///< some update did not fit
+  bool oldest_first_ = false;             ///< the oldest update is considered first
   std::optional<std::uint32_t> stalest_;  ///< on a silent link: the one that was sent longest ago
   std::size_t mark_bytes_ = 60;           ///< of the last datagram without updates
   LinkRate rate_;

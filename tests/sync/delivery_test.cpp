@@ -394,7 +394,7 @@ TEST(Delivery, AMissingUpdateIsAskedForAfterShortPatience) {
   EXPECT_FALSE(s.at(5, true));
 }
 
-TEST(Delivery, WhatDoesNotFitGoesNextNewestFirst) {
+TEST(Delivery, WhatDoesNotFitGoesNextAndOfThatTheOldestFirst) {
   Script s;
   for (Tick t = 0; t < 5; ++t) s.update(t);
   const auto first = s.at(5, false, 100);
@@ -403,7 +403,23 @@ TEST(Delivery, WhatDoesNotFitGoesNextNewestFirst) {
   EXPECT_EQ(first->updates[1].index, 4U);
   const auto second = s.at(6, false, 100);
   ASSERT_EQ(second->updates.size(), 2U);
-  EXPECT_EQ(second->updates[0].index, 1U);
+  EXPECT_EQ(second->updates[0].index, 0U);
+  EXPECT_EQ(second->updates[1].index, 1U);
+}
+
+// Once, the newest was always the first, and of a link with room for one the other end never got what it waited for.
+TEST(Delivery, WhereOnlyWhatIsNewFitsTheOldestHasItsTurn) {
+  Script s;
+  std::vector<std::uint32_t> told;
+  for (Tick t = 0; t < 8; ++t) {
+    s.update(t);
+    if (t < 4) continue;
+    const auto p = s.at(t, false, 40);
+    ASSERT_TRUE(p);
+    ASSERT_EQ(p->updates.size(), 1U);
+    told.push_back(p->updates[0].index);
+  }
+  EXPECT_EQ(told, (std::vector<std::uint32_t>{4, 0, 6, 1}));
 }
 
 // Far beyond the first missing update the other end cannot acknowledge one by one. Once, what it had already was
