@@ -214,20 +214,23 @@ void declare_output(CLI::App& app, Raw& raw, Options& o) {
 
 void declare_monitor(CLI::App& app, Raw& raw) {
   const std::string group = "Monitor";
-  app.add_option("--monitor", raw.monitor,
-                 "Send telemetry to a padr-monitor at this address, by UDP; the peer plays on if there is none")
-      ->type_name("HOST:PORT")
-      ->group(group);
+  CLI::Option* monitor =
+      app.add_option("--monitor", raw.monitor,
+                     "Send telemetry to a padr-monitor at this address, by UDP; the peer plays on if there is none")
+          ->type_name("HOST:PORT")
+          ->group(group);
   app.add_option("--monitor-rate", raw.monitor_rate, "Views of the world sent to the monitor in a second")
       ->type_name("HZ")
       ->check(shell::between(1, kTicksPerSecond, "a second"))
       ->capture_default_str()
+      ->needs(monitor)
       ->group(group);
   app.add_option("--monitor-detail", raw.monitor_detail,
                  "Views sent to the monitor: shown (what the user sees), live (also the simulated state, to measure\n"
                  "inconsistency), or all (also the predicted and the confirmed world)")
       ->type_name("NAME")
       ->capture_default_str()
+      ->needs(monitor)
       ->group(group);
   app.add_flag("--control", raw.control,
                "Let the monitor drive the avatar, turn knobs, impair and cut links, push bodies and pause the peer.\n"

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cstdint>
 #include <numeric>
+#include <regex>
 #include <utility>
 
 #include "common/model/user_error.h"
@@ -29,6 +30,23 @@ void check_command(const CLI::App& app, int argc, const char* const* argv) {
     names += (names.empty() ? "" : ", ") + c->get_name();
   }
   throw UserError("'" + std::string(argv[1]) + "' is no command; allowed: " + names + " (see --help)");
+}
+
+std::string plain(double v) {
+  std::array<char, 400> text{};  // the longest double without an exponent
+  return std::string(text.data(),
+                     std::to_chars(text.data(), text.data() + text.size(), v, std::chars_format::fixed).ptr);
+}
+
+/// CLI11's "Could not convert: --seed = x" in the words of the other messages.
+std::string in_our_words(const std::string& line) {
+  static const std::regex converts("Could not convert: (-[^ ]+) = (.*)");
+  std::smatch found;
+  if (!std::regex_match(line, found, converts)) return line;
+  const std::string text = found[2];
+  double v = 0;
+  const bool number = std::from_chars(text.data(), text.data() + text.size(), v).ec == std::errc();
+  return found[1].str() + ": '" + text + "' is not allowed; give a " + (number ? "whole number" : "number");
 }
 
 /// How many letters have to be put in, left out or changed to make one word of the other (Levenshtein).
@@ -91,7 +109,7 @@ bool parse(CLI::App& app, int argc, const char* const* argv) {
     std::string line = e.what();
     for (char& c : line)
       if (c == '\n') c = ' ';
-    throw UserError(line + " (see --help)");
+    throw UserError(in_our_words(line) + " (see --help)");
   }
   return true;
 }
@@ -107,11 +125,7 @@ CLI::Validator whole_number() {
 }
 
 CLI::Validator between(double low, double high, const std::string& unit) {
-  const auto plain = [](double v) {
-    std::array<char, 32> text{};
-    return std::string(text.data(), std::to_chars(text.data(), text.data() + text.size(), v).ptr);
-  };
-  const std::string allowed = plain(low) + " to " + plain(high) + " " + unit;
+  const std::string allowed = plain(low) + " to " + plain(high) + (unit.empty() ? "" : " ") + unit;
   const auto check = [low, high, allowed](std::string& text) -> std::string {
     double v = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
@@ -119,6 +133,10 @@ CLI::Validator between(double low, double high, const std::string& unit) {
     return "'" + text + "' is not allowed; give " + allowed;
   };
   return CLI::Validator(check, "");
+}
+
+CLI::Validator range(double low, double high) {
+  return between(low, high, "").description("in [" + plain(low) + " - " + plain(high) + "]");
 }
 
 std::vector<std::string> command_of(int argc, const char* const* argv) {

@@ -17,6 +17,8 @@ bool parse(CLI::App& app, int argc, const char* const* argv);
 CLI::Validator whole_number();
 /// For numbers from `low` to `high` in `unit`. Unlike CLI::Range it does not let NaN pass.
 CLI::Validator between(double low, double high, const std::string& unit);
+/// The same without a unit; --help shows the two.
+CLI::Validator range(double low, double high);
 
 /// The command line as it was given, for results that say where they came from.
 std::vector<std::string> command_of(int argc, const char* const* argv);

@@ -284,6 +284,8 @@ class Process(Case):
         for arguments, says in (
             ((), "--link"),
             (("--link", "nonsense"), "LISTEN=TARGET"),
+            (("--link", "127.0.0.1:5=127.0.0.1:5"), "relay to itself"),
+            ((*link, "--seed", "-1"), "whole number"),
             (("--link", "127.0.0.1:0=127.0.0.1"), "HOST:PORT"),
             (("--link", "127.0.0.1:0=127.0.0.1:70000"), "1 to 65535"),
             (("--link", "127.0.0.1:0=::1:9"), "brackets"),

@@ -67,12 +67,12 @@ void SettingFlags::declare(CLI::App& app, const std::string& group) {
       ->group(group);
   app.add_option("--wait-peers", wait_peers_, "Peers that the session waited for, if the capture has no Welcome")
       ->type_name("N")
-      ->check(CLI::Range(1, kMaxPeers))
+      ->check(shell::range(1, kMaxPeers))
       ->group(group);
   app.add_option("--slots", slots_,
                  "Avatar slots, if the capture has no Welcome; default: the number of the scenario's spawn points")
       ->type_name("N")
-      ->check(CLI::Range(1, kMaxPeers))
+      ->check(shell::range(1, kMaxPeers))
       ->group(group);
   app.add_flag("--avatar-only", avatar_only_,
                "The session was avatar-only (bodies have no owners), if the capture has no Join")

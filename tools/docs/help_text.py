@@ -109,8 +109,8 @@ def rows(block):
 def columns(line):
     text = line[2:]
     names = line[2:NAMES_AT].rstrip()
-    # A range such as [1 - 600] may happen to have a space there.
-    whole = names.count("[") == names.count("]")
+    # A range such as [1 - 600], or what follows "Needs:", may happen to have a space there.
+    whole = names.count("[") == names.count("]") and not names.endswith(":")
     if text.startswith("-") and whole and line[NAMES_AT - 1 : NAMES_AT] == " " and not WIDE.search(names):
         return names, line[NAMES_AT:]
     parts = WIDE.split(text, maxsplit=1)
@@ -143,7 +143,7 @@ def split_option(names):
     if found and not re.fullmatch(r"[A-Z,.]+", found[1]):  # else it is a part of how the option is written
         notes.append(f"`{found[1]}`")
         names = names[: found.start()] + names[found.end() :]
-    for pattern, shown in ((r":\w+ in \[(\S+) - (\S+)\]", r"\1 to \2"), (r":\{([^}]*)\}", r"\1")):
+    for pattern, shown in ((r":in \[(\S+) - (\S+)\]", r"\1 to \2"), (r":\{([^}]*)\}", r"\1")):
         found = re.search(pattern, names)
         if found:
             notes.append(found.expand(shown).replace(",", ", "))

@@ -56,7 +56,7 @@ void PathCommand::declare(CLI::App& app) {
       ->capture_default_str()
       ->needs(input);
   app.add_option("--rate", rate_, "Points a second of --input")
-      ->check(CLI::Range(1, kTicksPerSecond))
+      ->check(shell::range(1, kTicksPerSecond))
       ->capture_default_str()
       ->needs(input);
   app.add_option("--out", out_, "The path in seconds and metres, for --input path:FILE; - for standard output")

@@ -67,13 +67,13 @@ void write_text(const std::string& flag, const std::string& path, const std::str
 void RunCommand::declare(CLI::App& app) {
   scenario_.declare(app);
   app.add_option("--peers", peers_, "Peers, each with its own world and avatar")
-      ->check(CLI::Range(1, kMaxPeers))
+      ->check(shell::range(1, kMaxPeers))
       ->capture_default_str();
   app.add_option("--slots", slots_, "Avatar slots of the session; default: the number of peers")
-      ->check(CLI::Range(1, kMaxPeers));
-  app.add_option("--seconds", seconds_, "Virtual time with input")->check(CLI::Range(0.1, kMaxSeconds));
+      ->check(shell::range(1, kMaxPeers));
+  app.add_option("--seconds", seconds_, "Virtual time with input")->check(shell::range(0.1, kMaxSeconds));
   app.add_option("--settle", settle_seconds_, "Virtual seconds without input after that")
-      ->check(CLI::Range(0.0, kMaxSeconds))
+      ->check(shell::range(0.0, kMaxSeconds))
       ->capture_default_str();
   app.add_option("--input", inputs_, std::string(shell::kInputHelp) + "; repeat for more peers, in turn")
       ->type_name("SPEC");
@@ -85,7 +85,7 @@ void RunCommand::declare(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--watch", watch_, "Measure only the view of this peer, and only while there is input")
       ->type_name("PEER")
-      ->check(CLI::Range(0, kMaxPeers - 1));
+      ->check(shell::range(0, kMaxPeers - 1));
   app.add_option("--json", json_, "Write the summary as JSON to a file, or - for standard output in place of the table")
       ->type_name("FILE|-");
   app.add_option("--csv", series_, "Write inconsistency and fidelity of every peer at every tick as CSV")

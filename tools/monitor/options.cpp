@@ -89,6 +89,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   declare(app, raw, o);
   o.setting.declare(app, "Captures");
   capture::declare_keylogs(app, o.keylogs);
+  for (CLI::Option* option : app.get_options())
+    if (option->get_group() == "Captures" || option->get_name() == "--keylog")
+      option->needs(app.get_option("--capture"));
   if (!shell::parse(app, argc, argv)) return std::nullopt;
   check(o);
   o.listen = shell::parse_host_port("--listen", raw.listen, 0);

@@ -79,18 +79,19 @@ void declare(CLI::App& app, RawOptions& raw, Options& options) {
       ->type_name("LISTEN=SPEC")
       ->allow_extra_args(false);
   app.add_option("--seed", options.seed, "Random seed; the same seed impairs the same arrivals alike")
+      ->check(shell::whole_number())
       ->capture_default_str();
   app.add_option("--stats-interval", options.stats_interval, "Seconds between statistics; 0: only at the end")
-      ->check(CLI::Range(0.0, 86400.0))
+      ->check(shell::range(0.0, 86400.0))
       ->capture_default_str();
   app.add_option("--duration", options.duration, "Seconds to run; 0: until SIGINT or SIGTERM")
-      ->check(CLI::Range(0.0, 1e9))
+      ->check(shell::range(0.0, 1e9))
       ->capture_default_str();
   app.add_option("--max-clients", options.max_clients, "Clients of one link at a time; further ones are ignored")
-      ->check(CLI::Range(1, 10000))
+      ->check(shell::range(1, 10000))
       ->capture_default_str();
   app.add_option("--client-idle", options.client_idle, "Seconds of silence after which a client is forgotten")
-      ->check(CLI::Range(0.1, 86400.0))
+      ->check(shell::range(0.1, 86400.0))
       ->capture_default_str();
 }
 
@@ -101,20 +102,15 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   Options options;
   CLI::App app(kDescription, "padr-netem");
   declare(app, raw, options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& request) {  // --help, --version
-    app.exit(request);
-    return std::nullopt;
-  } catch (const CLI::ParseError& e) {
-    throw UserError(std::string(e.what()) + " (see --help)");
-  }
-
+  if (!shell::parse(app, argc, argv)) return std::nullopt;
   if (raw.links.empty()) throw UserError("--link: at least one LISTEN=TARGET is needed (see --help)");
   const link::NetemSpec to_target = shell::parse_netem_flag("--netem", raw.netem, &options.warnings);
   const link::NetemSpec to_client = shell::parse_netem_flag("--netem-back", raw.netem_back, &options.warnings);
   for (const std::string& text : raw.links) {
     const auto [listen, target] = split_at_equals(text, "--link", "LISTEN=TARGET");
+    if (listen == target) throw UserError("--link: \"" + text + "\" would relay to itself");
+    for (const LinkOptions& l : options.links)
+      if (l.listen.text == listen) throw UserError("--link: two of them listen on \"" + listen + "\"");
     options.links.push_back({shell::parse_host_port("--link LISTEN", listen, 0),
                              shell::parse_host_port("--link TARGET", target, 1), to_target, to_client});
   }

@@ -15,7 +15,7 @@ void AuditCommand::declare(CLI::App& app) {
   app.add_option("TRACE", traces_, "Traces of peers of one session, one or more: the more, the more is found")
       ->required();
   app.add_option("--worst", worst_, "Findings of a member to print of each kind, the worst")
-      ->check(CLI::Range(1, 1000000))
+      ->check(shell::range(1, 1000000))
       ->capture_default_str();
   app.add_flag("--no-pushes", no_pushes_,
                "Nobody could push bodies in the session: what looks like a push is a claim like any other");

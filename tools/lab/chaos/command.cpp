@@ -43,16 +43,16 @@ std::string liar_of(const ChaosScript& script, const ChaosOutcome& o) {
 void ChaosCommand::declare(CLI::App& app) {
   app.add_option("--seed", seed_, "Seed of the first run; the others have the following seeds")->capture_default_str();
   app.add_option("--runs", runs_, "Scripts to play, one for each seed")
-      ->check(CLI::Range(1, 1000000))
+      ->check(shell::range(1, 1000000))
       ->capture_default_str();
   app.add_option("--minutes", minutes_, "Virtual length of a script; quiet follows")
-      ->check(CLI::Range(0.1, 600.0))
+      ->check(shell::range(0.1, 600.0))
       ->capture_default_str();
   peers_option_ = app.add_option("--peers", peers_, "Most peers at once; with --liar 8 unless given")
-                      ->check(CLI::Range(2, kMaxPeers))
+                      ->check(shell::range(2, kMaxPeers))
                       ->capture_default_str();
   app.add_option("--scenario", scenario_, "Built-in name or file")->type_name("NAME|FILE")->capture_default_str();
-  app.add_option("--bodies", bodies_, "Bodies of the scenario")->check(CLI::Range(1, 5000))->capture_default_str();
+  app.add_option("--bodies", bodies_, "Bodies of the scenario")->check(shell::range(1, 5000))->capture_default_str();
   technique_.declare(app);
   app.add_flag_callback(
       "--sealed", [this] { how_.seal = wire::SealMode::kAuth; }, "Sessions have a key");
@@ -64,9 +64,9 @@ void ChaosCommand::declare(CLI::App& app) {
                                 "drawn for each script, unless it is named")
                      ->expected(0, 1)
                      ->type_name("[NAME]");
-  app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
+  app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(shell::range(1, 1024));
   app.add_option("--shrink", shrink_tries_, "Scripts to try for the shortest one that shows a violation; 0: none")
-      ->check(CLI::Range(0, 10000))
+      ->check(shell::range(0, 10000))
       ->capture_default_str();
   app.add_flag("--story", story_, "Also print every script and the events at each peer");
   app.add_option("--json", json_, "Results to a file, or - for standard output in place of the table")

@@ -26,12 +26,12 @@ void PlanFlags::declare(CLI::App& app) {
   std::string usual;
   for (const std::string& n : usual_.networks) usual += (usual.empty() ? "'" : ", '") + n + "'";
   app.add_option("--scenario", scenario_, "Built-in name, or a file")->type_name("NAME|FILE")->capture_default_str();
-  app.add_option("--peers", peers_, "Peers")->check(CLI::Range(1, kMaxPeers))->capture_default_str();
+  app.add_option("--peers", peers_, "Peers")->check(shell::range(1, kMaxPeers))->capture_default_str();
   app.add_option("--seconds", seconds_, "Virtual time of every run, s")
       ->check(shell::between(0.1, kMaxSeconds, "seconds"))
       ->capture_default_str();
   app.add_option("--seeds", seeds_, "Average N runs, with the seeds 1, 2, ... for scenario, input and network")
-      ->check(CLI::Range(1, 10000))
+      ->check(shell::range(1, 10000))
       ->capture_default_str();
   app.add_option("--netem", netem_,
                  "Impairment of datagrams, in the grammar of tc-netem; repeat for several networks;\ndefault: " + usual)
@@ -51,7 +51,7 @@ void PlanFlags::declare(CLI::App& app) {
                  "'rollback --input-delay 3 --hz 20'; may be repeated")
       ->type_name("TECHNIQUE")
       ->allow_extra_args(false);
-  app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
+  app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(shell::range(1, 1024));
 }
 
 Plan PlanFlags::plan() const {

@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "common/model/user_error.h"
+#include "shell/command_line.h"
 #include "shell/run_main.h"
 #include "tools/lab/convergence/film.h"
 #include "tools/lab/rates.h"
@@ -63,9 +64,9 @@ std::string csv(const Takes& takes) {
 void ConvergenceCommand::declare(CLI::App& app) {
   constexpr double kMaxSeconds = 600;
   scenario_.declare(app);
-  app.add_option("--peers", peers_, "Peers")->check(CLI::Range(2, kMaxPeers))->capture_default_str();
+  app.add_option("--peers", peers_, "Peers")->check(shell::range(2, kMaxPeers))->capture_default_str();
   app.add_option("--seconds", seconds_, "Virtual length, s")
-      ->check(CLI::Range(1.0, kMaxSeconds))
+      ->check(shell::range(1.0, kMaxSeconds))
       ->capture_default_str();
   netem_.declare(app);
   app.add_option("--out", out_, "Folder for convergence.csv, film-convergence.svg and .png")

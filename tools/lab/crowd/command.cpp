@@ -121,40 +121,40 @@ std::string footnote_of(const CrowdRow& r) {
 void CrowdCommand::declare(CLI::App& app) {
   app.add_option("--peers", peers_, "Sizes of crowds")
       ->delimiter(',')
-      ->check(CLI::Range(1, kMostPeers))
+      ->check(shell::range(1, kMostPeers))
       ->type_name("N,N,...")
       ->capture_default_str();
   app.add_option("--seconds", seconds_, "Virtual length of the measurement")
-      ->check(CLI::Range(1.0, 3600.0))
+      ->check(shell::range(1.0, 3600.0))
       ->capture_default_str();
   app.add_option("--warm-up", warm_up_, "Virtual time between the last arrival and the measurement, s")
-      ->check(CLI::Range(2.0, 600.0))
+      ->check(shell::range(2.0, 600.0))
       ->capture_default_str();
   app.add_option("--seed", seed_, "Seed of everything random")->capture_default_str();
   app.add_option("--netem", netem_, "Impairment of every directed link")->type_name("SPEC")->capture_default_str();
   app.add_option("--arrivals", arrivals_, "Peers that join in a second, one after another")
-      ->check(CLI::Range(1.0, 1000.0))
+      ->check(shell::range(1.0, 1000.0))
       ->capture_default_str();
   app.add_option("--room", room_, "Area of the plane for every peer, m^2")
-      ->check(CLI::Range(10.0, 10000.0))
+      ->check(shell::range(10.0, 10000.0))
       ->capture_default_str();
   app.add_option("--near", near_, "Inconsistency counts entities up to this distance from the peer's avatar, m")
-      ->check(CLI::Range(1.0, 16.0))
+      ->check(shell::range(1.0, 16.0))
       ->capture_default_str();
-  app.add_option("--side", plane_.side, "Side of a region, m")->check(CLI::Range(16.0, 200.0))->capture_default_str();
+  app.add_option("--side", plane_.side, "Side of a region, m")->check(shell::range(16.0, 200.0))->capture_default_str();
   app.add_option("--reach", plane_.reach, "An avatar is a guest beyond a border up to this distance, m")
-      ->check(CLI::Range(2.0, 12.0))
+      ->check(shell::range(2.0, 12.0))
       ->capture_default_str();
   app.add_flag("--uniform", uniform_, "No relevance: the same thresholds at every distance");
   app.add_option("--shoves", shoves_, "How often every avatar pushes a body near it, 1/s")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(shell::range(0.0, 10.0))
       ->capture_default_str();
   technique_.declare(app);
   app.add_option("--fill", fill_, "Repeat crowds of each size, with successive seeds, until they have N peers in all")
-      ->check(CLI::Range(0, kMostPeers))
+      ->check(shell::range(0, kMostPeers))
       ->capture_default_str();
   app.add_option("--jobs", jobs_, "Threads; the results are the same with any number")
-      ->check(CLI::Range(1, 256))
+      ->check(shell::range(1, 256))
       ->capture_default_str();
   app.add_option("--json", json_, "Results to a file, or - for standard output in place of the table")
       ->type_name("FILE|-");

@@ -54,13 +54,13 @@ void ExamplesCommand::declare(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--takes", takes_,
                  "Play each story along N slightly different paths and average; the film shows the first")
-      ->check(CLI::Range(1, 1000))
+      ->check(shell::range(1, 1000))
       ->capture_default_str();
   app.add_option("--netem", netem_,
                  "Impairment of datagrams, in the grammar of tc-netem; default: none, so that only\n"
                  "model errors count")
       ->type_name("SPEC");
-  app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
+  app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(shell::range(1, 1024));
   app.add_option("--json", json_, "Write the summary to a file, or - for standard output in place of the table")
       ->type_name("FILE|-");
   app.add_flag("--no-pictures", no_pictures_, "Tables only");

@@ -59,7 +59,7 @@ void FiguresCommand::declare(CLI::App& app) {
   app.add_option("--out", out_, "Folder for data, pictures and report.html")->type_name("DIR")->required();
   scenario_.declare(app);
   app.add_option("--seeds", seeds_, "Number of seeds, from --seed on; every input is played with each seed")
-      ->check(CLI::Range(1, 100))
+      ->check(shell::range(1, 100))
       ->capture_default_str();
   app.add_option("--input", inputs_,
                  std::string("What drives the avatar: ") + shell::kInputHelp +
@@ -80,7 +80,7 @@ void FiguresCommand::declare(CLI::App& app) {
   app.add_option("--add", added_, "A further setting, with its knobs, such as 'full --lead 0.2'; may be repeated")
       ->type_name("TECHNIQUE")
       ->allow_extra_args(false);
-  app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
+  app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(shell::range(1, 1024));
   app.add_flag("--no-pictures", no_pictures_, "Write data only; report.html then has no pictures");
   app.footer(
       "The paper's experiments: of two peers one has a driven avatar, and the other one's avatar rests. The view of "

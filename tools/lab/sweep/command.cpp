@@ -95,7 +95,7 @@ void SweepCommand::declare(CLI::App& app) {
   app.add_option("--summary", summary_, kSummaryHelp)->type_name("FILE");
   app.add_option("--shard", shard_, "Run only part I of N, I from 1 to N; padr-lab merge joins the parts")
       ->type_name("I/N");
-  app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(CLI::Range(1, 1024));
+  app.add_option("--jobs", jobs_, "Runs at once; default: one for each processor")->check(shell::range(1, 1024));
   app.add_flag("--dry-run", dry_, "Check the grid and say how many runs it has; run nothing");
   app.footer(
       "Lists have commas between their values. Every combination is one run and gives one row. The same grid gives "

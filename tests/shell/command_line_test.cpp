@@ -1,0 +1,55 @@
+// What a wrong value on a command line is answered with.
+#include "shell/command_line.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "common/model/user_error.h"
+
+namespace padr::test {
+namespace {
+
+/// The message, or nothing if the words are taken.
+std::string answer_to(const std::vector<const char*>& words) {
+  double seconds = 1;
+  int peers = 2;
+  double factor = 1;
+  std::uint64_t seed = 1;
+  CLI::App app;
+  app.add_option("--seconds", seconds)->check(shell::range(0.1, 1'000'000));
+  app.add_option("--peers", peers)->check(shell::range(1, 64));
+  app.add_option("--factor", factor);
+  app.add_option("--seed", seed)->check(shell::whole_number());
+  std::vector<const char*> argv{"program"};
+  argv.insert(argv.end(), words.begin(), words.end());
+  try {
+    shell::parse(app, static_cast<int>(argv.size()), argv.data());
+  } catch (const UserError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(CommandLine, AWrongValueIsNamedWithWhatIsAllowed) {
+  struct Row {
+    std::vector<const char*> words;
+    std::string answer;
+  };
+  const std::vector<Row> rows{
+      {{"--seconds", "0.1", "--peers", "64", "--factor", "1e9", "--seed", "0"}, ""},
+      {{"--seconds", "0"}, "--seconds: '0' is not allowed; give 0.1 to 1000000 (see --help)"},
+      {{"--seconds", "nan"}, "--seconds: 'nan' is not allowed; give 0.1 to 1000000 (see --help)"},
+      {{"--peers", "65"}, "--peers: '65' is not allowed; give 1 to 64 (see --help)"},
+      {{"--peers", "2.5"}, "--peers: '2.5' is not allowed; give a whole number (see --help)"},
+      {{"--factor", "x"}, "--factor: 'x' is not allowed; give a number (see --help)"},
+      {{"--seed", "-1"},
+       "--seed: '-1' is not allowed; give a whole number from 0 to 18446744073709551615 (see --help)"},
+      {{"--sed", "1"}, "'--sed' is no option here; did you mean --seed? (see --help)"},
+  };
+  for (const Row& r : rows) EXPECT_EQ(answer_to(r.words), r.answer);
+}
+
+}  // namespace
+}  // namespace padr::test
