@@ -78,7 +78,7 @@ Usage: /build/bin/padr-it [OPTIONS]
 
 Options:
   -h,--help                   Print this
-  --count INT:INT in [1 - 9]=3
+  --count INT:in [1 - 9]=3
                               How many|s, with
                               --other
   --names A=B ...             As in docs/idea.md
