@@ -80,6 +80,8 @@ void Replica::admit(const sync::Admission& a, const sync::Bundle& by) {
     own_first_ = a.first;
     n.former = {{n.first, n.incarnation, n.at}};
     n.first = a.first;
+    n.presence = Presence::kAbsent;  // of the former occupant
+    n.at = {};
     roster_.member = true;
     roster_.in_since = by.tick;
     if (by.peer != config_.self) roster_.admitted_by = by.peer;

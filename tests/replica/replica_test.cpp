@@ -201,6 +201,43 @@ TEST(Replica, AnAdmissionToATakenSlotCountsInTheWorldAsInTheRoster) {
   EXPECT_FALSE(replica.seat(1).there());
 }
 
+// It has the seat now. Once, whoever had it before seemed to be there still, and was not looked for when it was
+// elsewhere.
+TEST(Replica, ANewcomersSeatIsNoLongerThatOfWhoHadItBefore) {
+  const Scene scene = scenarios::load_embedded("arena", 1);
+  ReplicaConfig c;
+  c.peers = 1;
+  c.slots = 2;
+  Replica founder(scene, c);
+  const auto admits = [&founder](std::uint32_t incarnation) {
+    sync::Bundle order;
+    order.admission.emplace();
+    order.admission->slot = 1;
+    order.admission->incarnation = incarnation;
+    order.admission->at = ipv4({10, 0, 0, static_cast<std::uint8_t>(incarnation)}, 7000);
+    order.admission->have = {0, 0};
+    founder.order(order);
+  };
+  admits(1);
+  for (int i = 0; i < 60; ++i) founder.step({});
+  sync::Transfer start = founder.transfer();
+  ASSERT_TRUE(start.state.members[1].present);
+  const Tick before = founder.now();
+  sync::Bundle removal;
+  removal.removals.push_back({1, 1, 0});
+  founder.order(removal);
+  founder.step({});
+  admits(2);
+  founder.step({});
+  for (const sync::Bundle& b : founder.agreed().log().since(before + 1)) start.tail.push_back(b);
+  c.self = 1;
+  c.incarnation = 2;
+  const Replica newcomer(scene, c, start, founder.now());
+  ASSERT_TRUE(newcomer.member());
+  EXPECT_FALSE(newcomer.seat(1).there());
+  EXPECT_FALSE(newcomer.seat(1).at.is_set());
+}
+
 // A newcomer to a session whose confirmed world lags far behind has many ticks to step up to.
 TEST(Replica, ANewcomerCatchesUpInPartsToTheSameBits) {
   const Scene scene = scenarios::load_embedded("arena", 1);
