@@ -230,7 +230,6 @@ void declare_monitor(CLI::App& app, Raw& raw) {
                  "inconsistency), or all (also the predicted and the confirmed world)")
       ->type_name("NAME")
       ->capture_default_str()
-      ->needs(monitor)
       ->group(group);
   app.add_flag("--control", raw.control,
                "Let the monitor drive the avatar, turn knobs, impair and cut links, push bodies and pause the peer.\n"
@@ -247,7 +246,7 @@ void take_monitor(const Raw& raw, Options& o) {
     throw UserError("--monitor-detail: '" + raw.monitor_detail + "' is not allowed; give one of shown, live, all");
   if (raw.monitor.empty()) {
     if (raw.control) throw UserError("--control: there is no monitor to obey; give --monitor, too");
-    return;
+    if (found != kDetails.begin()) return;
   }
   o.monitor =
       MonitorOptions{parse_host_port("--monitor", raw.monitor, 1), raw.monitor_rate, found->second, raw.control};
