@@ -246,7 +246,7 @@ void take_monitor(const Raw& raw, Options& o) {
     throw UserError("--monitor-detail: '" + raw.monitor_detail + "' is not allowed; give one of shown, live, all");
   if (raw.monitor.empty()) {
     if (raw.control) throw UserError("--control: there is no monitor to obey; give --monitor, too");
-    if (found != kDetails.begin()) return;
+    return;
   }
   o.monitor =
       MonitorOptions{parse_host_port("--monitor", raw.monitor, 1), raw.monitor_rate, found->second, raw.control};

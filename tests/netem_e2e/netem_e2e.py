@@ -279,12 +279,19 @@ class Process(Case):
         self.assertGreaterEqual(out.count(" now "), 1)
         self.assertEqual(out.count(" end "), 1)
 
+    def test_several_links_may_have_any_free_port(self):
+        link = ("--link", "127.0.0.1:0=127.0.0.1:9")
+        code, out, err = self.run_once(*link, *link, "--duration", "0.1")
+        self.assertEqual(code, 0, err)
+        self.assertEqual(out.count(" end "), 2)
+
     def test_usage_errors_are_one_line_and_exit_2(self):
         link = ("--link", "127.0.0.1:0=127.0.0.1:9")
         for arguments, says in (
             ((), "--link"),
             (("--link", "nonsense"), "LISTEN=TARGET"),
             (("--link", "127.0.0.1:5=127.0.0.1:5"), "relay to itself"),
+            (("--link", "127.0.0.1:5=127.0.0.1:9", "--link", "127.0.0.1:5=127.0.0.1:10"), "two of them listen"),
             ((*link, "--seed", "-1"), "whole number"),
             (("--link", "127.0.0.1:0=127.0.0.1"), "HOST:PORT"),
             (("--link", "127.0.0.1:0=127.0.0.1:70000"), "1 to 65535"),

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <deque>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "common/link/link_mesh.h"
 #include "common/model/precision.h"
@@ -171,6 +173,16 @@ TEST(Replica, AnOrderCountsOnceAllUpdatesBeforeItAreHere) {
 
 // Once, the world kept the first occupant and the roster the second one. Whoever is removed was never removed from the
 // world then, and all who came later waited for it.
+sync::Bundle admission_to_slot_1(std::uint32_t incarnation, std::vector<std::uint32_t> have) {
+  sync::Bundle order;
+  order.admission.emplace();
+  order.admission->slot = 1;
+  order.admission->incarnation = incarnation;
+  order.admission->at = ipv4({10, 0, 0, 3}, 7000);
+  order.admission->have = std::move(have);
+  return order;
+}
+
 TEST(Replica, AnAdmissionToATakenSlotCountsInTheWorldAsInTheRoster) {
   ReplicaConfig c;
   c.peers = 1;
@@ -181,13 +193,7 @@ TEST(Replica, AnAdmissionToATakenSlotCountsInTheWorldAsInTheRoster) {
     for (int i = 0; i < 10; ++i) replica.step({});
   };
   for (const std::uint32_t incarnation : {5U, 9U, 7U}) {
-    sync::Bundle order;
-    order.admission.emplace();
-    order.admission->slot = 1;
-    order.admission->incarnation = incarnation;
-    order.admission->at = ipv4({10, 0, 0, 3}, 7000);
-    order.admission->have = {1, 0, 0};
-    give(order);
+    give(admission_to_slot_1(incarnation, {1, 0, 0}));
   }
   EXPECT_EQ(replica.seat(1).incarnation, 9U);
   sync::Bundle removal;
@@ -209,16 +215,7 @@ TEST(Replica, ANewcomersSeatIsNoLongerThatOfWhoHadItBefore) {
   c.peers = 1;
   c.slots = 2;
   Replica founder(scene, c);
-  const auto admits = [&founder](std::uint32_t incarnation) {
-    sync::Bundle order;
-    order.admission.emplace();
-    order.admission->slot = 1;
-    order.admission->incarnation = incarnation;
-    order.admission->at = ipv4({10, 0, 0, static_cast<std::uint8_t>(incarnation)}, 7000);
-    order.admission->have = {0, 0};
-    founder.order(order);
-  };
-  admits(1);
+  founder.order(admission_to_slot_1(1, {0, 0}));
   for (int i = 0; i < 60; ++i) founder.step({});
   sync::Transfer start = founder.transfer();
   ASSERT_TRUE(start.state.members[1].present);
@@ -227,7 +224,7 @@ TEST(Replica, ANewcomersSeatIsNoLongerThatOfWhoHadItBefore) {
   removal.removals.push_back({1, 1, 0});
   founder.order(removal);
   founder.step({});
-  admits(2);
+  founder.order(admission_to_slot_1(2, {0, 0}));
   founder.step({});
   for (const sync::Bundle& b : founder.agreed().log().since(before + 1)) start.tail.push_back(b);
   c.self = 1;

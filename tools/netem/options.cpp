@@ -110,7 +110,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
     const auto [listen, target] = split_at_equals(text, "--link", "LISTEN=TARGET");
     if (listen == target) throw UserError("--link: \"" + text + "\" would relay to itself");
     for (const LinkOptions& l : options.links)
-      if (l.listen.text == listen) throw UserError("--link: two of them listen on \"" + listen + "\"");
+      if (l.listen.text == listen && l.listen.port != 0)
+        throw UserError("--link: two of them listen on \"" + listen + "\"");
     options.links.push_back({shell::parse_host_port("--link LISTEN", listen, 0),
                              shell::parse_host_port("--link TARGET", target, 1), to_target, to_client});
   }
