@@ -253,8 +253,9 @@ void OutLink::on_packet(const StatePacket& p, Tick now) {
   const std::uint32_t back = seq_ - p.seen_seq;
   if (back >= rate_.remembered()) return;
   newest_seen_sent_ = rate_.sent_at(back);
-  sample(static_cast<float>(now - newest_seen_sent_) - static_cast<float>(p.seen_age));
-  rate_.arrived(back, p.mark_tick - static_cast<Tick>(p.seen_age), now, srtt_);
+  rate_.acknowledged(back);
+  if (sample(static_cast<float>(now - newest_seen_sent_) - static_cast<float>(p.seen_age)))
+    rate_.arrived(back, p.mark_tick - static_cast<Tick>(p.seen_age), now, srtt_);
 }
 
 void OutLink::left(std::size_t bytes, Tick now) {
@@ -271,19 +272,20 @@ bool OutLink::last_were_missed(Tick now) const {
 
 // RFC 6298, in ticks. Either end may have stood still, which is no delay of the link: taken for one, a single such
 // sample would put off repeats for seconds. A link that has really become so slow says so again and again.
-void OutLink::sample(float rtt) {
+bool OutLink::sample(float rtt) {
   rtt = std::max(0.0F, rtt);
   const bool stood_still = measured_ && rtt > srtt_ + 4 * rttvar_ + kStandstill;
-  if (stood_still && ++standstills_ < kBelieved) return;
+  if (stood_still && ++standstills_ < kBelieved) return false;
   standstills_ = 0;
   if (!measured_) {
     measured_ = true;
     srtt_ = rtt;
     rttvar_ = rtt / 2;
-    return;
+    return true;
   }
   rttvar_ += (std::abs(srtt_ - rtt) - rttvar_) / 4;
   srtt_ += (rtt - srtt_) / 8;
+  return true;
 }
 
 }  // namespace padr::sync

@@ -90,7 +90,8 @@ class OutLink {
   Flight& flight(std::uint32_t index);
   void empty_packet();
   void take_chosen(Tick now, const Ring<Bundle>& own, std::uint32_t first);
-  void sample(float rtt);
+  /// Whether the link itself took so long.
+  bool sample(float rtt);
   bool last_were_missed(Tick now) const;
 
   std::uint32_t seq_ = 0;

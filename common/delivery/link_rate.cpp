@@ -193,7 +193,7 @@ void LinkRate::set_rate(double rate, Tick now) {
   queued_ = std::min(queued_, kLongestWait * rate_);
 }
 
-void LinkRate::widen_window(std::size_t later) {
+void LinkRate::acknowledged(std::size_t later) {
   if (!window_) return;
   const double before = std::exchange(unacknowledged_, 0);
   for (std::size_t i = 0; i < later; ++i) unacknowledged_ += static_cast<double>(sent_[sent_.size() - 1 - i].bytes);
@@ -203,7 +203,6 @@ void LinkRate::widen_window(std::size_t later) {
 
 void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_trip) {
   const std::size_t place = sent_.size() - 1 - later;
-  widen_window(later);
   receipts_.push_back({forgotten_ + place, received - sent_[place].at});
   while (receipts_.size() > kReceipts || receipts_.front().number < forgotten_) receipts_.pop_front();
   note_transit({receipts_.back().transit, sent_[place].bytes}, now);

@@ -38,7 +38,9 @@ class LinkRate {
   std::size_t remembered() const { return sent_.size(); }
   /// When the datagram was sent that was followed by `later` others, less than remembered().
   Tick sent_at(std::size_t later) const { return sent_[sent_.size() - 1 - later].at; }
-  /// That datagram, the newest so far, has arrived, at `received` by the receiver's session clock.
+  /// That datagram, the newest so far, has arrived: the window widens.
+  void acknowledged(std::size_t later);
+  /// The link itself took so long: it arrived at `received` by the receiver's session clock.
   void arrived(std::size_t later, Tick received, Tick now, float round_trip);
   /// Whether a datagram may be sent now. If not, what was to be sent counts as held back.
   bool may_send(Tick now);
@@ -79,7 +81,6 @@ class LinkRate {
   static constexpr double kLastWindow = 4'000;  ///< from here on there is none
 
   void drain(Tick now);
-  void widen_window(std::size_t later);
   bool window_is_full() const { return window_ && unacknowledged_ >= *window_; }
   double meant() const;
   void note_transit(const Quickest& q, Tick now);

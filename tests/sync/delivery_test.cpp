@@ -22,6 +22,7 @@ std::size_t forty(const Bundle&) {
 struct Script {
   OutLink link;
   Ring<Bundle> own;
+  std::size_t bytes = 1;  ///< of each datagram
   void update(Tick t) {
     Bundle b;
     b.index = static_cast<std::uint32_t>(own.size());
@@ -35,7 +36,7 @@ struct Script {
   /// What goes out, if anything does; on a link wide enough for all of it.
   const StatePacket* send(const OutLink::Context& c, std::size_t room = 1000) {
     const StatePacket* p = link.compose(c, own, 0, forty, room);
-    if (p != nullptr) link.left(1, c.now);
+    if (p != nullptr) link.left(bytes, c.now);
     return p;
   }
   /// Whether the first update goes out then, after another one if `news`.
@@ -65,12 +66,20 @@ struct Script {
             std::uint32_t beyond = 0) {
     StatePacket p;
     p.seq = seq + 1;
+    p.mark_tick = t;
     p.updates.resize(1);  // marks alone tell of loss
     p.have = have;
     p.seen_seq = seen;
     p.seen_age = age;
     p.have_beyond = beyond;
     link.on_packet(p, t);
+  }
+  /// What goes out next is answered so long after it left.
+  void answered_after(Tick ticks, Tick& t) {
+    while (!at(t)) ++t;
+    const std::uint32_t seq = link.sent();
+    t += ticks;
+    hear(t, seq, link.acked(), seq);
   }
 };
 
@@ -459,22 +468,30 @@ TEST(Delivery, RoundTripLeavesTheOtherSidesWaitOut) {
 TEST(Delivery, AStandstillOfTheOtherEndPutsOffNoRepeats) {
   Script s;
   Tick t = 0;
-  const auto answered_after = [&s, &t](Tick ticks) {
-    while (!s.at(t)) ++t;
-    const std::uint32_t seq = s.link.sent();
-    t += ticks;
-    s.hear(t, seq, s.link.acked(), seq);
-  };
-  for (int i = 0; i < 40; ++i) answered_after(6);
-  answered_after(170);
+  for (int i = 0; i < 40; ++i) s.answered_after(6, t);
+  s.answered_after(170, t);
   EXPECT_NEAR(s.link.round_trip(), 6, 1);
   s.update(++t);
   ASSERT_TRUE(s.at(t)->updates.size() == 1);
   Tick again = t + 1;
   for (auto p = s.at(again); again - t < 1000 && (!p || p->updates.empty()); p = s.at(again)) ++again;
   EXPECT_LE(again - t, 40);
-  for (int i = 0; i < 40; ++i) answered_after(170);
+  for (int i = 0; i < 40; ++i) s.answered_after(170, t);
   EXPECT_GT(s.link.round_trip(), 120) << "a link that has become slow is believed";
+}
+
+// Nor is it a queue, as of a link that carries next to nothing.
+TEST(Delivery, AStandstillOfTheOtherEndMakesNoLinkNarrow) {
+  Script s;
+  Tick t = 0;
+  s.bytes = 200;
+  s.answered_after(6, t);
+  s.bytes = 60;
+  const std::uint32_t waits = s.link.sent() + 8;
+  for (const Tick end = t + 200; t < end; ++t) s.at(t);
+  ASSERT_LT(waits, s.link.sent());
+  s.hear(t, waits, 0, waits);
+  EXPECT_FALSE(s.link.rate().is_limited()) << s.link.rate().rate() << " bytes/s";
 }
 
 TEST(Delivery, NonsenseAcknowledgementsAreHarmless) {

@@ -39,7 +39,9 @@ struct Link {
         const OnItsWay o = on_its_way.front();
         on_its_way.pop_front();
         const auto later = static_cast<std::size_t>(sent - 1 - o.number);
-        if (later < measured.remembered()) measured.arrived(later, o.received, now, 20);
+        if (later >= measured.remembered()) continue;
+        measured.acknowledged(later);
+        measured.arrived(later, o.received, now, 20);
       }
     }
   }
@@ -163,6 +165,7 @@ TEST(LinkRate, AnAnswerAfterALongTimeWithout) {
     l.measured.sent(60, l.now++);
     ++l.sent;
   }
+  l.measured.acknowledged(200);
   l.measured.arrived(200, l.now + 400, l.now, 20);
   EXPECT_TRUE(l.measured.may_send(l.now + 10 * kTicksPerSecond));
 }
