@@ -24,6 +24,8 @@ TEST(Agreement, OneAloneProvesNothing) {
 TEST(Agreement, TheFewAreWrongAndMayMend) {
   Agreement a;
   for (PeerId p = 0; p < 3; ++p) a.note(p, 30, p == 0 ? 7 : 1);
+  EXPECT_EQ(a.of(0), Verdict::kUnknown) << "it may be apart";
+  a.settle(0, false);
   EXPECT_EQ(a.of(0), Verdict::kDiffers);
   EXPECT_EQ(a.of(1), Verdict::kIdentical);
   EXPECT_EQ(a.all(), Verdict::kDiffers);
@@ -38,8 +40,24 @@ TEST(Agreement, OfTwoTheLowerSlotIsHeldToBeRight) {
   Agreement a;
   a.note(3, 30, 1);
   a.note(1, 30, 2);
+  a.settle(1, false);
+  a.settle(3, false);
   EXPECT_EQ(a.of(1), Verdict::kIdentical);
   EXPECT_EQ(a.of(3), Verdict::kDiffers);
+}
+
+TEST(Agreement, WhoIsApartMayConfirmAnotherWorld) {
+  Agreement a;
+  for (PeerId p = 0; p < 3; ++p) a.note(p, 30, p == 2 ? 7 : 1);
+  a.settle(2, true);
+  EXPECT_EQ(a.of(2), Verdict::kApart);
+  EXPECT_EQ(a.all(), Verdict::kApart);
+  EXPECT_EQ(a.first_difference(), std::nullopt);
+  for (PeerId p = 0; p < 3; ++p) a.note(p, 33, p == 2 ? 8 : 2);
+  EXPECT_EQ(a.all(), Verdict::kApart);
+  a.settle(2, false);
+  EXPECT_EQ(a.all(), Verdict::kDiffers);
+  EXPECT_EQ(a.first_difference(), 30);
 }
 
 TEST(Agreement, AnOlderTickDoesNotOverruleANewerOne) {
@@ -48,8 +66,8 @@ TEST(Agreement, AnOlderTickDoesNotOverruleANewerOne) {
   a.note(1, 60, 1);
   a.note(0, 30, 1);
   a.note(1, 30, 2);
+  a.settle(1, false);
   EXPECT_EQ(a.all(), Verdict::kIdentical);
-  EXPECT_EQ(a.first_difference(), 30);
 }
 
 TEST(Agreement, WhoHasGoneIsForgotten) {

@@ -206,6 +206,16 @@ class Controlling(MonitorCase):
         self.assertLessEqual({"knob", "netem", "cut", "push", "pause", "pause_end"}, told)
         page.wait("peers", lambda t: t["agreement"]["state"] == "identical")
 
+    def test_who_is_cut_off_is_apart_and_differs_from_nobody(self):
+        m, page, _, _ = self.controlled(3)
+        page.wait("peers", lambda t: t["agreement"]["state"] == "identical")
+        self.assertTrue(page.ask(type="cut", peer=2, **{"with": "all"}, seconds=6)["ok"])
+        page.until("peers", lambda t: t["agreement"]["state"] == "apart")
+        page.until("peers", lambda t: len(t["peers"]) == 3 and all(q["confirmed"] and q["confirmed"]["state"] == "identical" for q in t["peers"]))
+        states = [t["agreement"]["state"] for t in page.all("peers")]
+        self.assertNotIn("differs", states)
+        self.assertIsNone(page.all("peers")[-1]["agreement"]["first_difference"])
+
     def test_what_cannot_be_done_is_said(self):
         m, page, played, _ = self.controlled()
         self.assertIn("no such peer", page.ask(type="pause", peer=9, on=True)["text"])

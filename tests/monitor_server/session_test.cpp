@@ -114,6 +114,29 @@ TEST(ObservedSession, ANewLifeInASlotReplacesTheOld) {
   EXPECT_EQ(h.session.peer(1)->origin.process, 999U) << "the older incarnation does not get it back";
 }
 
+TEST(ObservedSession, PeersThatHaveEvictedEachOtherMayConfirmDifferentWorlds) {
+  Heard h(2, 300, 0);
+  const auto confirms = [&h](PeerId p, bool other_is_there, std::uint64_t hash) {
+    Status s;
+    s.tick = 700;
+    s.steps = 700;
+    s.confirmed = 600;
+    s.hash = hash;
+    LinkStatus& l = s.links.emplace_back();
+    l.to = 1 - p;
+    l.there = other_is_there;
+    h.session.take({test::WatchedSession::origin(p), s}, {}, h.now);
+  };
+  confirms(0, true, 1);
+  confirms(1, false, 2);
+  EXPECT_EQ(h.session.agreement().all(), Agreement::Verdict::kApart) << "it is enough that one has evicted the other";
+  confirms(1, true, 2);
+  EXPECT_EQ(h.session.agreement().all(), Agreement::Verdict::kDiffers);
+  confirms(1, true, 1);
+  EXPECT_EQ(h.session.agreement().all(), Agreement::Verdict::kIdentical);
+  EXPECT_EQ(h.session.agreement().first_difference(), 600);
+}
+
 TEST(ObservedSession, WhoFallsSilentIsGoneAndThenForgotten) {
   Heard h(2, 300, 0);
   using Presence = PeerRecord::Presence;

@@ -27,9 +27,24 @@ void Agreement::judge(Tick tick, const std::map<PeerId, std::uint64_t>& told) {
   for (const auto& [slot, hash] : told) {
     State& s = states_[slot];
     if (tick < s.tick) continue;
-    s = {tick, hash != right};
+    if (hash == right)
+      s = {tick, -1, Verdict::kIdentical};
+    else if (s.differs_since < 0)
+      s = {tick, tick, Verdict::kUnknown};
+    s.tick = tick;
   }
-  if (votes.size() > 1) first_difference_ = std::min(first_difference_.value_or(tick), tick);
+}
+
+bool Agreement::is_other(PeerId slot) const {
+  const auto found = states_.find(slot);
+  return found != states_.end() && found->second.differs_since >= 0;
+}
+
+void Agreement::settle(PeerId slot, bool apart) {
+  if (!is_other(slot)) return;
+  State& s = states_[slot];
+  s.verdict = apart ? Verdict::kApart : Verdict::kDiffers;
+  if (!apart) first_difference_ = std::min(first_difference_.value_or(s.differs_since), s.differs_since);
 }
 
 void Agreement::forget(PeerId slot) {
@@ -39,14 +54,13 @@ void Agreement::forget(PeerId slot) {
 
 Agreement::Verdict Agreement::of(PeerId slot) const {
   const auto found = states_.find(slot);
-  if (found == states_.end()) return Verdict::kUnknown;
-  return found->second.differs ? Verdict::kDiffers : Verdict::kIdentical;
+  return found == states_.end() ? Verdict::kUnknown : found->second.verdict;
 }
 
 Agreement::Verdict Agreement::all() const {
-  if (states_.empty()) return Verdict::kUnknown;
-  const bool differs = std::any_of(states_.begin(), states_.end(), [](const auto& s) { return s.second.differs; });
-  return differs ? Verdict::kDiffers : Verdict::kIdentical;
+  Verdict all = Verdict::kUnknown;
+  for (const auto& [slot, s] : states_) all = std::max(all, s.verdict);
+  return all;
 }
 
 }  // namespace padr::monitor

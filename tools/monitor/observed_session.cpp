@@ -68,6 +68,19 @@ bool ObservedSession::holds_slot(const PeerRecord& p) const {
   return sits != sits_.end() && sits->second == p.origin.process;
 }
 
+bool ObservedSession::counts(const PeerRecord& p, const PeerRecord& q) const {
+  const auto link = p.links.find(q.origin.slot);
+  if (link == p.links.end()) return true;
+  return link->second.there && link->second.incarnation == q.origin.incarnation;
+}
+
+bool ObservedSession::is_apart(const PeerRecord& p) const {
+  return std::none_of(sits_.begin(), sits_.end(), [&](const auto& sits) {
+    const PeerRecord& q = peers_.at(sits.second);
+    return agreement_.of(sits.first) == Agreement::Verdict::kIdentical && counts(p, q) && counts(q, p);
+  });
+}
+
 void ObservedSession::leave_slot(PeerId slot) {
   sits_.erase(slot);
   agreement_.forget(slot);
@@ -127,6 +140,7 @@ void ObservedSession::take(PeerRecord& p, const Status& s, Micros) {
   for (const LinkStatus& l : s.links) p.links[l.to] = l;
   if (p.status && s.tick < p.status->tick && s.steps < p.status->steps) return;  // an older one, late
   if (s.confirmed >= 0 && holds_slot(p)) agreement_.note(p.origin.slot, s.confirmed, s.hash);
+  if (holds_slot(p) && agreement_.is_other(p.origin.slot)) agreement_.settle(p.origin.slot, is_apart(p));
   p.rates.take(s);
   const bool paused = p.paused();
   p.status = s;

@@ -93,6 +93,10 @@ class ObservedSession : public ViewSource {
   void take(PeerRecord&, const ScenarioPart&, Micros) {}
   PeerRecord* record_of(const Origin& origin, Micros now);
   bool holds_slot(const PeerRecord& p) const;
+  /// Whether p counts q among its members, as far as p has told.
+  bool counts(const PeerRecord& p, const PeerRecord& q) const;
+  /// Whether it and all whose world is held to be right are no longer in one part of the session.
+  bool is_apart(const PeerRecord& p) const;
   void leave_slot(PeerId slot);
   void put(const Block& head, std::shared_ptr<const Frame> frame, std::shared_ptr<const Agreed> agreed);
   void put_frame(const PeerRecord& p);

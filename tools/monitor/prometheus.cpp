@@ -209,10 +209,12 @@ void peers(Writer& w, const ObservedSession& s, Micros now) {
   for (const PeerRecord* p : s.peers())
     w.value(of(*p) + "," + label("incarnation", std::to_string(p->origin.incarnation)),
             p->presence(now) == PeerRecord::Presence::kHere ? 1 : 0);
-  w.metric("padr_peer_agrees", "gauge", "1 if its confirmed world is that of the others, 0 if it differs");
+  w.metric("padr_peer_agrees", "gauge",
+           "1 if its confirmed world is that of the others, 0 if it differs; none while it is apart from them");
   for (const PeerRecord* p : s.peers()) {
     const auto verdict = s.agreement().of(p->origin.slot);
-    if (verdict != Agreement::Verdict::kUnknown) w.value(of(*p), verdict == Agreement::Verdict::kIdentical ? 1 : 0);
+    if (verdict == Agreement::Verdict::kIdentical || verdict == Agreement::Verdict::kDiffers)
+      w.value(of(*p), verdict == Agreement::Verdict::kIdentical ? 1 : 0);
   }
   inconsistency(w, s);
   w.metric("padr_peer_updates_total", "counter", "Entity updates told, each once however often sent");

@@ -67,8 +67,8 @@ void shape(Json& j, const BodyDef& b) {
 }
 
 std::string_view word(Agreement::Verdict v) {
-  if (v == Agreement::Verdict::kUnknown) return "unknown";
-  return v == Agreement::Verdict::kIdentical ? "identical" : "differs";
+  constexpr std::array<std::string_view, 4> kWords{"unknown", "identical", "apart", "differs"};
+  return kWords[static_cast<std::size_t>(v)];
 }
 
 std::string_view word(PeerRecord::Presence p) {

@@ -3,7 +3,7 @@
 
 import { hue, ink } from "./palette.js";
 
-const VERDICTS = { identical: "✓ identical", differs: "✗ differs", unknown: "… not yet known" };
+const VERDICTS = { identical: "✓ identical", apart: "↮ apart", differs: "✗ differs", unknown: "… not yet known" };
 
 const COLUMNS = [
   { head: "peer", cell: (p) => String(p.slot), paint: (td, p) => dot(td, p.slot) },
@@ -72,7 +72,7 @@ export class Tables {
     verdict.dataset.verdict = agreement.state;
     const since = agreement.state === "differs" ? ` since tick ${agreement.first_difference}` : "";
     setText(verdict.lastElementChild, `${VERDICTS[agreement.state] ?? agreement.state}${since}`);
-    verdict.title = `The state that peers know to be final, compared bit by bit by its hash, at equal ticks: ${agreement.compared ?? 0} so far`;
+    verdict.title = `The state that peers know to be final, compared bit by bit by its hash, at equal ticks: ${agreement.compared ?? 0} so far${agreement.state === "apart" ? ". Peers that are cut off from each other go on in worlds of their own until they meet again" : ""}`;
   }
 }
 

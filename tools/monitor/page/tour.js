@@ -103,7 +103,7 @@ const STEPS = [
   },
   {
     title: "A partition",
-    text: (s) => `Peer ${last(s)} is cut off from all others for 5 s. After three seconds the others give it up: its avatar goes, and its things are free. When the network is whole again it comes back by itself, as a new life. Until then each side confirms a world of its own: “✗ differs” at the top is expected here, and ends some seconds after the cut.`,
+    text: (s) => `Peer ${last(s)} is cut off from all others for 5 s. After three seconds the others give it up: its avatar goes, and its things are free. When the network is whole again it comes back by itself, as a new life. Until then each side confirms a world of its own: the top says “↮ apart”, until some seconds after the cut.`,
     look: "Its picture goes its own way, then jumps to the others' world. See the events, and at the top that confirmed worlds are identical again.",
     spot: "events",
     technique: "full",

@@ -143,7 +143,7 @@ export class Views {
     if (peer.links.some((l) => l.cut)) words.push("cut off");
     if (peer.driven === "other") words.push("driven by somebody else");
     // Apart from the others a peer confirms a world of its own: to compare with that one says nothing.
-    const apart = peer.links.some((l) => l.cut) || peer.confirmed.state === "differs";
+    const apart = peer.links.some((l) => l.cut) || peer.confirmed.state === "differs" || peer.confirmed.state === "apart";
     if (apart) words.push("error not known");
     else if (point && point.combined_m !== null) words.push(`${metres(point.combined_m)} off`);
     tile.said.textContent = words.join(" · ");
