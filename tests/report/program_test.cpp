@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "tests/trace/recorded_run.h"
+#include "tools/plot/palette.h"
 
 namespace padr {
 namespace {
@@ -146,6 +147,15 @@ TEST_F(Program, WithoutGnuplotItSaysHowToGetItAndGoesOn) {
   EXPECT_NE(o.err.find("apt-get install gnuplot-nox"), std::string::npos) << o.err;
   EXPECT_NE(o.out.find("Confirmed worlds: identical"), std::string::npos);
   EXPECT_TRUE(fs::exists(dir_ / "p/traffic.gp"));
+}
+
+TEST_F(Program, ThePlotsColourIsThatOfThePeersSlotWhateverTraceIsFirst) {
+  run("1.trace --plots p", "PATH=/nowhere");
+  const std::string script = read(dir_ / "p/inconsistency.gp");
+  const auto at = script.find("title 'peer 1'");
+  ASSERT_NE(at, std::string::npos) << script;
+  EXPECT_NE(script.rfind(plot::colour_by_number(1), at), std::string::npos) << script;
+  EXPECT_EQ(script.find(plot::colour_by_number(0)), std::string::npos) << script;
 }
 
 TEST_F(Program, ATraceThatBreaksOffIsUsedAsFarAsItGoes) {

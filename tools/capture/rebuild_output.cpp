@@ -1,9 +1,12 @@
 #include "tools/capture/rebuild_output.h"
 
+#include <algorithm>
+
 #include "shell/json.h"
 #include "shell/text.h"
 #include "tools/capture/names.h"
 #include "tools/plot/gnuplot.h"
+#include "tools/plot/palette.h"
 
 namespace padr::capture {
 namespace {
@@ -101,7 +104,7 @@ void WorldPicture::add(const sync::FoldState& s) {
     m.positions.push_back(k.position);
     m.angles.push_back(k.angle);
   }
-  for (const sync::Authority& a : s.authority) m.owned.push_back(a.holder() != kNoPeer);
+  for (const sync::Authority& a : s.authority) m.owners.push_back(a.holder());
   moments_.push_back(std::move(m));
 }
 
@@ -112,21 +115,35 @@ plot::Frame WorldPicture::frame(const Setting& setting, std::size_t at) const {
   plot::Frame f;
   for (std::size_t p = 0; p < now.present.size(); ++p) {
     if (!now.present[p]) continue;
-    plot::Trail trail;
+    plot::Trail trail{.points = {}, .colour = plot::colour_by_number(p)};
     for (std::size_t i = at - std::min(at, kTrail); i <= at; ++i)
       if (moments_[i].present[p]) trail.points.push_back(moments_[i].positions[bodies + p]);
     f.trails.push_back(std::move(trail));
   }
-  for (std::size_t b = 0; b < bodies; ++b)
-    f.things.push_back({setting.scene.bodies[b], now.positions[b], now.angles[b],
-                        now.owned[b] ? plot::Role::kDisturbed : plot::Role::kBody});
+  for (std::size_t b = 0; b < bodies; ++b) {
+    const PeerId owner = now.owners[b];
+    f.things.push_back({setting.scene.bodies[b], now.positions[b], now.angles[b], plot::Role::kBody, "",
+                        owner == kNoPeer ? std::string_view() : plot::colour_by_number(owner)});
+  }
   for (std::size_t p = 0; p < now.present.size(); ++p) {
     if (!now.present[p]) continue;
     BodyDef shape;
     shape.radius = setting.scene.avatar.radius;
-    f.things.push_back({shape, now.positions[bodies + p], 0, plot::Role::kAvatar, std::to_string(p)});
+    f.things.push_back(
+        {shape, now.positions[bodies + p], 0, plot::Role::kAvatar, std::to_string(p), plot::colour_by_number(p)});
   }
   return f;
+}
+
+std::vector<plot::KeyEntry> WorldPicture::key() const {
+  std::vector<plot::KeyEntry> entries{{plot::Role::kBody, "body of nobody"}};
+  const auto seen = [this](std::size_t p) {
+    return std::any_of(moments_.begin(), moments_.end(), [p](const Moment& m) { return m.present[p]; });
+  };
+  // Further ones have the same colours again; avatars tell their numbers.
+  for (std::size_t p = 0; p < std::min(moments_.front().present.size(), plot::kColours); ++p)
+    if (seen(p)) entries.push_back({plot::Role::kAvatar, "peer " + std::to_string(p), plot::colour_by_number(p)});
+  return entries;
 }
 
 std::string WorldPicture::svg(const Setting& setting) const {
@@ -138,16 +155,14 @@ std::string WorldPicture::svg(const Setting& setting) const {
   film.scene = setting.scene;
   film.lower = setting.scene.lower;
   film.upper = setting.scene.upper;
-  plot::FilmRow row{"Agreed by all peers", "", {}};
+  plot::FilmRow row{"Agreed by all peers", "avatars, their last 5 s and the bodies they own: in the peer's colour", {}};
   for (std::size_t i = 0; i < kFrames; ++i) {
     const std::size_t at = i * (moments_.size() - 1) / (kFrames - 1);
     film.columns.push_back(shell::fixed_or_dash(static_cast<double>(moments_[at].tick) / kTicksPerSecond, 1) + " s");
     row.frames.push_back(frame(setting, at));
   }
   film.rows.push_back(std::move(row));
-  film.key = {{plot::Role::kAvatar, "avatar, and its last 5 s"},
-              {plot::Role::kBody, "body of nobody"},
-              {plot::Role::kDisturbed, "body that somebody owns"}};
+  film.key = key();
   return plot::film_svg(film).text;
 }
 

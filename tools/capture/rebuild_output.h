@@ -28,7 +28,7 @@ class StatesCsv {
   shell::OutputFile out_;
 };
 
-/// Four moments of the world, with the ways of the avatars.
+/// Four moments of the world, with the ways of the avatars; avatars and owned bodies in the colours of their peers.
 class WorldPicture {
  public:
   void add(const sync::FoldState& s);
@@ -41,8 +41,9 @@ class WorldPicture {
     std::vector<bool> present;    ///< by slot
     std::vector<Vec2> positions;  ///< by entity
     std::vector<float> angles;
-    std::vector<bool> owned;  ///< by body
+    std::vector<PeerId> owners;  ///< by body; kNoPeer: nobody
   };
+  std::vector<plot::KeyEntry> key() const;
   plot::Frame frame(const Setting& setting, std::size_t at) const;
 
   std::vector<Moment> moments_;

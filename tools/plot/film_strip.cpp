@@ -29,6 +29,12 @@ Paint paint_of(Role role) {
   return {};
 }
 
+Paint paint_of(Role role, std::string_view colour) {
+  Paint paint = paint_of(role);
+  if (!colour.empty()) paint.fill = colour;
+  return paint;
+}
+
 /// From metres, y upwards, to points of the picture, y downwards.
 struct Lens {
   Vec2 lower, upper;    ///< m
@@ -60,7 +66,7 @@ void draw_shape(Svg& svg, const Lens& lens, const BodyDef& shape, Vec2 position,
 }
 
 void draw_thing(Svg& svg, const Lens& lens, const Thing& t) {
-  const Paint paint = paint_of(t.role);
+  const Paint paint = paint_of(t.role, t.colour);
   draw_shape(svg, lens, t.shape, t.position, t.angle, paint);
   const Point middle = lens.at(t.position);
   if (!t.label.empty())
@@ -80,7 +86,7 @@ void draw_frame(Svg& svg, const Lens& lens, const FilmStrip& film, const Frame& 
   for (const Trail& t : frame.trails) {
     std::vector<Point> points;
     for (const Vec2 p : t.points) points.push_back(lens.at(p));
-    svg.line(points, {.stroke = paint_of(t.role).fill, .width = 2, .opacity = 0.8});
+    svg.line(points, {.stroke = paint_of(t.role, t.colour).fill, .width = 2, .opacity = 0.8});
   }
   for (const Thing& t : frame.things) draw_thing(svg, lens, t);
   if (!frame.note.empty()) {
@@ -95,8 +101,8 @@ void draw_frame(Svg& svg, const Lens& lens, const FilmStrip& film, const Frame& 
 /// A line with a sign for every role and a bar of known length.
 void draw_key(Svg& svg, const FilmStrip& film, double scale, double y) {
   double x = kMargin;
-  for (const auto& [role, words] : film.key) {
-    svg.circle({x + 7, y - 5}, 7, paint_of(role));
+  for (const auto& [role, words, colour] : film.key) {
+    svg.circle({x + 7, y - 5}, 7, paint_of(role, colour));
     svg.text(x + 19, y, words, {.size = 14});
     x += 19 + text_width(words, 14) + 20;
   }

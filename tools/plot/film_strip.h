@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/model/scene.h"
@@ -23,13 +24,15 @@ struct Thing {
   Vec2 position;  ///< m
   float angle = 0;
   Role role = Role::kBody;
-  std::string label = {};  ///< a letter or two, in its middle
+  std::string label = {};        ///< a letter or two, in its middle
+  std::string_view colour = {};  ///< "#RRGGBB" in place of the role's; empty: the role's
 };
 
 /// Of an avatar, so that one sees where it came from.
 struct Trail {
   std::vector<Vec2> points;  ///< m
   Role role = Role::kAvatar;
+  std::string_view colour = {};  ///< as in Thing
 };
 
 struct Frame {
@@ -44,6 +47,12 @@ struct FilmRow {
   std::vector<Frame> frames;
 };
 
+struct KeyEntry {
+  Role role = Role::kBody;
+  std::string words;
+  std::string_view colour = {};  ///< as in Thing
+};
+
 struct FilmStrip {
   std::string name;  ///< of the file, without .svg
   std::string title;
@@ -51,7 +60,7 @@ struct FilmStrip {
   Vec2 lower, upper;                 ///< m, the part of it that is shown
   std::vector<std::string> columns;  ///< above the frames
   std::vector<FilmRow> rows;
-  std::vector<std::pair<Role, std::string>> key;
+  std::vector<KeyEntry> key;
   float scale_m = 2;    ///< of the scale bar
   double width = 1200;  ///< points
 };

@@ -7,10 +7,11 @@
 namespace padr::plot {
 namespace {
 
-// Okabe and Ito's colours, which people with any of the common colour blindnesses tell apart; yellow last, pale on
-// white.
-constexpr std::array<std::string_view, kColours> kOkabeIto{"#0072B2", "#D55E00", "#009E73", "#CC79A7",
-                                                           "#56B4E9", "#E69F00", "#000000", "#F0E442"};
+// Okabe and Ito's colours, which people with any of the common colour blindnesses tell apart. Their black and their
+// pale yellow cannot be seen on a black or a white page: an olive and a brown stand for them. The page of padr-monitor
+// has the same ones in palette.js; a test compares the two.
+constexpr std::array<std::string_view, kColours> kByNumber{"#0072B2", "#E69F00", "#009E73", "#D55E00",
+                                                           "#56B4E9", "#CC79A7", "#B9A90B", "#8A6D5B"};
 constexpr std::array<std::string_view, 4> kShades{"#000000", "#555555", "#999999", "#DDDDDD"};
 
 struct Entry {
@@ -59,7 +60,7 @@ std::string_view colour_of(std::string_view technique) {
 }
 
 std::string_view colour_by_number(std::size_t i) {
-  return kOkabeIto[i % kColours];
+  return kByNumber[i % kColours];
 }
 
 std::string_view shade(std::size_t i) {

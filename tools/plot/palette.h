@@ -21,8 +21,8 @@ struct Look {
 Look look_of(std::string_view technique, int variant = 0);
 std::string_view colour_of(std::string_view technique);
 
-/// For what is not a technique (peers, causes of updates): Okabe and Ito's colours by number, again from the first
-/// after kColours.
+/// For what is not a technique: causes of updates, and peers by slot, so that a peer has one colour in every picture
+/// and on the page of padr-monitor. "#RRGGBB", readable on white and on dark; again from the first after kColours.
 inline constexpr std::size_t kColours = 8;
 std::string_view colour_by_number(std::size_t i);
 /// For what is to stay in the background of techniques: black (0), dark grey (1), grey (2), light grey (3 and up).

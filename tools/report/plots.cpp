@@ -97,9 +97,14 @@ std::string inconsistency_curves(const Report& r, std::size_t first_column, bool
          quoted(titles ? "mean of peers" : "");
     return s + "\n";
   }
-  for (std::size_t p = 0; p < r.peers.size(); ++p)
-    s += ", 'inconsistency.dat' using 1:" + column(p) + " with lines lw 1.4 lc rgb " + quoted(colour_by_number(p)) +
-         " title " + quoted(titles ? "peer " + r.peers[p].name : "");
+  std::map<PeerId, int> lives;
+  for (std::size_t p = 0; p < r.peers.size(); ++p) {
+    const PeerId slot = r.peers[p].header.peer;
+    // The colour is the slot's: dashes tell apart those that share it.
+    const int dash = (slot / static_cast<int>(plot::kColours) + lives[slot]++) % 5;
+    s += ", 'inconsistency.dat' using 1:" + column(p) + " with lines lw 1.4 dt " + std::to_string(1 + dash) +
+         " lc rgb " + quoted(colour_by_number(slot)) + " title " + quoted(titles ? "peer " + r.peers[p].name : "");
+  }
   return s + "\n";
 }
 

@@ -1,5 +1,6 @@
-// Colours for up to 64 peers that people with any colour vision can tell apart: eight hues of the Okabe-Ito set, and from
-// the ninth peer on a pattern as well. The number of the avatar always says the same.
+// Colours for up to 64 peers that people with any colour vision can tell apart: eight hues after the Okabe-Ito set, and
+// from the ninth peer on a pattern as well. The number of the avatar always says the same. The plots of the other programs
+// have the same hues (tools/plot/palette.cpp); a test compares the two.
 
 const HUES = ["#0072b2", "#e69f00", "#009e73", "#d55e00", "#56b4e9", "#cc79a7", "#b9a90b", "#8a6d5b"];
 const PATTERNS = ["plain", "stripes", "dots", "grid", "bars", "rings", "steps", "checks"];

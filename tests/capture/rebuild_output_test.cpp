@@ -1,0 +1,30 @@
+#include "tools/capture/rebuild_output.h"
+
+#include <gtest/gtest.h>
+
+#include "common/sync/fold.h"
+#include "tools/plot/palette.h"
+
+namespace padr::capture {
+namespace {
+
+TEST(WorldPicture, GivesAvatarsAndOwnedBodiesTheColourOfTheirPeer) {
+  Setting setting;
+  setting.scene.bodies.resize(2);
+  sync::FoldState s;
+  s.world.entities.resize(4);
+  s.members = {{.present = false}, {.present = true}};
+  s.authority = {{}, {.owner = 1, .released = false}};
+  WorldPicture picture;
+  picture.add(s);
+  const std::string svg = picture.svg(setting);
+  std::size_t painted = 0;
+  const std::string paint = "fill=\"" + std::string(plot::colour_by_number(1)) + "\"";
+  for (std::size_t at = svg.find(paint); at != std::string::npos; at = svg.find(paint, at + 1)) ++painted;
+  EXPECT_EQ(painted, 4U * 2 + 1) << "an avatar and a body in four frames, and the key\n" << svg;
+  EXPECT_NE(svg.find(">peer 1<"), std::string::npos) << svg;
+  EXPECT_EQ(svg.find(plot::colour_by_number(0)), std::string::npos) << "of a peer that is not there\n" << svg;
+}
+
+}  // namespace
+}  // namespace padr::capture

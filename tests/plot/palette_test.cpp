@@ -1,0 +1,72 @@
+#include "tools/plot/palette.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace padr::plot {
+namespace {
+
+std::string in_capitals(std::string s) {
+  std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return s;
+}
+
+/// The page's hues, in order.
+std::vector<std::string> page_hues() {
+  std::ifstream in(PADR_PAGE_PALETTE);
+  std::stringstream text;
+  text << in.rdbuf();
+  const std::string all = text.str();
+  std::smatch list;
+  std::vector<std::string> hues;
+  if (!std::regex_search(all, list, std::regex(R"(const HUES = \[([^\]]*)\])"))) return hues;
+  const std::string inside = list[1];
+  const std::regex colour("#[0-9A-Fa-f]{6}");
+  for (std::sregex_iterator i(inside.begin(), inside.end(), colour); i != std::sregex_iterator(); ++i)
+    hues.push_back(in_capitals(i->str()));
+  return hues;
+}
+
+/// WCAG 2.1: relative luminance, 0 (black) to 1 (white).
+double luminance(std::string_view colour) {
+  const auto part = [colour](std::size_t at) {
+    const double c = std::stoi(std::string(colour.substr(at, 2)), nullptr, 16) / 255.0;
+    return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+  };
+  return 0.2126 * part(1) + 0.7152 * part(3) + 0.0722 * part(5);
+}
+
+double contrast(std::string_view a, std::string_view b) {
+  const double low = std::min(luminance(a), luminance(b));
+  const double high = std::max(luminance(a), luminance(b));
+  return (high + 0.05) / (low + 0.05);
+}
+
+TEST(Palette, APeerHasTheSameColourOnThePageAndInThePlots) {
+  const std::vector<std::string> page = page_hues();
+  ASSERT_EQ(page.size(), kColours) << "no list HUES of as many colours in " << PADR_PAGE_PALETTE;
+  for (std::size_t i = 0; i < kColours; ++i) EXPECT_EQ(page[i], in_capitals(std::string(colour_by_number(i)))) << i;
+  EXPECT_EQ(colour_by_number(kColours), colour_by_number(0));
+}
+
+TEST(Palette, ColoursByNumberDifferAndCanBeSeenOnLightAndDark) {
+  std::set<std::string_view> all;
+  for (std::size_t i = 0; i < kColours; ++i) {
+    all.insert(colour_by_number(i));
+    EXPECT_GE(contrast(colour_by_number(i), "#FFFFFF"), 2) << colour_by_number(i) << " on the plots' white";
+    EXPECT_GE(contrast(colour_by_number(i), "#1A2129"), 2) << colour_by_number(i) << " on the page's dark panels";
+  }
+  EXPECT_EQ(all.size(), kColours);
+}
+
+}  // namespace
+}  // namespace padr::plot
