@@ -68,5 +68,32 @@ TEST(Palette, ColoursByNumberDifferAndCanBeSeenOnLightAndDark) {
   EXPECT_EQ(all.size(), kColours);
 }
 
+TEST(Palette, SeriesOfOnePictureHaveTheirOwnMarksAndColours) {
+  const std::vector<std::string> titles{
+      "avatar-only",  "fixed (m)",       "fixed, time stamps",   "full",           "full no replay",
+      "full no lead", "everything",      "everything-no-replay", "rollback 60 Hz", "rollback 20 Hz",
+      "somebody's",   "somebody else's", "lockstep 60 Hz",       "lockstep 20 Hz", "full --budget 8"};
+  const std::vector<Look> looks = distinct_looks(titles);
+  ASSERT_EQ(looks.size(), titles.size());
+  std::set<std::string_view> colours;
+  std::set<int> marks;
+  for (std::size_t i = 0; i < titles.size(); ++i) {
+    EXPECT_TRUE(colours.insert(looks[i].colour).second) << titles[i] << " has a colour that another one has";
+    EXPECT_TRUE(marks.insert(looks[i].point).second) << titles[i] << " has a mark that another one has";
+  }
+  EXPECT_EQ(looks[3].colour, colour_of("full"));
+  EXPECT_EQ(looks[3].point, look_of("full").point);
+}
+
+TEST(Palette, MoreSeriesThanMarksAreToldApartByColour) {
+  std::vector<std::string> titles;
+  for (const char* known : {"avatar-only", "fixed", "adaptive", "full", "snapshot", "state-sync", "dis", "everything"})
+    titles.emplace_back(known);
+  for (int i = 0; i < 10; ++i) titles.push_back("unknown " + std::to_string(i));
+  std::set<std::string_view> colours;
+  for (const Look& look : distinct_looks(titles)) colours.insert(look.colour);
+  EXPECT_EQ(colours.size(), titles.size());
+}
+
 }  // namespace
 }  // namespace padr::plot

@@ -16,6 +16,8 @@ std::string fraction(int part, int whole) {
   return number(static_cast<double>(part) / static_cast<double>(whole), 6);
 }
 
+}  // namespace
+
 int left_margin(const Canvas& c) {
   return c.font * 15 / 2;
 }
@@ -23,8 +25,6 @@ int left_margin(const Canvas& c) {
 int right_margin(const Canvas& c) {
   return c.font * 3 / 2;
 }
-
-}  // namespace
 
 Key key_of(const std::vector<std::string>& titles, const Canvas& c) {
   int widest = 0;
@@ -50,7 +50,7 @@ std::string heading(const std::string& title, const Key& key) {
   std::string s = "unset label\n";
   if (!title.empty())
     s += "set label 1 " + in_quotes(title) + " at graph 0, graph 1 left noenhanced offset character 0," +
-         number(0.8 + 1.1 * key.rows, 4) + "\n";
+         number(0.9 + key.rows, 4) + "\n";
   if (key.rows == 0) return s + "unset key\n";
   return s + "set key at graph 0, graph 1.01 left bottom horizontal Left reverse noenhanced samplen 1.6 maxcols " +
          std::to_string(key.columns) + "\n";

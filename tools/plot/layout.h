@@ -26,6 +26,10 @@ struct Key {
 /// As wide as the canvas allows. Empty titles do not count.
 Key key_of(const std::vector<std::string>& titles, const Canvas& c);
 
+/// Of the plotting area from the canvas's edges, points: on its left there are numbers.
+int left_margin(const Canvas& c);
+int right_margin(const Canvas& c);
+
 /// A plotting area `top` points below the upper edge of the canvas and `height` points high, with the canvas's margins
 /// for numbers on its left.
 std::string area(const Canvas& c, int top, int height);

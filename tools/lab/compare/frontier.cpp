@@ -40,14 +40,8 @@ plot::MarkSeries& series_of(const Contestant& c, plot::ScatterPlot& p) {
   const auto known =
       std::find_if(p.series.begin(), p.series.end(), [&c](const plot::MarkSeries& s) { return s.title == c.series; });
   if (known != p.series.end()) return *known;
-  // What looks like a series that is there already is told apart by its marks.
-  const auto alike = std::count_if(p.series.begin(), p.series.end(), [&c](const plot::MarkSeries& s) {
-    return s.look.colour == plot::colour_of(c.series) && s.title.substr(0, 4) == c.series.substr(0, 4);
-  });
-  const int variant = c.id == "everything-no-replay" ? 0 : static_cast<int>(alike);
   plot::MarkSeries fresh;
   fresh.title = c.series;
-  fresh.look = plot::look_of(c.series, variant);
   fresh.joined = c.group != Group::kPaper && c.group != Group::kAblation && c.id.substr(0, 10) != "everything";
   p.series.push_back(std::move(fresh));
   return p.series.back();
@@ -73,6 +67,14 @@ plot::ScatterPlot picture(const std::vector<Row>& rows, const Plan& plan, const 
   return p;
 }
 
+/// A mark and a colour of its own for each series.
+void give_looks(plot::ScatterPlot& p) {
+  std::vector<std::string> titles;
+  for (const plot::MarkSeries& s : p.series) titles.push_back(s.title);
+  const std::vector<plot::Look> looks = plot::distinct_looks(titles);
+  for (std::size_t i = 0; i < looks.size(); ++i) p.series[i].look = looks[i];
+}
+
 std::string file_name(const std::string& network) {
   std::string name;
   for (const char c : network) {
@@ -94,6 +96,7 @@ std::string draw_frontiers(const std::vector<Row>& rows, const Plan& plan, const
     for (const PictureKind kind : {PictureKind::kFrontier, PictureKind::kHands, PictureKind::kAblations}) {
       plot::ScatterPlot p = picture(rows, plan, n, kind);
       if (p.series.size() < 2) continue;
+      give_looks(p);
       p.name = beginning_of(kind) + file_name(n.text);
       plot::write_into("--out", dir, plot::files(p));
       names.push_back(p.name);
