@@ -151,18 +151,32 @@ std::vector<Traffic> bars_of(const Report& r, std::size_t width) {
   return bars;
 }
 
-/// Seconds of all peers' time that fall in each bar.
-std::vector<double> time_of_bars(const Report& r, std::size_t bars, std::size_t width) {
-  std::vector<double> time(bars, 0);
-  for (const Peer& p : r.peers)
-    for (std::size_t b = 0; b < bars; ++b)
-      time[b] += std::clamp(p.seconds() - static_cast<double>(b * width), 0.0, static_cast<double>(width));
-  return time;
+/// Whose time falls in a bar.
+struct Presence {
+  double seconds = 0;  ///< of all peers
+  int peers = 0;
+};
+
+/// By bar. Peers are there from their coming, which may be late, until they go.
+std::vector<Presence> presence_in_bars(const Report& r, std::size_t bars, std::size_t width) {
+  std::vector<Presence> all(bars);
+  for (const Peer& p : r.peers) {
+    const double came = static_cast<double>(p.came) / kTicksPerSecond;
+    const double went = static_cast<double>(p.went()) / kTicksPerSecond;
+    for (std::size_t b = 0; b < bars; ++b) {
+      const auto from = static_cast<double>(b * width);
+      const double there = std::min(went, from + static_cast<double>(width)) - std::max(came, from);
+      if (there <= 0) continue;
+      all[b].seconds += there;
+      ++all[b].peers;
+    }
+  }
+  return all;
 }
 
 std::vector<Layer> layers_of(const Report& r, std::size_t width) {
   const std::vector<Traffic> bars = bars_of(r, width);
-  const std::vector<double> time = time_of_bars(r, bars.size(), width);
+  const std::vector<Presence> presence = presence_in_bars(r, bars.size(), width);
   std::vector<Layer> layers{{"headers, marks, acks", kGrey, {}, {}}, {"repeats", "#777777", {}, {}}};
   for (std::size_t c = 0; c < sync::kCauses; ++c) {
     std::string title(sync::kCauseNames[c]);
@@ -171,7 +185,7 @@ std::vector<Layer> layers_of(const Report& r, std::size_t width) {
   }
   for (std::size_t b = 0; b < bars.size(); ++b) {
     // What little is left over after the last full second says nothing about a rate.
-    const double scale = time[b] < 0.25 * static_cast<double>(r.peers.size()) ? 0 : 1 / time[b];
+    const double scale = presence[b].seconds < 0.25 * std::max(presence[b].peers, 1) ? 0 : 1 / presence[b].seconds;
     layers[0].kbps.push_back(bars[b].bytes_rest() * 0.008 * scale);
     layers[1].kbps.push_back(bars[b].bytes_repeats * 0.008 * scale);
     layers[1].updates.push_back(static_cast<double>(bars[b].repeats) * scale);
@@ -213,9 +227,12 @@ void traffic_plot(const Report& r, std::vector<NamedText>& out) {
   }
   std::string body = "set multiplot layout 2,1\nset lmargin 12\nset rmargin 26\nset yrange [0:*]\nset boxwidth " +
                      fixed(static_cast<double>(width) * 0.92, 2) + " absolute\n" + time_axis(r);
-  body += "set title 'Traffic sent, mean of peers'\nset xlabel ''\nset ylabel 'on the wire (kbit/s)'\n" +
-          piles(layers, 2, true);
-  body += "set title 'Entity updates by cause, mean of peers, each counted once'\nset xlabel 'session time (s)'\n";
+  body +=
+      "set title 'Traffic sent, mean of the peers that are there'\nset xlabel ''\nset ylabel 'on the wire (kbit/s)'\n" +
+      piles(layers, 2, true);
+  body +=
+      "set title 'Entity updates by cause, mean of the peers that are there, each counted once'\nset xlabel 'session "
+      "time (s)'\n";
   body += "set ylabel 'updates (1/s)'\n" + piles(layers, 2 + layers.size(), false) + "unset multiplot\n";
   out.push_back({"traffic.dat", data});
   out.push_back(script("traffic", canvas(640), body));
