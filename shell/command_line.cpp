@@ -20,15 +20,17 @@ void add_version_flag(CLI::App& app, const std::string& program) {
 
 namespace {
 
-/// A first word that is no command of a program that has commands.
+/// A first word that is no command of a program that has commands, or no word at all where there must be one.
 void check_command(const CLI::App& app, int argc, const char* const* argv) {
   const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
-  if (commands.empty() || argc < 2 || *argv[1] == '-') return;
+  const bool lacks = argc < 2 && app.get_require_subcommand_min() > 0;
+  if (commands.empty() || (!lacks && (argc < 2 || *argv[1] == '-'))) return;
   std::string names;
   for (const CLI::App* c : commands) {
-    if (c->get_name() == argv[1]) return;
+    if (!lacks && c->get_name() == argv[1]) return;
     names += (names.empty() ? "" : ", ") + c->get_name();
   }
+  if (lacks) throw UserError("give a command: " + names + " (see --help)");
   throw UserError("'" + std::string(argv[1]) + "' is no command; allowed: " + names + " (see --help)");
 }
 

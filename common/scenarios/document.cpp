@@ -17,7 +17,8 @@ namespace pb = google::protobuf;
 // A scenario with 5,000 bodies written out takes well under 1 MB.
 constexpr std::size_t kMaxTextBytes = 8U << 20U;
 
-std::string line_of(std::string_view text, int line) {
+// " (in: ...)", or nothing if the line is no plain text: the file is none, perhaps, and would upset a terminal.
+std::string in_line(std::string_view text, int line) {
   for (; line > 0; --line) {
     const auto end = text.find('\n');
     if (end == std::string_view::npos) return {};
@@ -25,7 +26,9 @@ std::string line_of(std::string_view text, int line) {
   }
   text = text.substr(0, text.find_first_of("\r\n"));
   text.remove_prefix(std::min(text.size(), text.find_first_not_of(" \t")));
-  return std::string(text.substr(0, 100));
+  const auto is_plain = [](char c) { return (c >= ' ' && c <= '~') || c == '\t'; };
+  if (!std::all_of(text.begin(), text.end(), is_plain)) return {};
+  return " (in: " + std::string(text.substr(0, 100)) + ")";
 }
 
 /// Keeps the first error: those after it are mostly its consequences.
@@ -74,7 +77,7 @@ Document::Document(std::string_view text, std::string_view label) : label_(label
   if (!parser.ParseFromString(std::string(text), &scenario_) || error.seen) {
     // The parser's message seldom names the field, so the line that does goes with it.
     const Origin where = blamed(error, text);
-    fail(where, error.what + " (in: " + line_of(text, where.line - 1) + ")");
+    fail(where, error.what + in_line(text, where.line - 1));
   }
   origins_[""] = {};
   check_rules(

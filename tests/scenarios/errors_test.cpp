@@ -61,6 +61,7 @@ struct Case {
 const std::vector<Case> kCases{
     // Not in the language at all, or not of the right type.
     {15, "body { radios: 0.3 }", "14: Message type \"padr.scenario.Body\" has no field named \"radios\". (in: body"},
+    {15, "body { \x95\x1b[2J", "8: Interpreting non ascii codepoint 149."},
     {15, "body { radius: big }", "16: Expected double, got: big (in: body { radius: big })"},
     {15, "body { radius: \"1\" }", "16: Expected double, got: \"1\" (in: "},
     {19, "  count: -5", "10: Expected integer, got: - (in: count: -5)"},

@@ -51,5 +51,23 @@ TEST(CommandLine, AWrongValueIsNamedWithWhatIsAllowed) {
   for (const Row& r : rows) EXPECT_EQ(answer_to(r.words), r.answer);
 }
 
+TEST(CommandLine, WhoGivesNoCommandIsToldWhichThereAre) {
+  CLI::App app;
+  app.add_subcommand("run");
+  app.add_subcommand("audit");
+  app.require_subcommand(1);
+  const auto answer = [&app](const std::vector<const char*>& argv) {
+    try {
+      shell::parse(app, static_cast<int>(argv.size()), argv.data());
+    } catch (const UserError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(answer({"program"}), "give a command: run, audit (see --help)");
+  EXPECT_EQ(answer({"program", "rum"}), "'rum' is no command; allowed: run, audit (see --help)");
+  EXPECT_EQ(answer({"program", "audit"}), "");
+}
+
 }  // namespace
 }  // namespace padr::test

@@ -225,8 +225,12 @@ int run_compare(const CompareOptions& o) {
       captures_files.push_back(f);
     }
   }
-  if (captures_files.empty() || comparison.traces().empty())
-    throw UserError("compare: give at least one capture and one trace of padr-peer --trace");
+  if (captures_files.empty()) throw UserError("compare: all of these are traces; give a capture, too");
+  if (comparison.traces().empty()) {
+    std::string names;
+    for (const std::string& f : captures_files) names += (names.empty() ? "'" : ", '") + f + "'";
+    throw UserError("compare: give a trace of padr-peer --trace, too; none of these is one: " + names);
+  }
   Captures captures(captures_files, o.keylogs);
   Bookkeeper books;
   while (const Datagram* d = captures.next()) {
