@@ -123,18 +123,24 @@ check_number() { # FLAG VALUE LOWEST HIGHEST
     fail_usage "$1 '$2': must be a whole number from $3 to $4"
   fi
 }
-# Whether a socket of this machine has the port. A machine without IPv6 lacks one of the files.
-in_use() { # tcp|udp PORT
+# Whether a socket of this machine has the port, in that state if one is given. A machine without IPv6 lacks one of the
+# files.
+in_use() { # tcp|udp PORT [STATE]
   local hex
-  printf -v hex ':%04X ' "$2"
-  { cat "/proc/net/$1" "/proc/net/${1}6" 2>/dev/null || true; } | awk '{ print $2 " " }' | grep -F -- "$hex" >/dev/null
+  printf -v hex ':%04X %s' "$((10#$2))" "${3-}"
+  { cat "/proc/net/$1" "/proc/net/${1}6" 2>/dev/null || true; } | awk '{ print $2 " " $4 }' | grep -F -- "$hex" >/dev/null
 }
+readonly listens=0A
 if [[ -z $page ]]; then
   page=8080
   # Whether somebody listens there, or did a moment ago.
   if in_use tcp 8080; then page=0; fi
+elif [[ $page != off ]]; then
+  check_number --page "$page" 0 65535
+  if in_use tcp "$page" "$listens"; then
+    fail_usage "--page '$page': another program listens there; give another port, 0 for any free one, or off"
+  fi
 fi
-if [[ $page != off ]]; then check_number --page "$page" 0 65535; fi
 if [[ -z $duration ]]; then
   duration=30
   if [[ -n $scene && $page == off ]]; then duration=12; fi

@@ -8,6 +8,7 @@ import os
 import pty
 import re
 import select
+import socket
 import subprocess
 import time
 import unittest
@@ -83,6 +84,16 @@ class Demo(Case):
             done = self.demo(**more)
             self.assertEqual(done.returncode, 1)
             self.assertIn("no such address\ndemo.sh: there is no page;", done.stderr)
+
+    def test_a_port_that_is_taken_is_told_of_before_anything_is_built(self):
+        self.put("tools/deps.sh", "#!/bin/sh\necho built >&2\n")
+        with socket.create_server(("127.0.0.1", 0)) as other:
+            port = str(other.getsockname()[1])
+            done = self.demo("--page", port)
+        self.assertEqual(done.returncode, 2)
+        self.assertEqual(done.stderr, f"demo.sh: --page '{port}': another program listens there; give another port, 0 for any free "
+                         "one, or off (see --help)\n")  # fmt: skip
+        self.assertEqual(self.demo("--page", port).returncode, 0, "now it is free")
 
     def test_takes_every_technique_that_there_is(self):
         with open(os.path.join(REPOSITORY, "common/model/technique.cpp"), encoding="utf-8") as f:
