@@ -26,7 +26,7 @@ class Program : public Shell {
 
 TEST_F(Program, SaysWhatIsWrongWithTheCommandLine) {
   for (const auto& [arguments, line] : std::vector<std::pair<std::string, std::string>>{
-           {"", "A subcommand is required"},
+           {"", "give a command: summary, timeline, rebuild, compare, export, follow"},
            {"sumary x", "'sumary' is no command; allowed: summary, timeline, rebuild, compare, export, follow"},
            {"summary peer.trace", "peer.trace: not a capture but a trace; padr-report reads it"},
            {"summary", "CAPTURE is required"},
@@ -35,7 +35,8 @@ TEST_F(Program, SaysWhatIsWrongWithTheCommandLine) {
            {"export x", "give one of --json and --csv"},
            {"export x --json --csv", "give one of --json and --csv"},
            {"rebuild x --wait-peers " + std::to_string(kMaxPeers + 1), "--wait-peers"},
-           {"compare x", "at least one capture and one trace"}}) {
+           {"compare x", "none of these is one: 'x'"},
+           {"compare peer.trace", "give a capture, too"}}) {
     Shell::write("x", "");
     Shell::write("peer.trace", "PADRTRC and more");
     const Outcome o = capture(arguments);
