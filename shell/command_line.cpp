@@ -23,15 +23,16 @@ namespace {
 /// A first word that is no command of a program that has commands, or no word at all where there must be one.
 void check_command(const CLI::App& app, int argc, const char* const* argv) {
   const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
-  const bool lacks = argc < 2 && app.get_require_subcommand_min() > 0;
-  if (commands.empty() || (!lacks && (argc < 2 || *argv[1] == '-'))) return;
+  const char* const word = argc < 2 ? nullptr : argv[1];
+  const bool may_be_none = word == nullptr ? app.get_require_subcommand_min() == 0 : *word == '-';
+  if (commands.empty() || may_be_none) return;
   std::string names;
   for (const CLI::App* c : commands) {
-    if (!lacks && c->get_name() == argv[1]) return;
+    if (word != nullptr && c->get_name() == word) return;
     names += (names.empty() ? "" : ", ") + c->get_name();
   }
-  if (lacks) throw UserError("give a command: " + names + " (see --help)");
-  throw UserError("'" + std::string(argv[1]) + "' is no command; allowed: " + names + " (see --help)");
+  if (word == nullptr) throw UserError("give a command: " + names + " (see --help)");
+  throw UserError("'" + std::string(word) + "' is no command; allowed: " + names + " (see --help)");
 }
 
 std::string plain(double v) {

@@ -68,6 +68,30 @@ TEST(Agreement, AnOlderTickDoesNotOverruleANewerOne) {
   a.note(1, 30, 2);
   a.settle(1, false);
   EXPECT_EQ(a.all(), Verdict::kIdentical);
+  EXPECT_EQ(a.first_difference(), 30);
+}
+
+TEST(Agreement, ADifferenceThatWasMendedBeforeAnybodyToldWhyCounts) {
+  Agreement a;
+  a.note(0, 30, 1);
+  a.note(1, 30, 2);
+  a.note(0, 33, 3);
+  a.note(1, 33, 3);
+  a.settle(1, false);
+  EXPECT_EQ(a.all(), Verdict::kIdentical);
+  EXPECT_EQ(a.first_difference(), 30);
+}
+
+TEST(Agreement, WhoWasApartAndIsBackHasNotDiffered) {
+  Agreement a;
+  a.note(0, 30, 1);
+  a.note(1, 30, 2);
+  a.settle(1, true);
+  a.note(0, 33, 3);
+  a.note(1, 33, 3);
+  a.settle(1, false);
+  EXPECT_EQ(a.all(), Verdict::kIdentical);
+  EXPECT_EQ(a.first_difference(), std::nullopt);
 }
 
 TEST(Agreement, WhoHasGoneIsForgotten) {

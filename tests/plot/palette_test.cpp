@@ -81,7 +81,7 @@ TEST(Palette, SeriesOfOnePictureHaveTheirOwnMarksAndColours) {
     EXPECT_TRUE(colours.insert(looks[i].colour).second) << titles[i] << " has a colour that another one has";
     EXPECT_TRUE(marks.insert(looks[i].point).second) << titles[i] << " has a mark that another one has";
   }
-  EXPECT_EQ(looks[3].colour, colour_of("full"));
+  EXPECT_EQ(looks[3].colour, look_of("full").colour);
   EXPECT_EQ(looks[3].point, look_of("full").point);
 }
 

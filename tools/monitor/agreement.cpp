@@ -26,25 +26,31 @@ void Agreement::judge(Tick tick, const std::map<PeerId, std::uint64_t>& told) {
     if (votes[hash] > votes[right]) right = hash;
   for (const auto& [slot, hash] : told) {
     State& s = states_[slot];
+    if (hash != right && s.verdict != Verdict::kApart) s.open = s.open < 0 ? tick : std::min(s.open, tick);
     if (tick < s.tick) continue;
-    if (hash == right)
-      s = {tick, -1, Verdict::kIdentical};
-    else if (s.differs_since < 0)
-      s = {tick, tick, Verdict::kUnknown};
     s.tick = tick;
+    s.other = hash != right;
+    if (!s.other) {
+      if (s.verdict == Verdict::kApart) s.open = -1;  // they have met again
+      s.verdict = Verdict::kIdentical;
+    } else if (s.verdict == Verdict::kIdentical) {
+      s.verdict = Verdict::kUnknown;
+    }
   }
 }
 
-bool Agreement::is_other(PeerId slot) const {
+bool Agreement::is_open(PeerId slot) const {
   const auto found = states_.find(slot);
-  return found != states_.end() && found->second.differs_since >= 0;
+  return found != states_.end() && (found->second.other || found->second.open >= 0);
 }
 
 void Agreement::settle(PeerId slot, bool apart) {
-  if (!is_other(slot)) return;
+  if (!is_open(slot)) return;
   State& s = states_[slot];
-  s.verdict = apart ? Verdict::kApart : Verdict::kDiffers;
-  if (!apart) first_difference_ = std::min(first_difference_.value_or(s.differs_since), s.differs_since);
+  if (s.other) s.verdict = apart ? Verdict::kApart : Verdict::kDiffers;
+  if (apart || s.open < 0) return;
+  first_difference_ = std::min(first_difference_.value_or(s.open), s.open);
+  s.open = -1;
 }
 
 void Agreement::forget(PeerId slot) {

@@ -24,8 +24,8 @@ class Agreement {
   /// Of one slot, by the newest tick that somebody else told of, too. Of two worlds, that of more peers is held to be
   /// right; of two of equally many, that of the lowest slot.
   Verdict of(PeerId slot) const;
-  /// Whether its world is not the one that is held to be right.
-  bool is_other(PeerId slot) const;
+  /// Whether there is a difference of its world's for settle() to judge.
+  bool is_open(PeerId slot) const;
   /// Of all: the last in the order of Verdict, but unknown if there is nothing else.
   Verdict all() const;
   /// Ticks at which at least two were compared, each time that a further peer was.
@@ -42,7 +42,8 @@ class Agreement {
   std::map<Tick, std::map<PeerId, std::uint64_t>> told_;
   struct State {
     Tick tick = -1;
-    Tick differs_since = -1;  ///< first tick of another world than the right one; -1: it is that one
+    bool other = false;  ///< at that tick its world is not the one that is held to be right
+    Tick open = -1;      ///< first tick at which it was not, and nobody has told yet why; -1: none
     Verdict verdict = Verdict::kUnknown;
   };
   std::map<PeerId, State> states_;

@@ -140,7 +140,7 @@ void ObservedSession::take(PeerRecord& p, const Status& s, Micros) {
   for (const LinkStatus& l : s.links) p.links[l.to] = l;
   if (p.status && s.tick < p.status->tick && s.steps < p.status->steps) return;  // an older one, late
   if (s.confirmed >= 0 && holds_slot(p)) agreement_.note(p.origin.slot, s.confirmed, s.hash);
-  if (holds_slot(p) && agreement_.is_other(p.origin.slot)) agreement_.settle(p.origin.slot, is_apart(p));
+  if (holds_slot(p) && agreement_.is_open(p.origin.slot)) agreement_.settle(p.origin.slot, is_apart(p));
   p.rates.take(s);
   const bool paused = p.paused();
   p.status = s;

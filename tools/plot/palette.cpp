@@ -68,10 +68,6 @@ Look look_of(std::string_view technique, int variant) {
   return look;
 }
 
-std::string_view colour_of(std::string_view technique) {
-  return look_of(technique).colour;
-}
-
 std::vector<Look> distinct_looks(const std::vector<std::string>& titles) {
   std::vector<Look> looks;
   std::set<std::string_view> colours;

@@ -22,7 +22,6 @@ struct Look {
 /// `variant`: >= 0; the same technique with other settings, such as an ablation of full or another threshold: the
 /// colour stays, dashes and marks change.
 Look look_of(std::string_view technique, int variant = 0);
-std::string_view colour_of(std::string_view technique);
 
 /// Looks for the series of one picture, in their order: no two have the same mark while there are marks (15), nor the
 /// same colour while there are colours (22 and more). The first series of each technique looks as look_of says unless
