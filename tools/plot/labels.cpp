@@ -129,6 +129,7 @@ std::vector<Candidate> candidates_of(const LabelRequest& label, const Obstacles&
 
 std::vector<LabelPlace> place_labels(const std::vector<LabelRequest>& labels, const Obstacles& obstacles) {
   std::vector<std::vector<Candidate>> candidates;
+  candidates.reserve(labels.size());
   for (const LabelRequest& l : labels) candidates.push_back(candidates_of(l, obstacles));
   std::vector<const Candidate*> chosen(labels.size(), nullptr);
   for (int round = 0; round < kRounds; ++round) {
@@ -147,6 +148,7 @@ std::vector<LabelPlace> place_labels(const std::vector<LabelRequest>& labels, co
     }
   }
   std::vector<LabelPlace> places;
+  places.reserve(chosen.size());
   for (const Candidate* c : chosen) places.push_back(c->place);
   return places;
 }

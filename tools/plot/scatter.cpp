@@ -157,6 +157,7 @@ std::string labels_of(const ScatterPlot& p, const Ground& ground) {
   for (const MarkSeries& s : p.series)
     for (NamedPoint& n : named_points(s, ground)) named.push_back(std::move(n));
   std::vector<LabelRequest> requests;
+  requests.reserve(named.size());
   // Most letters are digits, which are wider than others.
   for (const NamedPoint& n : named) requests.push_back({n.at, 1.12 * text_width(n.label, size), 1.15 * size});
   const std::vector<LabelPlace> places = place_labels(requests, obstacles_of(p, ground));
