@@ -80,6 +80,8 @@ void Membership::receive(const Endpoint& from, const wire::Header& header, const
       return admissions_.pass_on(from, *enter, view.roster.seats[c].at, commands_);
     return admissions_.on_enter(from, *enter, view, c == session_.self && !evictions_.busy() && !doubts(), commands_);
   }
+  if (const auto* other = std::get_if<wire::Newcomer>(&message); other != nullptr && !bars(from.key))
+    merge_.on_told(from, other->at, view);
   if (is_at(header.sender, from) && view.roster.seats[header.sender].reachable()) {
     if (hears(header.sender)) receive_of_member(header.sender, message, local);
   } else if (const auto* fetched = std::get_if<wire::Fetched>(&message); fetched != nullptr && !bars(from.key)) {

@@ -77,17 +77,26 @@ bool PartitionMerge::member_at(const Endpoint& where, const View& view) const {
   return false;
 }
 
+bool PartitionMerge::is_ours(PeerId p, const View& view) const {
+  const Seat& n = view.roster.seats[p];
+  const auto disowned = disowned_by_.find(p);
+  const bool disowns = disowned != disowned_by_.end() && disowned->second == n.incarnation;
+  return p != view.roster.self && n.there() && n.proven && !disowns && !Evictions::suspected(view, p);
+}
+
+bool PartitionMerge::has_company(const View& view) const {
+  for (PeerId p = 0; p < view.roster.slots(); ++p)
+    if (is_ours(p, view)) return true;
+  return false;
+}
+
 PartitionMerge::Side PartitionMerge::ours(const View& view) const {
   Side s;
   for (PeerId p = 0; p < view.roster.slots(); ++p) {
-    const Seat& n = view.roster.seats[p];
-    const auto disowned = disowned_by_.find(p);
-    const bool disowns = disowned != disowned_by_.end() && disowned->second == n.incarnation;
-    if (p == view.roster.self) {
+    if (p == view.roster.self)
       s.push_back({p, view.roster.incarnation, 0});
-    } else if (n.there() && n.proven && !disowns && !Evictions::suspected(view, p)) {
-      s.push_back({p, n.incarnation, 0});
-    }
+    else if (is_ours(p, view))
+      s.push_back({p, view.roster.seats[p].incarnation, 0});
   }
   return s;
 }
@@ -116,7 +125,8 @@ void PartitionMerge::note_witness(const Endpoint& from, PeerId sender, std::uint
 }
 
 // The peers of that part that have sent a Probe lately and, by our own log, were members until they were evicted or
-// left, or are until now. Whoever left to join anew may have found other members than we did.
+// left, or are until now. Whoever left to join anew may have found other members than we did. For a peer that has been
+// alone for long those count, too, of which it was only told.
 std::vector<sync::Transfer::Gone> PartitionMerge::evidence(const Side& side, const View& view) const {
   std::vector<Gone> known;
   for (const Witness& w : witnesses_) {
@@ -132,6 +142,9 @@ std::vector<sync::Transfer::Gone> PartitionMerge::evidence(const Side& side, con
     else if (disowned != disowned_by_.end() && disowned->second == w.incarnation &&
              view.roster.seats[w.slot].at.key == w.from.key)
       known.push_back({w.from, since(w.slot, view), view.roster.now});
+    else if (is_lonely(view))
+      for (const Told& t : told_)
+        if (t.at.key == w.from.key) known.push_back({w.from, t.since, t.since});
   }
   return known;
 }
@@ -259,17 +272,50 @@ void PartitionMerge::knock(const Endpoint& at, const View& view, Commands& out) 
   if (view.roster.member && !member_at(at, view)) out.send(at, our_probe(false, view));
 }
 
+bool PartitionMerge::has_been_here(const PublicKey& key, const View& view) const {
+  return std::any_of(view.roster.seats.begin(), view.roster.seats.end(),
+                     [&](const Seat& s) { return s.reachable() && s.at.key == key; }) ||
+         std::any_of(gone_.begin(), gone_.end(),
+                     [&](const Remembered& r) { return r.gone.at.key == key && was_member(r.gone); });
+}
+
+// Anybody may invent peers. So only those are believed who have been members, and only by who has nobody else.
+void PartitionMerge::on_told(const Endpoint& from, const Endpoint& of, const View& view) {
+  if (!session_.config.sealed || !view.roster.member || !of.has_key() || of.key == own_key_ || knows(of, view)) return;
+  if (!has_been_here(from.key, view)) return;
+  std::erase_if(told_, [&](const Told& t) { return t.at.key == of.key; });
+  keep(told_, {of, view.roster.now}, kMostTold);
+}
+
+PeerId PartitionMerge::next_to_tell_of(const View& view) {
+  for (PeerId tried = 0; tried < view.roster.slots(); ++tried) {
+    const auto p = static_cast<PeerId>(next_told_of_++ % view.roster.slots());
+    if (p != view.roster.self && view.roster.seats[p].there() && view.roster.seats[p].at.has_key()) return p;
+  }
+  return kNoPeer;
+}
+
 void PartitionMerge::advance(const View& view, Commands& out) {
   // Nobody can join by whoever leaves.
   if (!view.roster.member || view.roster.leaving || view.roster.now - probed_ < kPace) return;
   probed_ = view.roster.now;
+  if (has_company(view)) had_company_ = view.roster.now;
   std::erase_if(gone_, [&](const Remembered& r) {
     const bool is_back = std::any_of(view.roster.seats.begin(), view.roster.seats.end(),
                                      [&](const Seat& s) { return s.there() && s.at == r.gone.at; });
     return view.roster.now - r.kept > kRemember || (!r.has_left && is_back);
   });
-  for (const Remembered& r : gone_)
-    if (!r.has_left && !member_at(r.gone.at, view)) out.send(r.gone.at, our_probe(false, view));
+  const bool tells = session_.config.sealed && view.roster.now - told_at_ >= kTell;
+  const PeerId of = tells ? next_to_tell_of(view) : kNoPeer;
+  if (tells) told_at_ = view.roster.now;
+  for (const Remembered& r : gone_) {
+    if (r.has_left || member_at(r.gone.at, view)) continue;
+    out.send(r.gone.at, our_probe(false, view));
+    if (of != kNoPeer) out.send(r.gone.at, wire::Newcomer{view.roster.seats[of].at});
+  }
+  if (!is_lonely(view)) return;
+  for (const Told& t : told_)
+    if (view.roster.now - t.since <= kRemember) out.send(t.at, our_probe(false, view));
 }
 
 }  // namespace padr::node

@@ -23,6 +23,9 @@ namespace padr::node {
 /// this part evicted, or that left: it may have found others than those who stayed. Peers that the other part cannot
 /// know do not count on either side: those that were admitted after the eviction, or shortly before. Of two parts with
 /// equally many the one with the most senior of these peers wins.
+///
+/// All that two parts know of each other may be a peer that was a member of both, and it may end. So with its Probes
+/// each part tells of its own peers, in turn. A peer that has been alone for kAlone looks for those peers as well.
 class PartitionMerge {
  public:
   /// The living peers of one part, by slot.
@@ -38,6 +41,8 @@ class PartitionMerge {
                 Micros local, Commands& out);
   /// A state datagram of this session has come from an address of no member.
   void on_stranger(const Endpoint& from, std::size_t bytes, const View& view, Micros local, Commands& out);
+  /// A peer of another part has told of one of its part.
+  void on_told(const Endpoint& from, const Endpoint& of, const View& view);
   /// Sends one Probe to an address of no member.
   void knock(const Endpoint& at, const View& view, Commands& out);
   /// Once a tick.
@@ -62,8 +67,12 @@ class PartitionMerge {
   static constexpr Tick kMayBeUnknown = kSilence + Evictions::kWithheld;
   /// Time after which a part is believed of which this peer knows no more than where its peers are, ticks.
   static constexpr Tick kStrangers = 10 * kTicksPerSecond;
-  /// The same for a peer that is alone, if it knows but one of that part.
+  /// The same for a peer that is alone, if it knows but one of that part, or has only been told of that part.
   static constexpr Tick kAlone = 30 * kTicksPerSecond;
+  /// Time between two peers of the own part that the other part is told of, ticks.
+  static constexpr Tick kTell = 2 * kTicksPerSecond;
+  /// Peers of other parts that are remembered as told; the latest.
+  static constexpr std::size_t kMostTold = 8;
   static constexpr std::size_t kMost = sync::Transfer::kMostGone;
 
  private:
@@ -99,7 +108,20 @@ class PartitionMerge {
     Endpoint at;
     std::size_t bytes = 0;
   };
+  /// A peer of which somebody of another part has told.
+  struct Told {
+    Endpoint at;
+    Tick since = 0;
+  };
   bool member_at(const Endpoint& where, const View& view) const;
+  /// Whether the peer in slot p is another one of our part.
+  bool is_ours(PeerId p, const View& view) const;
+  bool has_company(const View& view) const;
+  /// Whether this peer has had nobody else in its part for kAlone.
+  bool is_lonely(const View& view) const { return view.roster.now - had_company_ >= kAlone; }
+  /// Whether a peer with this key was a member here, or is one.
+  bool has_been_here(const PublicKey& key, const View& view) const;
+  PeerId next_to_tell_of(const View& view);
   Side ours(const View& view) const;
   void note_witness(const Endpoint& from, PeerId sender, std::uint32_t incarnation, Tick now);
   std::vector<Gone> evidence(const Side& side, const View& view) const;
@@ -120,11 +142,15 @@ class PartitionMerge {
   std::vector<Remembered> gone_;
   std::vector<Gone> returned_;                   ///< those of them that were admitted anew; kMost at most
   std::vector<Witness> witnesses_;               ///< kMost at most
+  std::vector<Told> told_;                       ///< kMostTold at most
   PublicKey own_key_{};                          ///< by the order that admitted this peer
   std::vector<Credit> credits_;                  ///< kMost at most
   std::map<PeerId, std::uint32_t> disowned_by_;  ///< members whose Probes disown us, and their incarnations
   std::optional<Endpoint> winner_;
   Tick probed_ = 0;
+  Tick told_at_ = -kTell;
+  unsigned next_told_of_ = 0;
+  Tick had_company_ = std::numeric_limits<Tick>::max();  ///< when somebody else was last in this part
   Tick won_at_ = 0;
   Tick larger_since_ = 0;  ///< since when Probes of a larger part have come
   Tick larger_seen_ = -kLately;

@@ -270,6 +270,68 @@ TEST(PartitionMerge, SeniorityKeepsTheSmallerPartApartForAWhileOnly) {
   }
 }
 
+// Persons 0 and 1 were members, and have ended; person 1 had joined another part before, and told of person 6 there.
+// Once, both parts stayed apart for ever.
+TEST(PartitionMerge, WhoHasBeenAloneForLongGoesToThoseOfWhomAFormerMemberHasTold) {
+  struct Row {
+    const char* name;
+    int by;                 ///< who has told of person 6
+    bool alone;             ///< person 0 has ended
+    Tick waits;             ///< since person 1 has ended, ticks
+    std::size_t looks_for;  ///< Probes to person 6 at the end
+    bool yields;
+  };
+  constexpr Tick kLong = PartitionMerge::kAlone + PartitionMerge::kStrangers;
+  const Row rows[] = {
+      {"a former member", 1, true, kLong, 1, true},
+      {"a short time", 1, true, PartitionMerge::kAlone - PartitionMerge::kPace, 0, false},
+      {"in company", 1, false, kLong, 0, false},
+      {"a stranger", 7, true, kLong, 0, false},
+  };
+  for (const Row& r : rows) {
+    SCOPED_TRACE(r.name);
+    Met met({5, 6, 7}, 0);
+    met.rules.advance(met.s.view(), met.out);
+    met.s.roster.now += PartitionMerge::kPace;
+    for (const PeerId p : {PeerId{0}, PeerId{1}}) {
+      if (p == 0 && !r.alone) continue;
+      met.s.empty(p);
+      met.rules.on_change({MemberChange::Kind::kRemoved, p, 1U + p, keyed(p), met.s.roster.now, p, 5}, met.s.view());
+    }
+    met.rules.on_told(keyed(r.by), keyed(6), met.s.view());
+    std::size_t probes = 0;
+    for (const Tick end = met.s.roster.now + r.waits; met.s.roster.now < end;
+         met.s.roster.now += PartitionMerge::kPace) {
+      met.s.roster.seats[0].answered = met.s.roster.now;
+      test::ListedCommands out;
+      met.rules.advance(met.s.view(), out);
+      met.probed_by(6, 6);
+      const auto sent = out.all<wire::Probe>();
+      probes = static_cast<std::size_t>(
+          std::count_if(sent.begin(), sent.end(), [](const auto& probe) { return probe.to == keyed(6); }));
+    }
+    EXPECT_EQ(probes, r.looks_for);
+    EXPECT_EQ(met.yields(), r.yields);
+  }
+}
+
+TEST(PartitionMerge, WithItsProbesEachPartTellsOfItsOwnPeersInTurn) {
+  for (const bool sealed : {true, false}) {
+    Met met({5, 6, 7}, 1);
+    met.s.session.config.sealed = sealed;
+    std::vector<Endpoint> told;
+    for (int i = 0; i < 4; ++i) {
+      met.rules.advance(met.s.view(), met.out);
+      met.s.roster.now += PartitionMerge::kTell;
+    }
+    for (const auto& sent : met.out.all<wire::Newcomer>()) {
+      EXPECT_EQ(sent.to, keyed(5));
+      told.push_back(sent.message.at);
+    }
+    EXPECT_EQ(told, sealed ? (std::vector{keyed(0), keyed(1), keyed(0), keyed(1)}) : std::vector<Endpoint>{});
+  }
+}
+
 // Once, nobody looked for a peer that had left slot 1, joined anew, and was then evicted.
 TEST(PartitionMerge, AnEvictedPeerIsLookedForThoughItHadLeftAnotherSlot) {
   test::Situation s(4, 2);

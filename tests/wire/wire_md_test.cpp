@@ -404,6 +404,8 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("probe_lately", node::PartitionMerge::kLately);
   add("may_be_unknown", node::PartitionMerge::kMayBeUnknown);
   add("strangers", node::PartitionMerge::kStrangers);
+  add("tell_pace", node::PartitionMerge::kTell);
+  add("most_told", node::PartitionMerge::kMostTold);
   add("alone", node::PartitionMerge::kAlone);
   add("probe_remember", node::PartitionMerge::kRemember);
   add("unheard", node::Paths::kUnheard);
