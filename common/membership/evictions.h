@@ -59,6 +59,10 @@ class Evictions {
   /// Whether none of two or more members has followed this peer's polls in kWithheld: they follow another one, and
   /// would not take its order. One member alone may be lying.
   bool is_forsaken() const { return forsaken_; }
+  /// Whether for kWithheld all other members have had an update of a lost peer in the states that they began with,
+  /// which nobody can send. Later ones of that peer show that there is one, so they have confirmed what this peer
+  /// cannot.
+  bool is_behind() const { return behind_; }
   bool busy() const { return !lost_.empty(); }
   /// Whether this peer has replied to a poll of `by` about the peer in the slot: then `by` may evict that peer.
   bool answered(PeerId by, PeerId slot) const { return answered_.contains({by, slot}); }
@@ -113,6 +117,7 @@ class Evictions {
     std::uint32_t index = 0;
   };
   bool is_to_blame(PeerId p, const Missing& missing, const View& view) const;
+  bool is_lacking(const View& view) const;
   bool is_silent(PeerId p, const View& view) const;
   /// Whether `from` may evict peers, as far as this peer can tell.
   bool follows(PeerId from, const wire::Poll& poll, const View& view, Tick due) const;
@@ -170,6 +175,7 @@ class Evictions {
   Tick moved_ = 0;                  ///< tick of the last progress: a reply, a fetched update, or one more lost peer
   std::optional<Missing> missing_;  ///< the update that is being fetched
   bool forsaken_ = false;
+  bool behind_ = false;
 };
 
 }  // namespace padr::node

@@ -15,6 +15,15 @@ bool Evictions::is_to_blame(PeerId p, const Missing& missing, const View& view) 
   return has != (missing.index < view.log.have(missing.of));
 }
 
+// Whether all other members say that they have the update that is missing, and later ones show that there is one.
+bool Evictions::is_lacking(const View& view) const {
+  const auto of = missing_ ? lost_.find(missing_->of) : lost_.end();
+  if (of == lost_.end() || of->second.fetched.upper_bound(missing_->index) == of->second.fetched.end()) return false;
+  for (PeerId p = 0; p < view.roster.slots(); ++p)
+    if (counts(p, view) && !is_to_blame(p, *missing_, view)) return false;
+  return true;
+}
+
 // Whether p's reply about a lost peer has been awaited for too long. Time in which this peer was held up does not
 // count: it could not hear the replies.
 bool Evictions::is_silent(PeerId p, const View& view) const {
@@ -120,8 +129,9 @@ bool Evictions::is_forsaken_by(const std::vector<PeerId>& who, const View& view)
 void Evictions::go_on_without(const View& view, Commands& out) {
   const std::vector<PeerId> who = withholding(view);
   if (who.empty()) return;
+  behind_ = is_lacking(view);
   forsaken_ = is_forsaken_by(who, view);
-  if (forsaken_) return;
+  if (behind_ || forsaken_) return;
   for (const PeerId p : who) {
     withholds_.insert(p);
     out.tell({.kind = SessionEvent::Kind::kWithholds, .peer = p});

@@ -37,7 +37,9 @@ bool Membership::is_overtaken() const {
 // The others redirect whoever joins to the coordinator, which has to be another one. If all have cause to join anew,
 // the last one stays until somebody whom it has let in is really there: a joiner may have given up just before.
 void Membership::step_down() {
-  if (roster().leaving || (!testimony_.misled_by() && !evictions_.is_forsaken() && !is_overtaken())) return;
+  if (roster().leaving ||
+      (!testimony_.misled_by() && !evictions_.is_forsaken() && !evictions_.is_behind() && !is_overtaken()))
+    return;
   const PeerId next = guide();
   stands_down_ = coordinator() == session_.self && next != kNoPeer && roster().seats[next].proven;
   if (stands_down_) replica_.leave();
@@ -60,6 +62,8 @@ std::string Membership::why_back() const {
   if (const auto liar = testimony_.misled_by(); liar && guide() != kNoPeer)
     return "peer " + std::to_string(*liar) + " kept an update from this peer that it has told others";
   if (evictions_.is_forsaken() && guide() != kNoPeer) return "none of the others follows this peer";
+  if (evictions_.is_behind() && guide() != kNoPeer)
+    return "all others have an update of a lost peer that none of them can send";
   const PeerId c = coordinator();
   if (c == session_.self || c == kNoPeer) return "";
   // With a key, the two first find out who has lied to whom.

@@ -339,6 +339,39 @@ TEST_F(Eviction, GoesOnWithoutAMemberThatSaysItLacksWhatAllHaveConfirmed) {
   EXPECT_EQ(orders_.back().removals, (std::vector<sync::Removal>{{3, 4, 1}}));
 }
 
+// The states that the others began with have it. Once, the coordinator went on without, and the others had confirmed
+// another world.
+TEST_F(Eviction, IsNotOrderedIfAllOthersHaveAnUpdateThatNobodyCanSend) {
+  begin();
+  send(1, 2, kNow - 200);
+  reply(1, true, 3, -1);
+  reply(2, true, 3, -1);
+  pass(Evictions::kWithheld - 1);
+  EXPECT_FALSE(rules_.is_behind());
+  pass(2);
+  EXPECT_TRUE(rules_.is_behind());
+  EXPECT_TRUE(orders_.empty());
+}
+
+TEST_F(Eviction, IsOrderedIfOnlySomeSayThatTheyHaveAnUpdateThatNobodyCanSend) {
+  begin();
+  send(1, 2, kNow - 200);
+  reply(1, true, 3, -1);
+  reply(2, true, 1, -1);
+  pass(Evictions::kWithheld + 1);
+  EXPECT_FALSE(rules_.is_behind());
+  EXPECT_FALSE(orders_.empty());
+}
+
+TEST_F(Eviction, IsOrderedIfNothingShowsThatThereIsAnUpdateThatAllOthersSayTheyHave) {
+  begin();
+  reply(1, true, 3, -1);
+  reply(2, true, 3, -1);
+  pass(Evictions::kWithheld + 1);
+  EXPECT_FALSE(rules_.is_behind());
+  EXPECT_FALSE(orders_.empty());
+}
+
 TEST_F(Eviction, IsTakenBackIfTheLostPeerHasPublishedSomethingNew) {
   begin();
   EXPECT_EQ(send(1, 1, s_.roster.now - node::kSilence), 0U) << "before it fell silent";
