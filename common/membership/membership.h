@@ -87,6 +87,8 @@ class Membership {
   /// Whether this peer should ask at way_back() rather than at this address, where it has asked to join anew: the
   /// member there has left, or nobody is known to live.
   bool asks_in_vain(const Endpoint& at) const;
+  /// Whether this peer has left its seat and found nobody for so long that it has to found the session anew.
+  bool founds_anew() const;
   /// Leaves this peer's seat, so that it can have it anew: the session, which it has to join anew, is full.
   void give_seat_back();
   /// Reports once, as an event, that this peer joins anew, and why.
@@ -152,6 +154,7 @@ class Membership {
   std::map<PeerId, Asked> in_vain_;  ///< members that count as silent, as they did not let this peer in anew
   PeerId asked_ = kNoPeer;           ///< the member by which this peer tries to join anew
   Tick back_since_ = 0;              ///< since when it has been trying that
+  Tick alone_since_ = 0;             ///< since when it has left its seat and knows of nobody who lives
   bool told_ = false;
   bool misled_ = false;       ///< another member has lied to this one
   bool stands_down_ = false;  ///< it has left its seat to join anew

@@ -18,6 +18,10 @@ constexpr Tick kInVain = 10 * kTicksPerSecond;
 constexpr Tick kGivenUp = 60 * kTicksPerSecond;
 /// Time for which a peer that knows of no living member asks one place, ticks.
 constexpr Tick kInTurn = 2 * kTicksPerSecond;
+/// Time after which such a peer founds the session anew, ticks; and how much later each one does for every more senior
+/// one that has left, too: it then finds that one, which others can join.
+constexpr Tick kFoundsAnew = 10 * kTicksPerSecond;
+constexpr Tick kAfterSenior = 5 * kTicksPerSecond;
 
 }  // namespace
 
@@ -85,6 +89,7 @@ std::string Membership::why_back() const {
 // coordinator, as that one has lied, may first have to find out itself.
 void Membership::give_up_guide() {
   const Tick now = roster().now;
+  if (!is_alone()) alone_since_ = now;
   std::erase_if(in_vain_, [&](const auto& entry) {
     const auto& [slot, asked] = entry;
     return now - asked.since >= kGivenUp || roster().seats[slot].incarnation != asked.incarnation;
@@ -123,6 +128,14 @@ std::optional<Endpoint> Membership::place_of_somebody() const {
   for (const sync::Transfer::Gone& g : merge_.gone()) add(g.at);
   if (places.empty()) return std::nullopt;
   return places[static_cast<std::size_t>(roster().now / kInTurn) % places.size()];
+}
+
+// Several that have left one after the other may be all who live: nobody of them can let the others in.
+bool Membership::founds_anew() const {
+  Tick after = kFoundsAnew;
+  for (PeerId p = 0; p < session_.slots; ++p)
+    if (roster().seats[p].presence == Presence::kLeft && roster().is_senior(p, session_.self)) after += kAfterSenior;
+  return roster().now - alone_since_ >= std::min(after, 2 * kFoundsAnew);
 }
 
 bool Membership::asks_in_vain(const Endpoint& at) const {

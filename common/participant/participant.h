@@ -128,6 +128,7 @@ class Participant {
   /// Why the scene has no room for the session's slots; empty if it has.
   std::string no_room_for(const Session& session) const;
   void found();
+  void found_anew(Micros local);
   void give_up_waiting(Micros local);
   /// By how much the step begins after the time of its tick, us.
   Micros before_step(Micros local);

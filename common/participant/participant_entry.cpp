@@ -130,6 +130,27 @@ void Participant::found() {
   take_over();
 }
 
+// Nobody is known to be in the session any more: it goes on from the last state that this peer knows. The others that
+// have left find it where they ask for somebody.
+void Participant::found_anew(Micros local) {
+  const Replica& before = replica();
+  SessionConfig c = config_.session;
+  c.join.reset();
+  c.number = session().number();
+  c.id = session().id();
+  c.slots = before.config().slots;
+  c.wanted = std::max(1, session().wanted());
+  c.begins_at = tick_start(before.now());
+  next_ = {};
+  next_.session = std::make_unique<Session>(c, local);
+  next_.session->state().incarnation = before.roster().newest_incarnation() + 2;
+  const ReplicaConfig r = replica_config(*next_.session);
+  next_.replica = std::make_unique<RecordedReplica>(scene_, r, before.founding_anew(r.incarnation), before.now(),
+                                                    recording(), sink());
+  next_.replica->catch_up(0);
+  take_over();
+}
+
 void Participant::begin_with_transfer(Micros local) {
   Session& s = *next_.session;
   auto transfer = wire::decode_transfer(s.transfer(), scene_, s.slots());
@@ -195,6 +216,7 @@ void Participant::look_for_way_back(Micros local) {
   if (left_at_) return;
   const auto where = current_.membership->way_back();
   if (where) current_.membership->announce_way_back();
+  if (current_.membership->founds_anew() && !next_.replica && !scene_.region) return found_anew(local);
   if (next_.session && !next_.replica && (!where || asks_in_vain(*where))) next_ = {};  // no longer needed
   if (next_.session || local < try_again_ || !where || !where->is_set()) return;
   SessionConfig c = config_.session;

@@ -85,7 +85,8 @@ class Replica {
   /// For a peer that is present at tick 0.
   Replica(const Scene& scene, const ReplicaConfig& config, ConfirmedSink on_confirmed = {});
   /// For a peer that joins a running session at tick `now`, and watches until it is admitted. It begins at the
-  /// transfer's tick: nothing but catch_up may be called until that is done.
+  /// transfer's tick: nothing but catch_up may be called until that is done. For a peer that founds a session, the
+  /// transfer is by nobody: it is a member at once.
   Replica(const Scene& scene, const ReplicaConfig& config, const sync::Transfer& start, Tick now,
           ConfirmedSink on_confirmed = {});
   /// Steps towards the tick at which it joins, by at most `most` ticks. Returns whether that tick is reached.
@@ -143,6 +144,8 @@ class Replica {
   PeerId differs_from() const { return differs_from_; }
   /// All that a joiner needs to continue from here.
   sync::Transfer transfer() const;
+  /// Where the session goes on with nobody in it but this peer, as `incarnation`: see sync::founding_anew.
+  sync::Transfer founding_anew(std::uint32_t incarnation) const;
   const LinkState& link(PeerId p) const { return links_[p]; }
   /// Sets the address of p, in a session whose peers are all present from tick 0 on.
   void locate(PeerId p, const Endpoint& at) { roster_.seats[p].at = at; }
@@ -224,6 +227,8 @@ class Replica {
   void close(PeerId p, std::uint32_t count);
   void note_changes(const sync::Bundle& bundle);
   void admit(const sync::Admission& a, const sync::Bundle& by);
+  /// This peer is in, in the tick `since`; `first`: number of its first update, `by`: the slot of who let it in.
+  void take_seat(std::uint32_t first, Tick since, const Endpoint& at, PeerId by);
   void keep_places(const sync::Transfer& start);
   void remove(const sync::Removal& r, const sync::Bundle& by);
   Tick told_until(PeerId p) const;

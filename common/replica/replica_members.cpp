@@ -75,20 +75,8 @@ void Replica::admit(const sync::Admission& a, const sync::Bundle& by) {
   if (a.slot == config_.self) {
     if (a.incarnation > config_.incarnation) expelled_ = true;
     if (a.incarnation != config_.incarnation || member()) return;
-    agreed_.close(a.slot, a.first);
-    agreed_.enter(by.tick);
-    own_first_ = a.first;
-    n.former = {{n.first, n.incarnation, n.at}};
-    n.first = a.first;
-    n.presence = Presence::kAbsent;  // of the former occupant
-    n.at = {};
-    roster_.member = true;
-    roster_.in_since = by.tick;
-    if (by.peer != config_.self) roster_.admitted_by = by.peer;
-    for (LinkState& link : links_) link.out = sync::OutLink(a.first);
-    for (Seat& s : roster_.seats) s.heard = s.answered = s.excused = now();
-    changes_.push_back({MemberChange::Kind::kAdmitted, a.slot, a.incarnation, a.at, by.tick, by.peer, by.tick});
-    return;
+    roster_.admitted_by = by.peer;
+    return take_seat(a.first, by.tick, a.at, by.peer);
   }
   if (a.incarnation <= n.incarnation) return;
   const Endpoint at = as_seen_from(a.at, roster_.place_of_sayer(by));
@@ -103,6 +91,22 @@ void Replica::admit(const sync::Admission& a, const sync::Bundle& by) {
   roster_.seat(a.slot, a.incarnation, a.first, at, by.tick);
   n.confirmed = agreed_.confirmed().tick;
   changes_.push_back({MemberChange::Kind::kAdmitted, a.slot, a.incarnation, at, by.tick, by.peer, by.tick});
+}
+
+void Replica::take_seat(std::uint32_t first, Tick since, const Endpoint& at, PeerId by) {
+  Seat& n = roster_.seats[config_.self];
+  agreed_.close(config_.self, first);
+  agreed_.enter(since);
+  own_first_ = first;
+  n.former = {{n.first, n.incarnation, n.at}};
+  n.first = first;
+  n.presence = Presence::kAbsent;  // of the former occupant
+  n.at = {};
+  roster_.member = true;
+  roster_.in_since = since;
+  for (LinkState& link : links_) link.out = sync::OutLink(first);
+  for (Seat& s : roster_.seats) s.heard = s.answered = s.excused = now();
+  changes_.push_back({MemberChange::Kind::kAdmitted, config_.self, config_.incarnation, at, since, by, since});
 }
 
 void Replica::remove(const sync::Removal& r, const sync::Bundle& by) {
@@ -188,6 +192,13 @@ sync::Transfer Replica::transfer() const {
   return t;
 }
 
+sync::Transfer Replica::founding_anew(std::uint32_t incarnation) const {
+  std::vector<std::uint32_t> have;
+  for (PeerId p = 0; p < roster_.slots(); ++p) have.push_back(agreed_.log().have(p));
+  return sync::founding_anew(scene_, config_.technique.authority, agreed_.predicted_state(), std::move(have),
+                             incarnation, config_.spectates);
+}
+
 // The sender of the transfer knows all present addresses. Updates in it have an address as a coordinator saw it, which
 // may have gone since, and whose slot may be another peer's by now.
 void Replica::keep_places(const sync::Transfer& start) {
@@ -213,6 +224,8 @@ Replica::Replica(const Scene& scene, const ReplicaConfig& config, const sync::Tr
     if (member.present) n.presence = Presence::kThere;
   }
   roster_.admitted_by = start.by;
+  if (start.by == kNoPeer)  // it founds
+    take_seat(start.slots[config.self].first, start.state.tick, {}, config.self);
   for (const sync::Bundle& b : start.tail) file(b);
   keep_places(start);
   comes_at_ = now;

@@ -45,8 +45,12 @@ struct Transfer {
 };
 
 /// Where a region of a crowd begins at tick `now`: as its scene says, with nobody there but whoever founds it, who sits
-/// in slot 0, as `incarnation`, and lets itself in. Its replica goes on from there like any newcomer's.
+/// in slot 0, as `incarnation`. Its replica goes on from there like any newcomer's, and is in at once.
 Transfer founding(const Scene& scene, int slots, bool authority, Tick now, std::uint32_t incarnation);
+/// Where a session goes on from `last`, the latest state that is known, with nobody there but one peer, who sits in
+/// slot 0 anew, as `incarnation`, above all others by at least two. `have`: updates of each slot so far.
+Transfer founding_anew(const Scene& scene, bool authority, const FoldState& last, std::vector<std::uint32_t> have,
+                       std::uint32_t incarnation, bool spectates);
 /// The founder's incarnation is drawn from 1 to this, so that two who found one region are hardly ever taken for one;
 /// small enough for two bytes in every datagram.
 inline constexpr std::uint32_t kMostFounding = 8191;

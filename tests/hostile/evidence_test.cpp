@@ -147,6 +147,33 @@ TEST(Evidence, TheLastOfThoseWhoAreMisledStaysUntilAnotherOneIsThere) {
   })) << t.party().story();
 }
 
+// Nobody of those who have left can let the others in, and who could has ended. Once, all were out for good.
+TEST(Evidence, WhoHaveAllLeftToJoinAnewFoundTheSessionAnew) {
+  Trial t(5, 2, wire::SealMode::kAuth, 610);
+  lab::VirtualNetwork& net = t.party().net();
+  mislead(t, {0, 1, 3});
+  const std::vector<PeerId> left{0, 1, 3};
+  const auto all = [&](auto&& is) { return std::all_of(left.begin(), left.end(), is); };
+  ASSERT_TRUE(t.party().run_until(20, [&] { return all([&](PeerId p) { return t.replica(p).roster().leaving; }); }))
+      << t.party().story();
+  net.kill(t.person(4));
+  EXPECT_TRUE(t.party().run_until(30, [&] {
+    return all([&](PeerId p) {
+      const node::Participant& peer = net.peer(t.person(p));
+      return peer.incarnation() > 0 && !peer.returning() && peer.session().present() == 3;
+    });
+  })) << t.party().story();
+  t.party().run(5);
+  for (const PeerId p : left) {
+    const node::ReplicaStats& stats = net.peer(t.person(p)).replica().stats();
+    EXPECT_GT(stats.hash_checks, 0U);
+    EXPECT_EQ(stats.hash_mismatches, 0U);
+  }
+  const sync::FoldState& now = net.peer(t.person(0)).replica().agreed().confirmed();
+  EXPECT_TRUE(now.playing());
+  EXPECT_EQ(std::count_if(now.avatars.begin(), now.avatars.end(), [](const auto& m) { return m.present; }), 3);
+}
+
 // Whoever has left to join anew is no member any more. Once, it knew nobody if all who had been there joined anew
 // before it could.
 TEST(Evidence, WhoStandsDownFindsThoseWhoHaveJoinedAnewSince) {
