@@ -158,6 +158,8 @@ void Participant::begin_with_transfer(Micros local) {
     s.state().fail("the transfer of " + to_string(s.introducer()) + " does not decode");
     return;
   }
+  if (const sync::Member& own = transfer->state.members[s.self()]; own.present && own.incarnation == s.incarnation())
+    return s.state().fail("by the transfer of " + to_string(s.introducer()) + ", this peer is in already");
   const Tick now = tick_at(s.session_now(local));
   const Tick then = transfer->state.tick;
   if (then > now + kMostAhead || then < now - kMostBehind) {

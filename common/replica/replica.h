@@ -85,8 +85,8 @@ class Replica {
   /// For a peer that is present at tick 0.
   Replica(const Scene& scene, const ReplicaConfig& config, ConfirmedSink on_confirmed = {});
   /// For a peer that joins a running session at tick `now`, and watches until it is admitted. It begins at the
-  /// transfer's tick: nothing but catch_up may be called until that is done. For a peer that founds a session, the
-  /// transfer is by nobody: it is a member at once.
+  /// transfer's tick: nothing but catch_up may be called until that is done. For a peer that founds a session, which
+  /// is a member in the transfer's state, that is all: it is in at once.
   Replica(const Scene& scene, const ReplicaConfig& config, const sync::Transfer& start, Tick now,
           ConfirmedSink on_confirmed = {});
   /// Steps towards the tick at which it joins, by at most `most` ticks. Returns whether that tick is reached.

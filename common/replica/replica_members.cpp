@@ -224,7 +224,8 @@ Replica::Replica(const Scene& scene, const ReplicaConfig& config, const sync::Tr
     if (member.present) n.presence = Presence::kThere;
   }
   roster_.admitted_by = start.by;
-  if (start.by == kNoPeer)  // it founds
+  const sync::Member& own = start.state.members[config.self];
+  if (own.present && own.incarnation == config.incarnation)  // it founds
     take_seat(start.slots[config.self].first, start.state.tick, {}, config.self);
   for (const sync::Bundle& b : start.tail) file(b);
   keep_places(start);

@@ -2,7 +2,9 @@
 #include <memory>
 #include <set>
 
+#include "common/trace/trace_reader.h"
 #include "tests/hostile/liar.h"
+#include "tools/lab/replay.h"
 
 namespace padr::test {
 namespace {
@@ -149,7 +151,18 @@ TEST(Evidence, TheLastOfThoseWhoAreMisledStaysUntilAnotherOneIsThere) {
 
 // Nobody of those who have left can let the others in, and who could has ended. Once, all were out for good.
 TEST(Evidence, WhoHaveAllLeftToJoinAnewFoundTheSessionAnew) {
-  Trial t(5, 2, wire::SealMode::kAuth, 610);
+  std::map<std::pair<int, int>, std::vector<std::byte>> traces;  // by person and incarnation
+  Trial t(5, 2, wire::SealMode::kAuth, 610, [&traces](lab::VirtualNetworkConfig& c) {
+    trace::Provenance from;
+    from.scenario = "arena";
+    from.scenario_text = scenarios::with_bodies(scenarios::embedded_text("arena"), "arena", 20);
+    from.scenario_seed = c.seed;
+    c.recording = [&traces, from](int person, int incarnation) -> std::optional<node::RecordedReplica::Recording> {
+      std::vector<std::byte>& into = traces[{person, incarnation}];
+      return node::RecordedReplica::Recording{
+          from, [&into](std::span<const std::byte> b) { into.insert(into.end(), b.begin(), b.end()); }};
+    };
+  });
   lab::VirtualNetwork& net = t.party().net();
   mislead(t, {0, 1, 3});
   const std::vector<PeerId> left{0, 1, 3};
@@ -172,6 +185,13 @@ TEST(Evidence, WhoHaveAllLeftToJoinAnewFoundTheSessionAnew) {
   const sync::FoldState& now = net.peer(t.person(0)).replica().agreed().confirmed();
   EXPECT_TRUE(now.playing());
   EXPECT_EQ(std::count_if(now.avatars.begin(), now.avatars.end(), [](const auto& m) { return m.present; }), 3);
+  net.finish();
+  for (const PeerId p : left) {
+    trace::TraceReader reader(traces.at({t.person(p), 1}), "trace");
+    const lab::ReplayResult again = lab::replay(reader);
+    EXPECT_EQ(again.difference, "");
+    EXPECT_GT(again.datagrams_out, 0U);
+  }
 }
 
 // Whoever has left to join anew is no member any more. Once, it knew nobody if all who had been there joined anew
