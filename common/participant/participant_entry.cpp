@@ -140,7 +140,7 @@ void Participant::found_anew(Micros local) {
   c.id = session().id();
   c.slots = before.config().slots;
   c.wanted = std::max(1, session().wanted());
-  c.begins_at = tick_start(before.now());
+  c.begins_at = session().session_now(local);
   next_ = {};
   next_.session = std::make_unique<Session>(c, local);
   next_.session->state().incarnation = before.roster().newest_incarnation() + 2;
