@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cstdint>
+#include <filesystem>
 #include <numeric>
 #include <regex>
 #include <utility>
@@ -80,6 +81,15 @@ std::string guess_for(const CLI::App& app, const std::string& word) {
   return best.empty() ? "" : "; did you mean " + best + "?";
 }
 
+/// Names of the options that take files: "--trace or --capture"; empty if there are none.
+std::string options_for_files(const CLI::App& app) {
+  std::string all;
+  for (const CLI::Option* o : app.get_options())
+    if (!o->get_lnames().empty() && o->get_type_name().find("FILE") != std::string::npos)
+      all += (all.empty() ? "--" : " or --") + o->get_lnames().front();
+  return all;
+}
+
 /// What to say of the first word of the command line that nobody wants.
 std::string not_expected(const CLI::App& app, int argc, const char* const* argv) {
   const auto given = app.get_subcommands();
@@ -92,6 +102,10 @@ std::string not_expected(const CLI::App& app, int argc, const char* const* argv)
         left.end())
       continue;
     if (word.starts_with('-')) return "'" + word + "' is no option here" + guess_for(in, word);
+    const std::string for_files = options_for_files(in);
+    std::error_code unreadable;
+    if (!for_files.empty() && std::filesystem::exists(word, unreadable))
+      return "'" + word + "' stands without an option; give a file by " + for_files;
     return "'" + word + "' is one word too many; put a value that has spaces in quotes";
   }
   return "unexpected arguments";

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,26 @@ TEST(CommandLine, AWrongValueIsNamedWithWhatIsAllowed) {
       {{"--sed", "1"}, "'--sed' is no option here; did you mean --seed? (see --help)"},
   };
   for (const Row& r : rows) EXPECT_EQ(answer_to(r.words), r.answer);
+}
+
+TEST(CommandLine, AFileWithoutAnOptionIsToldWhichTakeFiles) {
+  CLI::App app;
+  std::string trace;
+  std::string capture;
+  app.add_option("--trace", trace)->type_name("FILE|FOLDER");
+  app.add_option("--capture", capture)->type_name("FILE");
+  const auto answer = [&app](const char* word) {
+    const std::array argv{"program", word};
+    try {
+      shell::parse(app, 2, argv.data());
+    } catch (const UserError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(answer("/"), "'/' stands without an option; give a file by --trace or --capture (see --help)");
+  EXPECT_EQ(answer("/no such file"),
+            "'/no such file' is one word too many; put a value that has spaces in quotes (see --help)");
 }
 
 TEST(CommandLine, WhoGivesNoCommandIsToldWhichThereAre) {
