@@ -31,7 +31,7 @@ const COLUMNS = [
   },
   { head: "technique", cell: (p) => p.technique ?? "–", title: (p) => p.settings },
   { head: "address", cell: (p) => p.address ?? "–" },
-  { head: "life", title: "How often it has come in again", cell: (p) => String((p.incarnation ?? 0) + 1) },
+  { head: "incarnation", title: "Number with which it came into the session, the higher the later", cell: (p) => String(p.incarnation ?? "–") },
   { head: "version", title: (p) => p.version ?? "", cell: (p) => p.version?.split(" ")[0] ?? "–" },
 ];
 
