@@ -142,7 +142,7 @@ std::vector<sync::Transfer::Gone> PartitionMerge::evidence(const Side& side, con
     else if (disowned != disowned_by_.end() && disowned->second == w.incarnation &&
              view.roster.seats[w.slot].at.key == w.from.key)
       known.push_back({w.from, since(w.slot, view), view.roster.now});
-    else if (is_lonely(view))
+    else if (is_lonely(kAlone, view))
       for (const Told& t : told_)
         if (t.at.key == w.from.key) known.push_back({w.from, t.since, t.since});
   }
@@ -178,9 +178,9 @@ bool PartitionMerge::has_stronger_evidence(const wire::Probe& probe, const Side&
   Tick split = std::numeric_limits<Tick>::max();
   for (const Gone& g : witnesses) split = std::min(split, g.removed);
   // Nothing shows which part is the larger one, in neither of them perhaps: then they may have their word, after a
-  // while.
+  // while. Of two that are alone the other one may know nothing of this one, and wait for ever.
   if (std::none_of(witnesses.begin(), witnesses.end(), was_member))
-    return is_larger(probe, us, view) && view.roster.now - split >= kStrangers;
+    return view.roster.now - split >= kStrangers && (is_larger(probe, us, view) || is_lonely(kLonely, view));
   const auto weigh = [&](Tick margin) {
     Weights w;
     for (const Gone& g : witnesses)
@@ -313,7 +313,7 @@ void PartitionMerge::advance(const View& view, Commands& out) {
     out.send(r.gone.at, our_probe(false, view));
     if (of != kNoPeer) out.send(r.gone.at, wire::Newcomer{view.roster.seats[of].at});
   }
-  if (!is_lonely(view)) return;
+  if (!is_lonely(kAlone, view)) return;
   for (const Told& t : told_)
     if (view.roster.now - t.since <= kRemember) out.send(t.at, our_probe(false, view));
 }

@@ -69,6 +69,8 @@ class PartitionMerge {
   static constexpr Tick kStrangers = 10 * kTicksPerSecond;
   /// The same for a peer that is alone, if it knows but one of that part, or has only been told of that part.
   static constexpr Tick kAlone = 30 * kTicksPerSecond;
+  /// Time after which a peer that is alone yields though its part is not the smaller one, ticks.
+  static constexpr Tick kLonely = 3 * kAlone;
   /// Time between two peers of the own part that the other part is told of, ticks.
   static constexpr Tick kTell = 2 * kTicksPerSecond;
   /// Peers of other parts that are remembered as told; the latest.
@@ -117,8 +119,8 @@ class PartitionMerge {
   /// Whether the peer in slot p is another one of our part.
   bool is_ours(PeerId p, const View& view) const;
   bool has_company(const View& view) const;
-  /// Whether this peer has had nobody else in its part for kAlone.
-  bool is_lonely(const View& view) const { return view.roster.now - had_company_ >= kAlone; }
+  /// Whether this peer has had nobody else in its part for that time, ticks.
+  bool is_lonely(Tick time, const View& view) const { return view.roster.now - had_company_ >= time; }
   /// Whether a peer with this key was a member here, or is one.
   bool has_been_here(const PublicKey& key, const View& view) const;
   PeerId next_to_tell_of(const View& view);

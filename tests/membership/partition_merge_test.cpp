@@ -315,6 +315,34 @@ TEST(PartitionMerge, WhoHasBeenAloneForLongGoesToThoseOfWhomAFormerMemberHasTold
   }
 }
 
+// Both are alone, and only this one has been told of the other. Once, it waited for the other to come, as the own part
+// ranks first.
+TEST(PartitionMerge, OfTwoThatAreAloneTheOneThatKnowsOfTheOtherGoesInTheEnd) {
+  for (const PeerId other : {PeerId{1}, PeerId{6}}) {
+    for (const bool yields : {false, true}) {
+      SCOPED_TRACE(std::to_string(other) + " " + std::to_string(yields));
+      Met met({5, 6, 7}, 0);
+      met.rules.advance(met.s.view(), met.out);
+      for (const PeerId p : {PeerId{0}, PeerId{1}}) met.s.empty(p);
+      met.rules.on_change({MemberChange::Kind::kRemoved, 0, 1, keyed(0), test::kNow, 0, 5}, met.s.view());
+      met.rules.on_told(keyed(0), keyed(6), met.s.view());
+      met.probe.members = {{other, 7, 0}};
+      met.probe.incarnation = 7;
+      met.probe.yields = yields;
+      std::optional<Tick> went;
+      for (const Tick begin = met.s.roster.now; !went && met.s.roster.now < begin + 2 * PartitionMerge::kLonely;
+           met.s.roster.now += PartitionMerge::kPace) {
+        met.rules.advance(met.s.view(), met.out);
+        met.rules.on_probe(keyed(6), other, met.probe, wire::kMaxDatagram, met.s.view(), 0, met.out);
+        if (met.yields()) went = met.s.roster.now - begin;
+      }
+      ASSERT_EQ(went.has_value(), other == 1 || !yields);
+      if (!went) continue;
+      EXPECT_EQ(*went < PartitionMerge::kLonely - PartitionMerge::kPace, other == 1) << *went;
+    }
+  }
+}
+
 TEST(PartitionMerge, WithItsProbesEachPartTellsOfItsOwnPeersInTurn) {
   for (const bool sealed : {true, false}) {
     Met met({5, 6, 7}, 1);

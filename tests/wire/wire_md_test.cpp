@@ -407,6 +407,7 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("tell_pace", node::PartitionMerge::kTell);
   add("most_told", node::PartitionMerge::kMostTold);
   add("alone", node::PartitionMerge::kAlone);
+  add("lonely", node::PartitionMerge::kLonely);
   add("probe_remember", node::PartitionMerge::kRemember);
   add("unheard", node::Paths::kUnheard);
   add("carried_unanswered", node::Paths::kUnanswered);
