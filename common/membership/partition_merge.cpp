@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 namespace padr::node {
 
@@ -287,12 +288,16 @@ void PartitionMerge::on_told(const Endpoint& from, const Endpoint& of, const Vie
   keep(told_, {of, view.roster.now}, kMostTold);
 }
 
-PeerId PartitionMerge::next_to_tell_of(const View& view) {
-  for (PeerId tried = 0; tried < view.roster.slots(); ++tried) {
-    const auto p = static_cast<PeerId>(next_told_of_++ % view.roster.slots());
-    if (p != view.roster.self && view.roster.seats[p].there() && view.roster.seats[p].at.has_key()) return p;
+// The first time of as many as the other one remembers: there may be no second time. Then of one, the next by slot.
+void PartitionMerge::tell_of_ours(Remembered& to, const View& view, Commands& out) {
+  std::size_t left = std::exchange(to.told, true) ? 1 : kMostTold;
+  for (PeerId tried = 0; tried < view.roster.slots() && left > 0; ++tried) {
+    to.next = static_cast<PeerId>((to.next + 1) % view.roster.slots());
+    const Seat& s = view.roster.seats[to.next];
+    if (to.next == view.roster.self || !s.there() || !s.at.has_key()) continue;
+    out.send(to.gone.at, wire::Newcomer{s.at});
+    --left;
   }
-  return kNoPeer;
 }
 
 void PartitionMerge::advance(const View& view, Commands& out) {
@@ -305,13 +310,12 @@ void PartitionMerge::advance(const View& view, Commands& out) {
                                      [&](const Seat& s) { return s.there() && s.at == r.gone.at; });
     return view.roster.now - r.kept > kRemember || (!r.has_left && is_back);
   });
-  const bool tells = session_.config.sealed && view.roster.now - told_at_ >= kTell;
-  const PeerId of = tells ? next_to_tell_of(view) : kNoPeer;
+  const bool tells = view.roster.now - told_at_ >= kTell;
   if (tells) told_at_ = view.roster.now;
-  for (const Remembered& r : gone_) {
+  for (Remembered& r : gone_) {
     if (r.has_left || member_at(r.gone.at, view)) continue;
     out.send(r.gone.at, our_probe(false, view));
-    if (of != kNoPeer) out.send(r.gone.at, wire::Newcomer{view.roster.seats[of].at});
+    if (session_.config.sealed && (tells || !r.told)) tell_of_ours(r, view, out);
   }
   if (!is_lonely(kAlone, view)) return;
   for (const Told& t : told_)

@@ -71,7 +71,7 @@ class PartitionMerge {
   static constexpr Tick kAlone = 30 * kTicksPerSecond;
   /// Time after which a peer that is alone yields though its part is not the smaller one, ticks.
   static constexpr Tick kLonely = 3 * kAlone;
-  /// Time between two peers of the own part that the other part is told of, ticks.
+  /// Time between two peers of the own part that a peer of another part is told of, ticks, after the first ones.
   static constexpr Tick kTell = 2 * kTicksPerSecond;
   /// Peers of other parts that are remembered as told; the latest.
   static constexpr std::size_t kMostTold = 8;
@@ -83,6 +83,8 @@ class PartitionMerge {
     Gone gone;
     Tick kept = 0;          ///< when it was remembered
     bool has_left = false;  ///< by itself: it is not looked for
+    bool told = false;      ///< of members of our part
+    PeerId next = 0;        ///< the one of whom it was told last
   };
   /// A peer of another part, by a Probe of its own.
   struct Witness {
@@ -123,7 +125,7 @@ class PartitionMerge {
   bool is_lonely(Tick time, const View& view) const { return view.roster.now - had_company_ >= time; }
   /// Whether a peer with this key was a member here, or is one.
   bool has_been_here(const PublicKey& key, const View& view) const;
-  PeerId next_to_tell_of(const View& view);
+  void tell_of_ours(Remembered& to, const View& view, Commands& out);
   Side ours(const View& view) const;
   void note_witness(const Endpoint& from, PeerId sender, std::uint32_t incarnation, Tick now);
   std::vector<Gone> evidence(const Side& side, const View& view) const;
@@ -151,7 +153,6 @@ class PartitionMerge {
   std::optional<Endpoint> winner_;
   Tick probed_ = 0;
   Tick told_at_ = -kTell;
-  unsigned next_told_of_ = 0;
   Tick had_company_ = std::numeric_limits<Tick>::max();  ///< when somebody else was last in this part
   Tick won_at_ = 0;
   Tick larger_since_ = 0;  ///< since when Probes of a larger part have come
