@@ -33,10 +33,12 @@ class Stories(Case):
         wait(lambda: b.script("return document.querySelectorAll('#stories li').length") >= 5, "the list of stories")
         self.assertTrue(b.script("return document.querySelector('#stories').open"))
         b.picture("stories")
+        clicked = time.monotonic()
         b.find('#stories a[href="?sample=stop-short"]').click()
         wait(lambda: b.script("return window.padr && padr.session.timeline && padr.session.timeline.tick > 60"), "the story to play")
         first = b.script("return padr.session.timeline.tick")
-        self.assertLess(first, 300, "it begins at its beginning")
+        most = 60 * (time.monotonic() - clicked + 1)  # what can have been played since, on a machine of any speed
+        self.assertLess(first, most, "it begins at its beginning")
         before = b.script(PRINTS)
         self.assertEqual(len(before), 2)
         wait(lambda: all(x != y for x, y in zip(before, b.script(PRINTS))), "the pictures to move")
