@@ -195,9 +195,7 @@ void Membership::take(const std::vector<sync::Transfer::Proof>& proofs) {
 void Membership::inherit(const Membership& before) {
   take(before.testimony_.proofs());
   misbehaviour_.inherit(before.misbehaviour_);
-  // Where they are, not evidence: this peer was in no session with them and with the present members.
-  const Tick now = roster().now;
-  for (const Seat& s : before.roster().seats) merge_.remember({s.at, now, now}, now);
+  merge_.inherit(before.merge_, before.view(), roster().now);
 }
 
 void Membership::follow_testimony() {

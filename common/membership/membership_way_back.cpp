@@ -46,7 +46,9 @@ void Membership::step_down() {
     return;
   const PeerId next = guide();
   stands_down_ = coordinator() == session_.self && next != kNoPeer && roster().seats[next].proven;
-  if (stands_down_) replica_.leave();
+  if (!stands_down_) return;
+  announce_way_back();
+  replica_.leave();
 }
 
 PeerId Membership::guide() const {

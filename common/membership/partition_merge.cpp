@@ -48,10 +48,28 @@ void PartitionMerge::on_change(const MemberChange& change, const View& view) {
 void PartitionMerge::remember(const Gone& gone, Tick now) {
   for (Remembered& r : gone_) {
     if (r.gone.at != gone.at) continue;
-    if (r.has_left || !was_member(r.gone)) r = {was_member(gone) ? gone : r.gone, now};
+    if (r.has_left || !was_member(r.gone)) r = {was_member(gone) ? gone : r.gone, now, false, false, 0, r.before};
     return;
   }
   if (gone.at.is_set()) keep(gone_, {gone, now}, kMost);
+}
+
+// Where they are, not evidence: this peer was in no session with them and with the present members. Once it has nobody
+// else, it goes by what it knew of them.
+void PartitionMerge::inherit(const PartitionMerge& before, const View& then, Tick now) {
+  had_company_ = now;
+  for (PeerId p = 0; p < then.roster.slots(); ++p) {
+    const Endpoint& at = then.roster.seats[p].at;
+    remember({at, now, now}, now);
+    for (Remembered& r : gone_)
+      if (r.gone.at == at) r.before = before.since(p, then);
+  }
+}
+
+PartitionMerge::Gone PartitionMerge::known(const Remembered& r, const View& view) const {
+  Gone known = r.gone;
+  if (!was_member(known) && r.before < known.removed && is_lonely(kStrangers, view)) known.since = r.before;
+  return known;
 }
 
 std::vector<sync::Transfer::Gone> PartitionMerge::gone() const {
@@ -120,16 +138,23 @@ bool PartitionMerge::outranks(const Side& a, const Side& b) {
                                       });
 }
 
-void PartitionMerge::note_witness(const Endpoint& from, PeerId sender, std::uint32_t incarnation, Tick now) {
-  std::erase_if(witnesses_, [&](const Witness& w) { return w.from.key == from.key || now - w.heard >= kLately; });
-  keep(witnesses_, {from, sender, incarnation, now}, kMost);
+PartitionMerge::Witness& PartitionMerge::note_witness(const Endpoint& from, PeerId sender, std::uint32_t incarnation,
+                                                      Tick now) {
+  Witness noted{from, sender, incarnation, now};
+  std::erase_if(witnesses_, [&](const Witness& w) {
+    const bool same = session_.config.sealed ? w.from.key == from.key : w.from == from;
+    if (same) noted.answered = w.answered;
+    return same || now - w.heard >= kLately;
+  });
+  keep(witnesses_, noted, kMost);
+  return witnesses_.back();
 }
 
 // The peers of that part that have sent a Probe lately and, by our own log, were members until they were evicted or
 // left, or are until now. Whoever left to join anew may have found other members than we did. For a peer that has been
-// alone for long those count, too, of which it was only told.
+// alone for long those count, too, that its former incarnation knew, or of which it was only told.
 std::vector<sync::Transfer::Gone> PartitionMerge::evidence(const Side& side, const View& view) const {
-  std::vector<Gone> known;
+  std::vector<Gone> all;
   for (const Witness& w : witnesses_) {
     const bool listed = std::any_of(side.begin(), side.end(), [&](const wire::Seat& s) {
       return s.slot == w.slot && s.incarnation == w.incarnation;
@@ -139,15 +164,15 @@ std::vector<sync::Transfer::Gone> PartitionMerge::evidence(const Side& side, con
         std::find_if(gone_.begin(), gone_.end(), [&](const Remembered& r) { return r.gone.at.key == w.from.key; });
     const auto disowned = disowned_by_.find(w.slot);
     if (gone != gone_.end())
-      known.push_back(gone->gone);
+      all.push_back(known(*gone, view));
     else if (disowned != disowned_by_.end() && disowned->second == w.incarnation &&
              view.roster.seats[w.slot].at.key == w.from.key)
-      known.push_back({w.from, since(w.slot, view), view.roster.now});
+      all.push_back({w.from, since(w.slot, view), view.roster.now});
     else if (is_lonely(kAlone, view))
       for (const Told& t : told_)
-        if (t.at.key == w.from.key) known.push_back({w.from, t.since, t.since});
+        if (t.at.key == w.from.key) all.push_back({w.from, t.since, t.since});
   }
-  return known;
+  return all;
 }
 
 bool PartitionMerge::is_outranked(const wire::Probe& probe, const Side& us, const View& view) const {
@@ -176,7 +201,7 @@ bool PartitionMerge::has_stronger_evidence(const wire::Probe& probe, const Side&
   const bool disjoint = outranks(probe.members, us) || outranks(us, probe.members);
   const std::vector<Gone> witnesses = evidence(probe.members, view);
   if (!disjoint || witnesses.empty()) return false;
-  Tick split = std::numeric_limits<Tick>::max();
+  Tick split = kNever;
   for (const Gone& g : witnesses) split = std::min(split, g.removed);
   // Nothing shows which part is the larger one, in neither of them perhaps: then they may have their word, after a
   // while. Of two that are alone the other one may know nothing of this one, and wait for ever.
@@ -219,7 +244,7 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
   } else if (member_at(from, view)) {
     return;  // sent by another incarnation
   }
-  note_witness(from, sender, probe.incarnation, view.roster.now);
+  Witness& witness = note_witness(from, sender, probe.incarnation, view.roster.now);
   const Side us = ours(view);
   // Whoever has left to join anew and knows nobody any more has nothing to lose.
   const bool is_lost = view.roster.leaving && us.size() == 1;
@@ -231,7 +256,9 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
     return;
   }
   if (winner_ == from) winner_.reset();
-  if (view.roster.leaving || !out.may_answer(local)) return;
+  // Once, two parts that did not merge answered each other's replies as fast as these came.
+  if (view.roster.leaving || view.roster.now - witness.answered < kAnswerPace || !out.may_answer(local)) return;
+  witness.answered = view.roster.now;
   if (known) return out.send(from, our_probe(true, view));
   reply_within_credit(from, bytes, view, out);
 }

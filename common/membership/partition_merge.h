@@ -48,6 +48,8 @@ class PartitionMerge {
   /// Once a tick.
   void advance(const View& view, Commands& out);
 
+  /// Sends Probes to those whom this peer's former incarnation knew, too, from now on.
+  void inherit(const PartitionMerge& before, const View& then, Tick now);
   /// Sends Probes to this evicted peer, too, from now on.
   void remember(const sync::Transfer::Gone& gone, Tick now);
   std::vector<sync::Transfer::Gone> gone() const;
@@ -59,6 +61,8 @@ class PartitionMerge {
   std::optional<Endpoint> winner(const View& view) const;
 
   static constexpr Tick kPace = kTicksPerSecond / 3;
+  /// Least time between two Probes in reply to one peer, ticks: each of its Probes is replied to, but not its replies.
+  static constexpr Tick kAnswerPace = kPace / 2;
   static constexpr Tick kGrace = kTicksPerSecond;
   static constexpr Tick kLately = 2 * kTicksPerSecond;
   static constexpr Tick kRemember = 20 * 60 * kTicksPerSecond;
@@ -79,12 +83,14 @@ class PartitionMerge {
 
  private:
   using Gone = sync::Transfer::Gone;
+  static constexpr Tick kNever = std::numeric_limits<Tick>::max();
   struct Remembered {
     Gone gone;
     Tick kept = 0;          ///< when it was remembered
     bool has_left = false;  ///< by itself: it is not looked for
     bool told = false;      ///< of members of our part
     PeerId next = 0;        ///< the one of whom it was told last
+    Tick before = kNever;   ///< its first admission, as a former incarnation of this peer knew it
   };
   /// A peer of another part, by a Probe of its own.
   struct Witness {
@@ -92,11 +98,12 @@ class PartitionMerge {
     PeerId slot = kNoPeer;
     std::uint32_t incarnation = 0;
     Tick heard = 0;
+    Tick answered = -kAnswerPace;  ///< when it was last sent a Probe in reply
   };
   /// The peers of a part that the other part knows.
   struct Weight {
     std::size_t peers = 0;
-    Tick senior = std::numeric_limits<Tick>::max();  ///< first admission of the most senior of them
+    Tick senior = kNever;  ///< first admission of the most senior of them
     void add(Tick since) {
       ++peers;
       senior = std::min(senior, since);
@@ -123,11 +130,13 @@ class PartitionMerge {
   bool has_company(const View& view) const;
   /// Whether this peer has had nobody else in its part for that time, ticks.
   bool is_lonely(Tick time, const View& view) const { return view.roster.now - had_company_ >= time; }
+  /// What this peer knows of it, for evidence.
+  Gone known(const Remembered& r, const View& view) const;
   /// Whether a peer with this key was a member here, or is one.
   bool has_been_here(const PublicKey& key, const View& view) const;
   void tell_of_ours(Remembered& to, const View& view, Commands& out);
   Side ours(const View& view) const;
-  void note_witness(const Endpoint& from, PeerId sender, std::uint32_t incarnation, Tick now);
+  Witness& note_witness(const Endpoint& from, PeerId sender, std::uint32_t incarnation, Tick now);
   std::vector<Gone> evidence(const Side& side, const View& view) const;
   /// Whether a Probe of the larger part has come lately.
   bool is_outvoted(const View& view) const;
@@ -153,7 +162,7 @@ class PartitionMerge {
   std::optional<Endpoint> winner_;
   Tick probed_ = 0;
   Tick told_at_ = -kTell;
-  Tick had_company_ = std::numeric_limits<Tick>::max();  ///< when somebody else was last in this part
+  Tick had_company_ = kNever;  ///< when somebody else was last in this part
   Tick won_at_ = 0;
   Tick larger_since_ = 0;  ///< since when Probes of a larger part have come
   Tick larger_seen_ = -kLately;

@@ -129,6 +129,8 @@ class Participant {
   std::string no_room_for(const Session& session) const;
   void found();
   void found_anew(Micros local);
+  /// Begins the next incarnation with this state, which is the session's at `now`.
+  void go_on_from(const sync::Transfer& start, const ReplicaConfig& config, Tick now);
   void give_up_waiting(Micros local);
   /// By how much the step begins after the time of its tick, us.
   Micros before_step(Micros local);

@@ -121,12 +121,15 @@ void Participant::found() {
   const ReplicaConfig c = replica_config(*next_.session);
   if (const auto begins_at = config_.session.begins_at) {
     const auto now = tick_at(*begins_at);
-    const sync::Transfer start = sync::founding(scene_, c.slots, c.technique.authority, now, c.incarnation);
-    next_.replica = std::make_unique<RecordedReplica>(scene_, c, start, now, recording(), sink());
-    next_.replica->catch_up(0);  // it is at that tick already
-  } else {
-    next_.replica = std::make_unique<RecordedReplica>(scene_, c, recording(), sink());
+    return go_on_from(sync::founding(scene_, c.slots, c.technique.authority, now, c.incarnation), c, now);
   }
+  next_.replica = std::make_unique<RecordedReplica>(scene_, c, recording(), sink());
+  take_over();
+}
+
+void Participant::go_on_from(const sync::Transfer& start, const ReplicaConfig& config, Tick now) {
+  next_.replica = std::make_unique<RecordedReplica>(scene_, config, start, now, recording(), sink());
+  next_.replica->catch_up(0);  // it is at that tick already
   take_over();
 }
 
@@ -145,10 +148,7 @@ void Participant::found_anew(Micros local) {
   next_.session = std::make_unique<Session>(c, local);
   next_.session->state().incarnation = before.roster().newest_incarnation() + 2;
   const ReplicaConfig r = replica_config(*next_.session);
-  next_.replica = std::make_unique<RecordedReplica>(scene_, r, before.founding_anew(r.incarnation), before.now(),
-                                                    recording(), sink());
-  next_.replica->catch_up(0);
-  take_over();
+  go_on_from(before.founding_anew(r.incarnation), r, before.now());
 }
 
 void Participant::begin_with_transfer(Micros local) {

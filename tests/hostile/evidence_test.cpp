@@ -4,6 +4,7 @@
 
 #include "common/trace/trace_reader.h"
 #include "tests/hostile/liar.h"
+#include "tests/trace/recorded_lives.h"
 #include "tools/lab/replay.h"
 
 namespace padr::test {
@@ -151,17 +152,13 @@ TEST(Evidence, TheLastOfThoseWhoAreMisledStaysUntilAnotherOneIsThere) {
 
 // Nobody of those who have left can let the others in, and who could has ended. Once, all were out for good.
 TEST(Evidence, WhoHaveAllLeftToJoinAnewFoundTheSessionAnew) {
-  std::map<std::pair<int, int>, std::vector<std::byte>> traces;  // by person and incarnation
+  Traces traces;
   Trial t(5, 2, wire::SealMode::kAuth, 610, [&traces](lab::VirtualNetworkConfig& c) {
     trace::Provenance from;
     from.scenario = "arena";
     from.scenario_text = scenarios::with_bodies(scenarios::embedded_text("arena"), "arena", 20);
     from.scenario_seed = c.seed;
-    c.recording = [&traces, from](int person, int incarnation) -> std::optional<node::RecordedReplica::Recording> {
-      std::vector<std::byte>& into = traces[{person, incarnation}];
-      return node::RecordedReplica::Recording{
-          from, [&into](std::span<const std::byte> b) { into.insert(into.end(), b.begin(), b.end()); }};
-    };
+    c.recording = record_into(traces, from);
   });
   lab::VirtualNetwork& net = t.party().net();
   mislead(t, {0, 1, 3});

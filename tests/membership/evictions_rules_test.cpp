@@ -201,6 +201,9 @@ TEST_F(Eviction, IsNotOrderedIfNoneOfSeveralMembersFollows) {
   pass(Evictions::kWithheld);
   EXPECT_TRUE(rules_.is_forsaken()) << "the one has been silent for longer than the other";
   EXPECT_TRUE(orders_.empty());
+  reply(2, true, 1, -1);
+  pass(1);
+  EXPECT_FALSE(rules_.is_forsaken()) << "one follows after all";
 }
 
 TEST_F(Eviction, IsOrderedIfTheOnlyMemberLeftDoesNotFollow) {
@@ -351,6 +354,10 @@ TEST_F(Eviction, IsNotOrderedIfAllOthersHaveAnUpdateThatNobodyCanSend) {
   pass(2);
   EXPECT_TRUE(rules_.is_behind());
   EXPECT_TRUE(orders_.empty());
+  send(1, 1, kNow - 300);
+  pass(1);
+  EXPECT_FALSE(rules_.is_behind()) << "it has come after all";
+  EXPECT_FALSE(orders_.empty());
 }
 
 TEST_F(Eviction, IsOrderedIfOnlySomeSayThatTheyHaveAnUpdateThatNobodyCanSend) {

@@ -3,13 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
-
-#include "tests/membership/rules.h"
+#include "tests/membership/merge.h"
 
 namespace padr::node {
 namespace {
 
+using test::keyed;
+using test::Met;
 using Side = PartitionMerge::Side;
 
 /// Slot 0 is in its first incarnation unless told otherwise, and so on.
@@ -93,12 +93,6 @@ TEST(PartitionMerge, WhatAProbeMeans) {
   }
 }
 
-Endpoint keyed(int person) {
-  Endpoint at = test::Situation::at(person);
-  at.key[0] = static_cast<std::uint8_t>(1 + person);
-  return at;
-}
-
 /// With a key, as peer 2 sees it: persons 0 to 2 are its part, 5 to 7 were evicted at tick 900, and person 8 never was
 /// a member. All Probes list twelve peers.
 TEST(PartitionMerge, WithAKeyOnlyWhoWasAMemberAndSpeaksForItselfCounts) {
@@ -176,32 +170,6 @@ TEST(PartitionMerge, StrangersAreBelievedAfterAWhileIfTheyAreMore) {
   }
 }
 
-/// Three of us with a key, admitted at `ours`; persons 5, 6, ... were members until they were evicted.
-struct Met {
-  Met(const std::array<Tick, 3>& ours, int theirs) : s(9, 2), rules(s.session) {
-    s.session.config.sealed = true;
-    for (PeerId p = 0; p < 9; ++p) s.roster.seats[p].at = keyed(p);
-    for (PeerId p = 3; p < 9; ++p) s.empty(p);
-    s.roster.seats[0].since = ours[0];
-    s.roster.seats[1].since = ours[1];
-    s.roster.in_since = ours[2];
-    for (int person = 5; person < 5 + theirs; ++person) rules.remember({keyed(person), 10, 100}, 100);
-    for (PeerId p = 3; p < 12; ++p) probe.members.push_back({p, 1U + p, 0});
-  }
-  void probed_by(int first, int last) {
-    for (int person = first; person <= last; ++person) {
-      probe.incarnation = 1U + static_cast<std::uint32_t>(person);
-      rules.on_probe(keyed(person), static_cast<PeerId>(person), probe, wire::kMaxDatagram, s.view(), 0, out);
-    }
-  }
-  bool yields() const { return rules.winner(s.view()).has_value(); }
-
-  test::Situation s;
-  test::ListedCommands out;
-  PartitionMerge rules;
-  wire::Probe probe;
-};
-
 // The most senior of all is alone; one part has two newcomers that the other cannot know. Once, each stayed, as one of
 // them counted more peers that had not been here for long.
 TEST(PartitionMerge, BothPartsComeToTheSameThoughOneHasNewcomers) {
@@ -270,117 +238,6 @@ TEST(PartitionMerge, SeniorityKeepsTheSmallerPartApartForAWhileOnly) {
   }
 }
 
-// Persons 0 and 1 were members, and have ended; person 1 had joined another part before, and told of person 6 there.
-// Once, both parts stayed apart for ever.
-TEST(PartitionMerge, WhoHasBeenAloneForLongGoesToThoseOfWhomAFormerMemberHasTold) {
-  struct Row {
-    const char* name;
-    int by;                 ///< who has told of person 6
-    bool alone;             ///< person 0 has ended
-    Tick waits;             ///< since person 1 has ended, ticks
-    std::size_t looks_for;  ///< Probes to person 6 at the end
-    bool yields;
-  };
-  constexpr Tick kLong = PartitionMerge::kAlone + PartitionMerge::kStrangers;
-  const Row rows[] = {
-      {"a former member", 1, true, kLong, 1, true},
-      {"a short time", 1, true, PartitionMerge::kAlone - PartitionMerge::kPace, 0, false},
-      {"in company", 1, false, kLong, 0, false},
-      {"a stranger", 7, true, kLong, 0, false},
-  };
-  for (const Row& r : rows) {
-    SCOPED_TRACE(r.name);
-    Met met({5, 6, 7}, 0);
-    met.rules.advance(met.s.view(), met.out);
-    met.s.roster.now += PartitionMerge::kPace;
-    for (const PeerId p : {PeerId{0}, PeerId{1}}) {
-      if (p == 0 && !r.alone) continue;
-      met.s.empty(p);
-      met.rules.on_change({MemberChange::Kind::kRemoved, p, 1U + p, keyed(p), met.s.roster.now, p, 5}, met.s.view());
-    }
-    met.rules.on_told(keyed(r.by), keyed(6), met.s.view());
-    std::size_t probes = 0;
-    for (const Tick end = met.s.roster.now + r.waits; met.s.roster.now < end;
-         met.s.roster.now += PartitionMerge::kPace) {
-      met.s.roster.seats[0].answered = met.s.roster.now;
-      test::ListedCommands out;
-      met.rules.advance(met.s.view(), out);
-      met.probed_by(6, 6);
-      const auto sent = out.all<wire::Probe>();
-      probes = static_cast<std::size_t>(
-          std::count_if(sent.begin(), sent.end(), [](const auto& probe) { return probe.to == keyed(6); }));
-    }
-    EXPECT_EQ(probes, r.looks_for);
-    EXPECT_EQ(met.yields(), r.yields);
-  }
-}
-
-// Both are alone, and only this one has been told of the other. Once, it waited for the other to come, as the own part
-// ranks first.
-TEST(PartitionMerge, OfTwoThatAreAloneTheOneThatKnowsOfTheOtherGoesInTheEnd) {
-  for (const PeerId other : {PeerId{1}, PeerId{6}}) {
-    for (const bool yields : {false, true}) {
-      SCOPED_TRACE(std::to_string(other) + " " + std::to_string(yields));
-      Met met({5, 6, 7}, 0);
-      met.rules.advance(met.s.view(), met.out);
-      for (const PeerId p : {PeerId{0}, PeerId{1}}) met.s.empty(p);
-      met.rules.on_change({MemberChange::Kind::kRemoved, 0, 1, keyed(0), test::kNow, 0, 5}, met.s.view());
-      met.rules.on_told(keyed(0), keyed(6), met.s.view());
-      met.probe.members = {{other, 7, 0}};
-      met.probe.incarnation = 7;
-      met.probe.yields = yields;
-      std::optional<Tick> went;
-      for (const Tick begin = met.s.roster.now; !went && met.s.roster.now < begin + 2 * PartitionMerge::kLonely;
-           met.s.roster.now += PartitionMerge::kPace) {
-        met.rules.advance(met.s.view(), met.out);
-        met.rules.on_probe(keyed(6), other, met.probe, wire::kMaxDatagram, met.s.view(), 0, met.out);
-        if (met.yields()) went = met.s.roster.now - begin;
-      }
-      ASSERT_EQ(went.has_value(), other == 1 || !yields);
-      if (!went) continue;
-      EXPECT_EQ(*went < PartitionMerge::kLonely - PartitionMerge::kPace, other == 1) << *went;
-    }
-  }
-}
-
-TEST(PartitionMerge, WithItsProbesEachPartTellsOfItsOwnPeersInTurn) {
-  for (const bool sealed : {true, false}) {
-    Met met({5, 6, 7}, 1);
-    met.s.session.config.sealed = sealed;
-    std::vector<Endpoint> told;
-    for (int i = 0; i < 4; ++i) {
-      met.rules.advance(met.s.view(), met.out);
-      met.s.roster.now += PartitionMerge::kTell;
-    }
-    for (const auto& sent : met.out.all<wire::Newcomer>()) {
-      EXPECT_EQ(sent.to, keyed(5));
-      told.push_back(sent.message.at);
-    }
-    const std::vector in_turn{keyed(1), keyed(0), keyed(1), keyed(0), keyed(1)};  // of all at first
-    EXPECT_EQ(told, sealed ? in_turn : std::vector<Endpoint>{});
-  }
-}
-
-// Once, nobody looked for a peer that had left slot 1, joined anew, and was then evicted.
-TEST(PartitionMerge, AnEvictedPeerIsLookedForThoughItHadLeftAnotherSlot) {
-  test::Situation s(4, 2);
-  PartitionMerge rules(s.session);
-  s.roster.seats[1].presence = Presence::kLeft;
-  const Endpoint at = s.roster.seats[1].at;
-  s.empty(3);
-  rules.remember({at, 0, 900}, 900);
-  const auto probes = [&] {
-    test::ListedCommands out;
-    s.roster.now += PartitionMerge::kPace;
-    rules.advance(s.view(), out);
-    return out.all<wire::Probe>().size();
-  };
-  s.roster.seats[1].heard = s.roster.now;
-  EXPECT_EQ(probes(), 0U) << "it lingers there";
-  s.roster.seats[1].heard = s.roster.now - Roster::kDeparted;
-  EXPECT_EQ(probes(), 1U);
-}
-
 // A part's new coordinator tells its joiners who was first admitted when, even of a peer that has come back since.
 TEST(PartitionMerge, WhoComesBackIsAsSeniorAsBefore) {
   test::Situation s(9, 2);
@@ -429,55 +286,6 @@ TEST(PartitionMerge, WhoHasLeftCountsInTheOtherPartAndIsNotLookedFor) {
     rules.on_probe(keyed(p), static_cast<PeerId>(5 + p), probe, wire::kMaxDatagram, s.view(), 0, out);
   }
   EXPECT_TRUE(rules.winner(s.view()));
-}
-
-// They left this session, as this peer had left the one before it, to join anew, and linger. Once, it looked for none
-// of them, forgot that they had been members, and stayed alone.
-TEST(PartitionMerge, WhoHasLeftIsLookedForWhereAFormerIncarnationKnewIt) {
-  test::Situation s(4, 2);
-  s.session.config.sealed = true;
-  for (PeerId p = 0; p < 4; ++p) s.roster.seats[p].at = keyed(p);
-  s.empty(3);
-  PartitionMerge rules(s.session);
-  for (const PeerId p : {PeerId{0}, PeerId{1}}) {
-    s.roster.seats[p].presence = Presence::kLeft;
-    rules.on_change({MemberChange::Kind::kLeft, p, 1U + p, keyed(p), 900, p, 20}, s.view());
-    rules.remember({keyed(p), 950, 950}, 950);
-  }
-  const auto probes = [&] {
-    test::ListedCommands out;
-    s.roster.now += PartitionMerge::kPace;
-    rules.advance(s.view(), out);
-    return out.all<wire::Probe>().size();
-  };
-  for (const PeerId p : {PeerId{0}, PeerId{1}}) s.roster.seats[p].heard = s.roster.now;
-  EXPECT_EQ(probes(), 0U);
-  for (const PeerId p : {PeerId{0}, PeerId{1}}) s.roster.seats[p].heard = s.roster.now - Roster::kDeparted;
-  EXPECT_EQ(probes(), 2U);
-  ASSERT_EQ(rules.gone().size(), 2U);
-  EXPECT_EQ(rules.gone()[0].since, 20);
-  EXPECT_EQ(rules.gone()[0].removed, 900);
-}
-
-// It has left to join anew, and then all others have ended.
-TEST(PartitionMerge, WhoHasLeftAndIsAloneGoesToWhoeverIsThere) {
-  for (const bool leaving : {true, false}) {
-    for (const bool alone : {true, false}) {
-      test::Situation s(9, 2);
-      s.session.config.sealed = true;
-      for (PeerId p = 0; p < 9; ++p) s.roster.seats[p].at = keyed(p);
-      for (PeerId p = alone ? 0 : 1; p < 9; ++p)
-        if (p != 2) s.empty(p);
-      s.roster.leaving = leaving;
-      PartitionMerge rules(s.session);
-      test::ListedCommands out;
-      wire::Probe probe;
-      probe.members = {{5, 10, 0}};
-      probe.incarnation = 10;
-      rules.on_probe(keyed(8), 5, probe, wire::kMaxDatagram, s.view(), 0, out);
-      EXPECT_EQ(rules.winner(s.view()).has_value(), leaving && alone);
-    }
-  }
 }
 
 }  // namespace

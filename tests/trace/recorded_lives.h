@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -13,11 +14,26 @@
 
 namespace padr::test {
 
+/// Of each person's every incarnation.
+using Traces = std::map<std::pair<int, int>, std::vector<std::byte>>;
+
+/// For VirtualNetworkConfig::recording. `traces` has to outlive the network.
+inline auto record_into(Traces& traces, const trace::Provenance& from) {
+  return [&traces, from](int person, int incarnation) -> std::optional<node::RecordedReplica::Recording> {
+    trace::Provenance of = from;
+    of.start_unix_us = 1 + person;
+    std::vector<std::byte>& into = traces[{person, incarnation}];
+    into.clear();
+    return node::RecordedReplica::Recording{
+        of, [&into](std::span<const std::byte> b) { into.insert(into.end(), b.begin(), b.end()); }};
+  };
+}
+
 /// A session that people join late, vanish from, are cut off from and come back to, on virtual time, with the trace of
 /// each person's every incarnation.
 struct RecordedLives {
-  using Key = std::pair<int, int>;  ///< person, incarnation
-  std::map<Key, std::vector<std::byte>> traces;
+  using Key = Traces::key_type;
+  Traces traces;
 
   /// Persons 0, 1 and 2 begin together; 3 comes late, 1 is killed; 2 and 4 are cut off and come back; the founder
   /// leaves.
@@ -56,17 +72,11 @@ struct RecordedLives {
     c.seed = seed;
     c.slots = 6;
     c.wanted = 3;
-    c.recording = [this, seed](int person, int incarnation) -> std::optional<node::RecordedReplica::Recording> {
-      trace::Provenance from;
-      from.scenario = "arena";
-      from.scenario_text = std::string(scenarios::embedded_text("arena"));
-      from.scenario_seed = seed;
-      from.start_unix_us = 1 + person;
-      std::vector<std::byte>& into = traces[{person, incarnation}];
-      into.clear();
-      return node::RecordedReplica::Recording{
-          from, [&into](std::span<const std::byte> b) { into.insert(into.end(), b.begin(), b.end()); }};
-    };
+    trace::Provenance from;
+    from.scenario = "arena";
+    from.scenario_text = std::string(scenarios::embedded_text("arena"));
+    from.scenario_seed = seed;
+    c.recording = record_into(traces, from);
     return c;
   }
 };
