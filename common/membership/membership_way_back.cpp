@@ -32,10 +32,15 @@ PeerId Membership::lacks_former() const {
   return kNoPeer;
 }
 
+// Who is silent to this peer, or has been given up, is no reason: it is evicted, and then the others go on.
 bool Membership::is_overtaken() const {
-  const auto is_ahead = [&](const Seat& s) { return s.there() && s.confirmed > confirmed_; };
-  return (roster().now - confirmed_at_ > kStuck || lacks_former() != kNoPeer) &&
-         std::any_of(roster().seats.begin(), roster().seats.end(), is_ahead);
+  if (roster().now - confirmed_at_ <= kStuck && lacks_former() == kNoPeer) return false;
+  const View view = this->view();
+  for (PeerId p = 0; p < session_.slots; ++p) {
+    const Seat& s = roster().seats[p];
+    if (s.there() && s.confirmed > confirmed_ && !Evictions::suspected(view, p)) return true;
+  }
+  return false;
 }
 
 // The others redirect whoever joins to the coordinator, which has to be another one. If all have cause to join anew,

@@ -195,6 +195,8 @@ class Replica {
   std::uint64_t lookahead_steps() const { return predictor_.steps(); }
   /// Longest interval between own updates while a member does not answer, ticks.
   static constexpr Tick kHeartbeat = kTicksPerSecond / 2;
+  /// Time for which a peer is told the hash of the tick of which its own hash was another one, ticks.
+  static constexpr Tick kTellContested = 4 * kTicksPerSecond;
   /// The other peer present that was admitted first; kNoPeer if nobody else is.
   PeerId most_senior_other() const;
   /// By how much this peer's session clock leads that of the most senior other peer, in microseconds, as far as delays
@@ -254,6 +256,7 @@ class Replica {
   /// Of each link, bytes per second.
   double share_of_budget() const;
   void fill(sync::StatePacket& packet, PeerId p);
+  const HashChecks::Own* contested_check(PeerId p) const;
   void refresh_own();
   bool own_is_predicted(const std::vector<bool>& own) const;
   const std::vector<bool>& kept_from_live();

@@ -92,9 +92,18 @@ void Replica::fill(sync::StatePacket& packet, PeerId p) {
   to.checked = now();
   to.told_check = newest.tick;
   if (to.clock.measured()) packet.transit = static_cast<std::int32_t>(to.clock.least() / 100);
-  if (newest.tick < 0) return;
-  packet.check_tick = newest.tick;
-  packet.check_hash = newest.hash;
+  const HashChecks::Own* const contested = contested_check(p);
+  const HashChecks::Own told = contested != nullptr ? *contested : newest;
+  if (told.tick < 0) return;
+  packet.check_tick = told.tick;
+  packet.check_hash = told.hash;
+}
+
+// Of two whose confirmed worlds differ the other one may be stuck, and know nothing of it: it never gets to the tick of
+// our newest hash.
+const HashChecks::Own* Replica::contested_check(PeerId p) const {
+  const Seat& s = seat(p);
+  return s.differs && now() - s.disputed < kTellContested ? checks_.own(s.differs_at) : nullptr;
 }
 
 }  // namespace padr::node

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "common/membership/membership.h"
@@ -32,7 +33,10 @@ class Group {
     while (++now_ <= until) {
       for (const PeerId p : speaking) nodes_[p]->step({});
       membership_->advance(tick_start(now_));
-      for (const PeerId p : unheard) own().freeze(p, true);
+      for (const PeerId p : unheard) {
+        own().freeze(p, true);
+        if (shared_with) nodes_[*shared_with]->freeze(p, true);
+      }
       for (const PeerId p : speaking)
         for (const node::Outgoing& o : nodes_[p]->outgoing())
           if (std::count(speaking.begin(), speaking.end(), o.to) > 0) nodes_[o.to]->receive(o.bytes, tick_start(now_));
@@ -45,6 +49,10 @@ class Group {
   bool has_left() { return own().replica().roster().leaving; }
   /// The peer that is looked at takes no updates of these.
   std::vector<PeerId> unheard;
+  /// Nor does this one.
+  std::optional<PeerId> shared_with;
+  /// The peer that is looked at takes p for silent from now on.
+  void give_up(PeerId p) { own().give_up(p, true); }
   Tick confirmed() { return own().replica().agreed().confirmed().tick; }
 
  private:
@@ -142,6 +150,22 @@ TEST(WayBack, ACoordinatorThatIsStuckWhileAnotherMemberIsNotJoinsAnew) {
   trio.run_to(stuck + kTicksPerSecond, {0, 1, 2});
   EXPECT_TRUE(trio.has_left());
   EXPECT_EQ(trio.membership().way_back(), trio.place(1));
+}
+
+// The coordinator before it had lied, and is about to be evicted. Once, the next one took that one's confirmed world
+// for a reason to leave its seat; so did all others, one after the other.
+TEST(WayBack, ACoordinatorThatIsStuckStaysIfTheMemberThatIsNotIsSilent) {
+  for (const bool silent : {true, false}) {
+    Group four(4, 0);
+    four.run_to(120, {0, 1, 2, 3});
+    four.unheard = {3};
+    four.shared_with = 2;
+    const Tick stuck = 120 + 12 * kTicksPerSecond;
+    four.run_to(stuck - kTicksPerSecond, {0, 1, 2, 3});
+    if (silent) four.give_up(1);
+    four.run_to(stuck + kTicksPerSecond, {0, 1, 2, 3});
+    EXPECT_NE(four.has_left(), silent);
+  }
 }
 
 }  // namespace

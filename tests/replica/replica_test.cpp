@@ -22,13 +22,14 @@ namespace {
 class Mesh {
  public:
   Mesh(int peers, const char* netem, std::uint64_t seed, const Technique& technique = {},
-       const char* scenario = "arena")
+       const char* scenario = "arena", const sync::Fault& of_peer_0 = {})
       : scene_(scenarios::load_embedded(scenario, 1)), links_(shell::parse_netem(netem), seed) {
     for (PeerId p = 0; p < peers; ++p) {
       ReplicaConfig c;
       c.self = p;
       c.peers = c.slots = peers;
       c.technique = technique;
+      if (p == 0) c.fault = of_peer_0;
       nodes_.push_back(std::make_unique<Replica>(scene_, c));
     }
   }
@@ -432,6 +433,29 @@ TEST(Replica, AFrozenPeerIsKnownToAnswerOnABadLink) {
     }
     EXPECT_GT(known, 450);
   }
+}
+
+// Peer 0 is stuck at a tick after its fault, and peer 1 was until it went on to later ones. Once, only peer 1 learned
+// of the difference: peer 0 had no hash of its own for what it was told, and cut peer 1 off instead of joining anew.
+TEST(Replica, BothLearnOfADifferenceThoughOneIsStuck) {
+  Mesh mesh(3, "delay 30ms", 1, {}, "arena", {60, 5, {0.25F, 0}});
+  const auto run_to = [&](Tick until) {
+    while (mesh.now() < until) mesh.step(std::vector<bool>(3, true));
+  };
+  run_to(40);
+  mesh[1].freeze(2, true);
+  run_to(150);
+  mesh[0].freeze(2, true);
+  run_to(200);
+  ASSERT_LT(mesh[1].agreed().confirmed().tick, 60);
+  const Tick stuck = mesh[0].agreed().confirmed().tick;
+  ASSERT_GT(stuck, 90);
+  mesh[1].freeze(2, false);
+  run_to(450);
+  ASSERT_EQ(mesh[0].agreed().confirmed().tick, stuck);
+  EXPECT_GT(mesh[1].agreed().confirmed().tick, 300);
+  EXPECT_TRUE(mesh[1].seat(0).differs);
+  EXPECT_TRUE(mesh[0].seat(1).differs);
 }
 
 /// Mean bytes that a moving body's state adds to its datagram, in play.

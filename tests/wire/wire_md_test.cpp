@@ -400,6 +400,7 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("dispute", node::Testimony::kDispute);
   add("heartbeat", node::Replica::kHeartbeat);
   add("probe_pace", node::PartitionMerge::kPace);
+  add("contested_check", node::Replica::kTellContested);
   add("answer_pace", node::PartitionMerge::kAnswerPace);
   add("probe_grace", node::PartitionMerge::kGrace);
   add("probe_lately", node::PartitionMerge::kLately);
