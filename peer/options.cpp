@@ -170,7 +170,10 @@ void declare_play(CLI::App& app, Options& o) {
       ->check(shell::between(0.0, 1.0e7, "seconds"))
       ->capture_default_str()
       ->group(group);
-  app.add_option("--linger", o.linger, "After play, wait at most S seconds until the others have the last updates")
+  app.add_option(
+         "--linger", o.linger,
+         "After --duration stay for S seconds while others play on, and pass them what they lack of this peer's\n"
+         "updates; after Ctrl-C only until they have it, but not longer")
       ->type_name("S")
       ->check(shell::between(0.0, 600.0, "seconds"))
       ->capture_default_str()
@@ -303,15 +306,16 @@ void take_sizes(const Raw& raw, Options& o) {
     return;
   }
   const int most = std::min(kMaxPeers, static_cast<int>(o.scenario.scene.avatar.spawns.size()));
-  const auto check = [most, &o](const char* flag, int value, int least) {
-    if (value >= least && value <= most) return value;
+  const auto check = [&o](const char* flag, int value, int least, int at_most) {
+    if (value >= least && value <= at_most) return value;
     throw UserError(std::string(flag) + ": " + std::to_string(value) + " is not allowed; give " +
-                    std::to_string(least) + " to " + std::to_string(most) + ", the avatar slots of scenario '" +
+                    std::to_string(least) + " to " + std::to_string(at_most) + ", by the avatar slots of scenario '" +
                     o.scenario.scene.name + "'");
   };
-  o.wait_peers = check("--wait-peers", raw.wait_peers.value_or(2), 1);
-  const int least = o.wait_peers + (o.spectates ? 1 : 0);
-  o.slots = check("--slots", raw.slots.value_or(std::max(least, std::min(most, kUsualSlots))), least);
+  const int watches = o.spectates ? 1 : 0;
+  o.wait_peers = check("--wait-peers", raw.wait_peers.value_or(2), 1, most - watches);
+  const int least = o.wait_peers + watches;
+  o.slots = check("--slots", raw.slots.value_or(std::max(least, std::min(most, kUsualSlots))), least, most);
 }
 
 void take_spectator(const CLI::App& app, Options& o) {

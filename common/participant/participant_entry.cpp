@@ -236,7 +236,7 @@ void Participant::give_up_waiting(Micros local) {
   const bool all_there = players >= start.wanted;
   if (left_at_ || patience == 0 || all_there || local - began_ < patience) return;
   current_.session->state().failure = "only " + std::to_string(players) + " of " + std::to_string(start.wanted) +
-                                      " peers came within " + std::to_string(patience / kMicrosPerSecond) + " s";
+                                      " players came within " + in_seconds(patience);
   leave(local);
 }
 

@@ -115,7 +115,7 @@ void Joiner::give_up_if_late(Micros local) {
   const Micros patience = session_.config.patience;
   if (patience == 0 || local - session_.born < patience) return;
   session_.fail(
-      "no answer from " + to_string(target_) + " within " + std::to_string(patience / kMicrosPerSecond) + " s" +
+      "no answer from " + to_string(target_) + " within " + in_seconds(patience) +
       (session_.config.sealed ? "; it may have another session key, or none" : "; it may have a session key"));
 }
 

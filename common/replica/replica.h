@@ -46,7 +46,8 @@ struct ReplicaConfig {
   sync::AgreedConfig agreed() const {
     sync::AgreedConfig c{slots, peers, self, technique.authority, technique.replay, fault, kept_ticks};
     c.time_stamps = technique.time_stamps;
-    c.wanted = wanted;
+    const int players = spectates ? peers - 1 : peers;
+    c.wanted = wanted > players ? wanted : 0;
     return c;
   }
 };

@@ -7,7 +7,7 @@ namespace padr::sync {
 Fold::Fold(const Scene& scene, int slots, int peers, bool authority, int wanted)
     : world_(scene, slots),
       with_authority_(authority),
-      start_{wanted > peers ? wanted : 0, 0},
+      start_{wanted, 0},
       members_(static_cast<std::size_t>(slots)),
       avatars_(static_cast<std::size_t>(slots)),
       authority_(scene.bodies.size()),

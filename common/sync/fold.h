@@ -52,7 +52,7 @@ class Fold {
  public:
   /// The avatars of peers 0 .. peers-1 are there from tick 0, at rest at their spawn points; `slots` >= peers is how
   /// many there may ever be. `authority` false: no holds, no owners; avatars collide with every body (the paper's
-  /// failure case). `wanted`: avatars that play waits for; no more than `peers`: it begins at tick 0.
+  /// failure case). `wanted`: avatars that play waits for; 0: it begins at tick 0.
   Fold(const Scene& scene, int slots, int peers, bool authority, int wanted = 0);
 
   Tick tick() const { return tick_; }

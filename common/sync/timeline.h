@@ -31,7 +31,7 @@ struct AgreedConfig {
   /// ticks.
   std::size_t replay_budget = 10'000;
   bool time_stamps = false;  ///< see Technique
-  int wanted = 0;            ///< members that play waits for, from tick 0 on; unused when beginning later
+  int wanted = 0;            ///< avatars that play waits for, from tick 0 on; unused when beginning later
 };
 
 /// What a timeline works on: the agreed world's, which outlives it.

@@ -57,7 +57,7 @@ class Joining(Case):
     def test_nobody_comes(self):
         founder = self.peer("--wait-peers", 2, "--join-timeout", 1)
         self.assertEqual(founder.end(), 1)
-        self.assertIn("only 1 of 2 peers came within 1 s", founder.text())
+        self.assertIn("only 1 of 2 players came within 1 s", founder.text())
         self.assertFalse(founder.summary()["session"]["started"])
 
     def test_nobody_answers(self):

@@ -50,6 +50,16 @@ TEST(Spectators, PlayWaitsForPlayersOnly) {
   EXPECT_EQ(party.net().peer(3).session().spectators(), 2);
 }
 
+// Once, a founder that only watches counted as the one player: play began at once, without anybody.
+TEST(Spectators, PlayWaitsForTheOnlyPlayer) {
+  Party party = party_with(1, {0}, 1);
+  party.run(3);
+  EXPECT_EQ(party.replica(0).start().wanted, 1);
+  party.net().start(0);
+  ASSERT_TRUE(party.run_until(6, [&] { return party.started(); })) << party.story();
+  EXPECT_EQ(avatars(party, 1), 1);
+}
+
 TEST(Spectators, SeeWhatPlayersSee) {
   Party party = party_with(3, {3}, 3, wire::SealMode::kEncrypt);
   party.run(5);

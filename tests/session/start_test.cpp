@@ -278,9 +278,9 @@ TEST(SessionStart, TimeoutsSayWhy) {
   EXPECT_EQ(failure(2), "no answer from 10.0.0.50:7000 within 2 s; it may have a session key");
   ASSERT_TRUE(party.run_until(4, [&] { return !party.net().runs(0); })) << party.story();
   EXPECT_TRUE(party.net().peer(0).failed());
-  EXPECT_EQ(failure(0), "only 2 of 3 peers came within 4 s");
+  EXPECT_EQ(failure(0), "only 2 of 3 players came within 4 s");
   ASSERT_TRUE(party.run_until(4, [&] { return !party.net().runs(1); })) << party.story();
-  EXPECT_EQ(failure(1), "only 1 of 3 peers came within 7 s");
+  EXPECT_EQ(failure(1), "only 1 of 3 players came within 7 s");
 }
 
 TEST(SessionStart, JoiningOneselfIsNoticed) {

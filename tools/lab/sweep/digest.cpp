@@ -34,7 +34,10 @@ struct Column {
     mean += off / n;
     squares += off * (v - mean);
   }
-  double interval() const { return half_interval(n, n > 1 ? std::sqrt(squares / (n - 1)) : 0); }
+  /// By a printf format; of a single value there is none.
+  std::string interval(const char* format, const char* none) const {
+    return n < 2 ? none : fmt::sprintf(format, half_interval(n, std::sqrt(squares / (n - 1))));
+  }
 };
 
 /// The seeds of one combination.
@@ -81,8 +84,8 @@ std::vector<Group> grouped(const StoredRows& stored, std::size_t seed) {
 
 std::string line_of(const Group& g, const Places& at) {
   const auto mean = [&g](std::size_t column) { return g.columns[column].mean; };
-  return fmt::sprintf("%6.0f %8.3f %7.3f %8.3f %8.3f %8.2f ", g.n(), mean(at.mean), g.columns[at.mean].interval(),
-                      mean(at.avatars), mean(at.bodies), mean(at.peak)) +
+  return fmt::sprintf("%6.0f %8.3f %7s %8.3f %8.3f %8.2f ", g.n(), mean(at.mean),
+                      g.columns[at.mean].interval("%.3f", "-"), mean(at.avatars), mean(at.bodies), mean(at.peak)) +
          (at.has_fidelity ? fmt::sprintf("%9.3f ", mean(at.fidelity)) : "") + fmt::sprintf("%8.1f\n", mean(at.kbps));
 }
 
@@ -152,8 +155,7 @@ std::string summary(const StoredRows& stored) {
     fields = g.key;
     fields.push_back(fmt::sprintf("%.0f", g.n()));
     for (const std::size_t c : measures)
-      fields.insert(fields.end(),
-                    {fmt::sprintf("%.6g", g.columns[c].mean), fmt::sprintf("%.6g", g.columns[c].interval())});
+      fields.insert(fields.end(), {fmt::sprintf("%.6g", g.columns[c].mean), g.columns[c].interval("%.6g", "")});
     text += line_of_fields(fields);
   }
   return text;
