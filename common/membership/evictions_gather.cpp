@@ -128,9 +128,11 @@ bool Evictions::is_forsaken_by(const std::vector<PeerId>& who, const View& view)
 // A member that was not waited for does not take the removal, as it has not been asked. It joins anew.
 void Evictions::go_on_without(const View& view, Commands& out) {
   const std::vector<PeerId> who = withholding(view);
-  behind_ = !who.empty() && is_lacking(view);
-  forsaken_ = !who.empty() && is_forsaken_by(who, view);
-  if (who.empty() || behind_ || forsaken_) return;
+  behind_ = forsaken_ = false;
+  if (who.empty()) return;
+  behind_ = is_lacking(view);
+  forsaken_ = is_forsaken_by(who, view);
+  if (behind_ || forsaken_) return;
   for (const PeerId p : who) {
     withholds_.insert(p);
     out.tell({.kind = SessionEvent::Kind::kWithholds, .peer = p});

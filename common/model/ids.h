@@ -1,10 +1,7 @@
 #pragma once
 
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <string>
 
 namespace padr {
 
@@ -36,13 +33,6 @@ inline constexpr Micros kMicrosPerSecond = 1'000'000;
 /// So many seconds, to the nearest microsecond.
 inline Micros in_micros(double seconds) {
   return std::llround(seconds * static_cast<double>(kMicrosPerSecond));
-}
-
-/// For messages: "4 s", "0.5 s".
-inline std::string in_seconds(Micros t) {
-  std::array<char, 32> text{};
-  const double s = static_cast<double>(t) / static_cast<double>(kMicrosPerSecond);
-  return std::string(text.data(), std::to_chars(text.data(), text.data() + text.size(), s).ptr) + " s";
 }
 
 /// Session time at which tick t begins, rounded down to whole microseconds.

@@ -1,5 +1,8 @@
 #include "common/session/session_objection.h"
 
+#include <array>
+#include <charconv>
+
 #include "common/model/hash.h"
 #include "common/world/fingerprint.h"
 
@@ -24,6 +27,12 @@ std::string objection(const SessionConfig& c, const wire::Join& join) {
     return "authority rule differs: " + authority_words(c.authority) + " in the session, " +
            authority_words(join.authority) + " in the newcomer";
   return "";
+}
+
+std::string in_seconds(Micros t) {
+  std::array<char, 32> text{};
+  const double s = static_cast<double>(t) / static_cast<double>(kMicrosPerSecond);
+  return std::string(text.data(), std::to_chars(text.data(), text.data() + text.size(), s).ptr) + " s";
 }
 
 }  // namespace padr::node

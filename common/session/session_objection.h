@@ -13,4 +13,7 @@ inline constexpr std::string_view kFull = "the session is full";
 /// Why a joiner does not fit the session; empty if it does.
 std::string objection(const SessionConfig& session, const wire::Join& join);
 
+/// For the texts of failures: "4 s", "0.5 s".
+std::string in_seconds(Micros t);
+
 }  // namespace padr::node

@@ -398,9 +398,9 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("testimony_times", node::Testimony::kTimes);
   add("made_known", node::Testimony::kMadeKnown);
   add("dispute", node::Testimony::kDispute);
+  add("contested_check", node::Replica::kTellContested);
   add("heartbeat", node::Replica::kHeartbeat);
   add("probe_pace", node::PartitionMerge::kPace);
-  add("contested_check", node::Replica::kTellContested);
   add("answer_pace", node::PartitionMerge::kAnswerPace);
   add("probe_grace", node::PartitionMerge::kGrace);
   add("probe_lately", node::PartitionMerge::kLately);
