@@ -179,22 +179,36 @@ bool PartitionMerge::is_outranked(const wire::Probe& probe, const Side& us, cons
   if (!session_.config.sealed) return outranks(probe.members, us);
   if (!has_stronger_evidence(probe, us, view)) return false;
   // Each part goes by what it knows, so each may yield to the other. Then the larger one stays.
-  return !probe.yields || is_larger(probe, us, view);
+  return !probe.yields || is_larger(probe, us, us.size(), view);
 }
 
 // A newcomer counts in its own part only, and seniority may then keep the smaller part from joining the larger one for
 // ever. A single witness may be a liar, and moves nobody but who has been alone for longer.
 bool PartitionMerge::is_larger_for_long(const wire::Probe& probe, const Side& us, const View& view) {
-  if (!session_.config.sealed || !is_larger(probe, us, view)) return false;
+  if (!session_.config.sealed) return false;
+  const std::vector<Gone> witnesses = evidence(probe.members, view);
+  // Newcomers count in neither part, as each part must come to the same, unless both parts yield.
+  const Tick split = split_from(witnesses);
+  const auto is_known = [&](const wire::Seat& s) { return since(s.slot, view) <= split; };
+  const auto own = probe.yields ? us.size() : static_cast<std::size_t>(std::count_if(us.begin(), us.end(), is_known));
+  if (!is_larger(probe, us, own, view)) return false;
   const Tick now = view.roster.now;
   if (now - larger_seen_ >= kLately) larger_since_ = now;
   larger_seen_ = now;
-  return now - larger_since_ >= (evidence(probe.members, view).size() > 1 ? kStrangers : kAlone);
+  return now - larger_since_ >= (witnesses.size() > 1 ? kStrangers : kAlone);
 }
 
-bool PartitionMerge::is_larger(const wire::Probe& probe, const Side& us, const View& view) const {
+bool PartitionMerge::is_larger(const wire::Probe& probe, const Side& us, std::size_t own, const View& view) const {
   const std::size_t witnesses = evidence(probe.members, view).size();
-  return witnesses == us.size() ? outranks(probe.members, us) : witnesses > us.size();
+  return witnesses == own ? outranks(probe.members, us) : witnesses > own;
+}
+
+// Somebody whose place only is known was not in this part when it split, so that says nothing of when that was.
+Tick PartitionMerge::split_from(const std::vector<Gone>& witnesses) {
+  Tick split = kNever;
+  for (const Gone& g : witnesses)
+    if (was_member(g)) split = std::min(split, g.removed);
+  return split;
 }
 
 bool PartitionMerge::has_stronger_evidence(const wire::Probe& probe, const Side& us, const View& view) const {
@@ -206,7 +220,7 @@ bool PartitionMerge::has_stronger_evidence(const wire::Probe& probe, const Side&
   // Nothing shows which part is the larger one, in neither of them perhaps: then they may have their word, after a
   // while. Of two that are alone the other one may know nothing of this one, and wait for ever.
   if (std::none_of(witnesses.begin(), witnesses.end(), was_member))
-    return view.roster.now - split >= kStrangers && (is_larger(probe, us, view) || is_lonely(kLonely, view));
+    return view.roster.now - split >= kStrangers && (is_larger(probe, us, us.size(), view) || is_lonely(kLonely, view));
   const auto weigh = [&](Tick margin) {
     Weights w;
     for (const Gone& g : witnesses)

@@ -143,8 +143,10 @@ class PartitionMerge {
   bool is_outranked(const wire::Probe& probe, const Side& us, const View& view) const;
   /// With a key: whether more, or more senior, witnesses are in that part, of those that both parts can know.
   bool has_stronger_evidence(const wire::Probe& probe, const Side& us, const View& view) const;
-  /// Whether it has more witnesses than this part has peers, or as many and outranks it.
-  bool is_larger(const wire::Probe& probe, const Side& us, const View& view) const;
+  /// When this part evicted the first of them that was a member; kNever if none was.
+  static Tick split_from(const std::vector<Gone>& witnesses);
+  /// Whether it has more witnesses than this part has peers that count, or as many and outranks it.
+  bool is_larger(const wire::Probe& probe, const Side& us, std::size_t own, const View& view) const;
   /// Whether it has been so for kStrangers.
   bool is_larger_for_long(const wire::Probe& probe, const Side& us, const View& view);
   wire::Probe our_probe(bool knows, const View& view) const;

@@ -238,6 +238,30 @@ TEST(PartitionMerge, SeniorityKeepsTheSmallerPartApartForAWhileOnly) {
   }
 }
 
+// Once, of two parts of three neither yielded: the one did not count a witness that it might have been the only one to
+// know, and took itself for the more senior one, but counted a newcomer of its own against the others.
+TEST(PartitionMerge, AgainstTheLargerPartNoNewcomerCounts) {
+  for (const bool newcomer : {false, true}) {
+    for (const bool they_yield : {false, true}) {
+      SCOPED_TRACE(std::to_string(newcomer) + std::to_string(they_yield));
+      Met met({5, newcomer ? 950 : 6, 7}, 0);
+      for (int person = 5; person < 8; ++person) met.rules.remember({keyed(person), person == 5 ? 20 : 800, 900}, 900);
+      for (wire::Seat& seat : met.probe.members) seat.slot += 20;  // ours comes first by slot
+      for (int person = 5; person < 8; ++person)
+        met.probe.members.push_back({static_cast<PeerId>(person), 1U + static_cast<std::uint32_t>(person), 0});
+      met.probe.members.erase(met.probe.members.begin(), met.probe.members.end() - 3);
+      met.probe.yields = they_yield;
+      const Tick begin = met.s.roster.now;
+      for (; met.s.roster.now <= begin + PartitionMerge::kStrangers; met.s.roster.now += PartitionMerge::kPace) {
+        ASSERT_FALSE(met.yields()) << met.s.roster.now - begin;
+        for (PeerId p = 0; p < 2; ++p) met.s.roster.seats[p].answered = met.s.roster.now;
+        met.probed_by(5, 7);
+      }
+      EXPECT_EQ(met.yields(), newcomer && !they_yield);
+    }
+  }
+}
+
 // A part's new coordinator tells its joiners who was first admitted when, even of a peer that has come back since.
 TEST(PartitionMerge, WhoComesBackIsAsSeniorAsBefore) {
   test::Situation s(9, 2);
