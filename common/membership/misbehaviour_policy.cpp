@@ -83,14 +83,15 @@ bool may_coordinate(PeerId x, const View& view, const Evictions& evictions) {
 }
 
 /// Whether an admission makes its peer the most junior: with a low incarnation it would be the next coordinator. Two
-/// coordinators may assign numbers at the same time.
+/// coordinators may assign numbers at the same time, and a liar may tell late of whom it has admitted.
 bool is_junior(const sync::Admission& a, Tick told, const View& view) {
   const Roster& r = view.roster;
   for (PeerId p = 0; p < r.slots(); ++p) {
     // A transfer tells when a peer was first admitted; it was in this slot before this peer was admitted.
-    const Tick since = p == r.self ? r.in_since : std::max(r.in_since, r.seats[p].since);
-    const bool there = p == r.self || r.seats[p].there();
-    if (there && p != a.slot && since + kHandOver < told && a.incarnation <= r.incarnation_of(p)) return false;
+    const Seat& s = r.seats[p];
+    const Tick known = p == r.self ? r.in_since : std::max({r.in_since, s.since, s.seated});
+    const bool there = p == r.self || s.there();
+    if (there && p != a.slot && known + kHandOver < told && a.incarnation <= r.incarnation_of(p)) return false;
   }
   return true;
 }

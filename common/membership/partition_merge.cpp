@@ -262,7 +262,8 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
   const Side us = ours(view);
   // Whoever has left to join anew and knows nobody any more has nothing to lose.
   const bool is_lost = view.roster.leaving && us.size() == 1;
-  if (is_lost || is_outranked(probe, us, view) || is_larger_for_long(probe, us, view)) {
+  const bool stays = view.roster.now < stays_until_;
+  if (is_lost || (!stays && (is_outranked(probe, us, view) || is_larger_for_long(probe, us, view)))) {
     if (!winner_)
       out.tell({.kind = SessionEvent::Kind::kOutvoted, .at = from, .count = probe.members.size(), .own = us.size()});
     winner_ = from;
@@ -289,6 +290,15 @@ void PartitionMerge::reply_within_credit(const Endpoint& to, std::size_t bytes, 
   }
   it->bytes = std::min(it->bytes + bytes, wire::kMaxDatagram);
   it->bytes -= out.send_at_most(it->bytes, to, our_probe(false, view));
+}
+
+// The winner may be a liar that lets nobody in, and as long as this peer asks there, it lets nobody in either.
+void PartitionMerge::give_winner_up(const View& view) {
+  const Tick now = view.roster.now;
+  if (!is_outvoted(view) || !has_company(view)) yields_since_ = now;
+  if (!session_.config.sealed || now - yields_since_ < kInVain) return;
+  winner_.reset();
+  stays_until_ = now + kInVain;
 }
 
 bool PartitionMerge::is_outvoted(const View& view) const {
@@ -346,6 +356,7 @@ void PartitionMerge::advance(const View& view, Commands& out) {
   if (!view.roster.member || view.roster.leaving || view.roster.now - probed_ < kPace) return;
   probed_ = view.roster.now;
   if (has_company(view)) had_company_ = view.roster.now;
+  give_winner_up(view);
   std::erase_if(gone_, [&](const Remembered& r) {
     const bool is_back = std::any_of(view.roster.seats.begin(), view.roster.seats.end(),
                                      [&](const Seat& s) { return s.there() && s.at == r.gone.at; });

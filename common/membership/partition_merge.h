@@ -75,6 +75,8 @@ class PartitionMerge {
   static constexpr Tick kAlone = 30 * kTicksPerSecond;
   /// Time after which a peer that is alone yields though its part is not the smaller one, ticks.
   static constexpr Tick kLonely = 3 * kAlone;
+  /// Time for which a peer that has others in its part tries to join the winner, and then stays, ticks.
+  static constexpr Tick kInVain = 10 * kTicksPerSecond;
   /// Time between two peers of the own part that a peer of another part is told of, ticks, after the first ones.
   static constexpr Tick kTell = 2 * kTicksPerSecond;
   /// Peers of other parts that are remembered as told; the latest.
@@ -149,6 +151,8 @@ class PartitionMerge {
   bool is_larger(const wire::Probe& probe, const Side& us, std::size_t own, const View& view) const;
   /// Whether it has been so for kStrangers.
   bool is_larger_for_long(const wire::Probe& probe, const Side& us, const View& view);
+  /// Stops trying to join the winner for a while, if this peer has tried for long and has others in its part.
+  void give_winner_up(const View& view);
   wire::Probe our_probe(bool knows, const View& view) const;
   /// Sends a Probe in reply; without a key, only if it is no larger than what that address has sent so far.
   void reply_within_credit(const Endpoint& to, std::size_t bytes, const View& view, Commands& out);
@@ -166,6 +170,8 @@ class PartitionMerge {
   Tick told_at_ = -kTell;
   Tick had_company_ = kNever;  ///< when somebody else was last in this part
   Tick won_at_ = 0;
+  Tick yields_since_ = 0;
+  Tick stays_until_ = 0;   ///< no part wins before
   Tick larger_since_ = 0;  ///< since when Probes of a larger part have come
   Tick larger_seen_ = -kLately;
 };

@@ -78,7 +78,7 @@ void Roster::seat(PeerId p, std::uint32_t as_incarnation, std::uint32_t first, c
   next.first = first;
   next.at = at;
   next.since = from;
-  next.heard = next.answered = next.excused = now;
+  next.seated = next.heard = next.answered = next.excused = now;
   seats[p] = std::move(next);
 }
 

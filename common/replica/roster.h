@@ -32,6 +32,7 @@ struct Seat {
   std::vector<Former> former;  ///< the latest kFormer, eldest first
 
   Tick since = 0;                  ///< tick of its admission; of its first, if the transfer told of it
+  Tick seated = 0;                 ///< when this peer learned of that admission
   Tick excused = 0;                ///< silence and arrears before this tick do not count
   Tick forgiven = 0;               ///< arrears before this tick do not count: something was in the way
   Tick heard = 0;                  ///< when its last valid datagram came

@@ -73,6 +73,8 @@ TEST(MisbehaviourRules, WhoMayGiveWhichOrder) {
       {"the coordinator makes its peer senior to others", admits(0, 4, 4), nothing, false},
       {"which have come just now, by the order of another coordinator", admits(0, 4, 4),
        [](Situation& s, Evictions&) { s.roster.seats[3].since = kNow - 20; }, true},
+      {"of whom this peer has learned just now, as another coordinator lied", admits(0, 4, 4),
+       [](Situation& s, Evictions&) { s.roster.seats[3].seated = kNow - 20; }, true},
       {"one more junior than this peer admits", admits(3), lost_coordinator, false},
       {"the coordinator removes whom this peer was asked about", removes(0, 3), replied_about_3, true},
       {"it removes somebody else", removes(0, 1), replied_about_3, false},

@@ -262,6 +262,30 @@ TEST(PartitionMerge, AgainstTheLargerPartNoNewcomerCounts) {
   }
 }
 
+// Once, two members tried for ever to join a more senior liar, which let nobody in, and let nobody in themselves.
+TEST(PartitionMerge, WhoJoinsAWinnerInVainStaysForAWhileUnlessItIsAlone) {
+  for (const bool alone : {false, true}) {
+    SCOPED_TRACE(alone ? "alone" : "three");
+    Met met({5, 6, 7}, 4);
+    if (alone)
+      for (const PeerId p : {PeerId{0}, PeerId{1}}) met.s.empty(p);
+    const Tick begin = met.s.roster.now;
+    Tick yields = 0;
+    bool replied = false;
+    for (Tick t = 0; t < 4 * PartitionMerge::kInVain; t += PartitionMerge::kPace) {
+      met.s.roster.now = begin + t;
+      for (PeerId p = 0; p < 2; ++p) met.s.roster.seats[p].answered = met.s.roster.now;
+      const std::size_t sent = met.out.all<wire::Probe>().size();
+      met.probed_by(5, 8);
+      replied |= t > PartitionMerge::kInVain && met.out.all<wire::Probe>().size() > sent;
+      yields += met.yields() ? PartitionMerge::kPace : 0;
+      met.rules.advance(met.s.view(), met.out);
+    }
+    EXPECT_NEAR(yields, (alone ? 4 : 2) * PartitionMerge::kInVain, 3 * PartitionMerge::kPace);
+    EXPECT_EQ(replied, !alone) << "the other part still hears of this one";
+  }
+}
+
 // A part's new coordinator tells its joiners who was first admitted when, even of a peer that has come back since.
 TEST(PartitionMerge, WhoComesBackIsAsSeniorAsBefore) {
   test::Situation s(9, 2);

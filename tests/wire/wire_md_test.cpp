@@ -408,6 +408,7 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("strangers", node::PartitionMerge::kStrangers);
   add("tell_pace", node::PartitionMerge::kTell);
   add("most_told", node::PartitionMerge::kMostTold);
+  add("in_vain", node::PartitionMerge::kInVain);
   add("alone", node::PartitionMerge::kAlone);
   add("lonely", node::PartitionMerge::kLonely);
   add("probe_remember", node::PartitionMerge::kRemember);
