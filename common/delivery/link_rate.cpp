@@ -12,6 +12,11 @@ namespace {
 // what the present one leaves, and less by at least so much.
 constexpr float kBetter = 0.25F;
 constexpr float kClearly = 20;
+// And by so many times what the best rate has left unexplained of late, jitter, on average over about so many receipts.
+constexpr float kJitter = 3;
+constexpr int kOfLate = 16;
+// Where the present rate leaves less, no other one is looked for.
+constexpr float kLittle = 5;
 // The estimate grows by a factor in this range while something is held back.
 constexpr double kGrowth = 1.25;
 constexpr double kMostGrowth = 2;
@@ -211,14 +216,20 @@ void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_t
   double best = rate_;
   float least = left;
   for (const Receipt& r : {receipts_.back(), receipts_.front()}) {
-    if (left <= kClearly) break;
+    if (left <= kLittle) break;
     const double candidate = std::max(explains(r), came_through());
     const float leaves = unexplained(candidate);
     if (leaves >= least) continue;
     least = leaves;
     best = candidate;
   }
-  if (least < kBetter * left && least + kClearly < left) {
+  // By chance jitter has as many datagrams in a row come as late as the queue of a far narrower link would. One tick of
+  // each is its rounding.
+  const float clearly = kClearly + (best < rate_ / 2 ? kJitter * std::max(0.0F, jitter_ - kReceipts) : 0);
+  judged_ = std::min(judged_ + 1, kOfLate);
+  jitter_ += (least * static_cast<float>(kReceipts) / static_cast<float>(receipts_.size()) - jitter_) /
+             static_cast<float>(judged_);
+  if (least < kBetter * left && least + clearly < left) {
     set_rate(best, now);
     changed_ = now;
     until_trial_ = kTrial;

@@ -108,6 +108,8 @@ class LinkRate {
   Tick span_ = kNever;
   float queue_ = 0;
   Ring<Receipt> receipts_{kReceipts + 1};  ///< the latest
+  float jitter_ = 0;                       ///< what no rate has explained of them of late, ticks
+  int judged_ = 0;                         ///< receipts that went into that
   Tick changed_ = kNever;                  ///< when the estimate last did
   Tick until_trial_ = 0;                   ///< time without a change after which it grows on trial, ticks
   bool held_back_ = false;                 ///< since the rate last grew
