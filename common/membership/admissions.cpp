@@ -236,19 +236,6 @@ void Admissions::pass_on(const Endpoint& from, const wire::Enter& enter, const E
     out.send(from, wire::Redirect{enter.nonce, coordinator});
 }
 
-// Once, the former seats of two that had joined anew fell silent and were heard again by turns, so that no eviction
-// came to an end, and nobody is admitted during one.
-void Admissions::give_up_former(const View& view, Commands& out) {
-  for (PeerId p = 0; p < session_.slots; ++p) {
-    const Seat& s = view.roster.seats[p];
-    if (p == session_.self || !s.there() || s.given_up_for_good) continue;
-    const bool comes_in_anew = std::any_of(guests_.begin(), guests_.end(), [&](const Guest& g) {
-      return g.proven && g.incarnation > s.incarnation && is_same_peer(s.at, g.at);
-    });
-    if (comes_in_anew) out.give_up(p, true);
-  }
-}
-
 void Admissions::advance(Micros local) {
   std::erase_if(guests_, [local](const Guest& g) { return local - g.since > (g.proven ? kStay : kUnproven); });
 }

@@ -37,8 +37,6 @@ class Admissions {
   /// Most times that all the pieces of a transfer are sent to one joiner; three quarters of them may get lost.
   static constexpr std::size_t kMostTimes = 8;
 
-  /// Counts the former incarnations of joiners as lost, even if members hear them.
-  void give_up_former(const View& view, Commands& out);
   /// Forgets joiners whose time is up.
   void advance(Micros local);
   /// Joiners that are being admitted; at most one per slot.

@@ -78,7 +78,7 @@ void Membership::receive(const Endpoint& from, const wire::Header& header, const
     const PeerId c = coordinator();
     if (c != session_.self && c != kNoPeer)
       return admissions_.pass_on(from, *enter, view.roster.seats[c].at, commands_);
-    return admissions_.on_enter(from, *enter, view, c == session_.self && !awaits_eviction(), commands_);
+    return admissions_.on_enter(from, *enter, view, c == session_.self && !evictions_.busy() && !doubts(), commands_);
   }
   if (const auto* other = std::get_if<wire::Newcomer>(&message); other != nullptr && !bars(from.key))
     merge_.on_told(from, other->at, view);
@@ -228,7 +228,6 @@ void Membership::advance(Micros local) {
   end_former_incarnations();
   merge_.advance(view, commands_);
   watch_confirmed();
-  if (coordinator() == session_.self && awaits_eviction()) admissions_.give_up_former(view, commands_);
   admissions_.advance(local);
   introductions_.advance(local);
   count_present();

@@ -120,8 +120,6 @@ class Membership {
   void end_former_incarnations();
   /// Whether an eviction may be near.
   bool doubts() const;
-  /// Whether one is, or has begun: nobody is admitted until it is over.
-  bool awaits_eviction() const { return evictions_.busy() || doubts(); }
   void watch_confirmed();
   /// Whether this peer has left its seat to join anew, and no member is known to live by which it could.
   bool is_alone() const { return stands_down_ && guide() == kNoPeer; }

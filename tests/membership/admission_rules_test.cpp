@@ -182,30 +182,6 @@ TEST_F(Admitting, ComesInByAnOrderOnceItHasTheWorld) {
   EXPECT_TRUE(again.orders.empty()) << "once";
 }
 
-TEST_F(Admitting, ItsFormerSeatIsGivenUpOnceItHasTheCookie) {
-  for (const int n : {1, 2}) {
-    s_.roster.seats[static_cast<std::size_t>(2 + n)].at = joiner(n);
-    s_.roster.seats[static_cast<std::size_t>(2 + n)].presence = node::Presence::kThere;
-  }
-  const auto given_up = [this] {
-    ListedCommands out;
-    rules_.give_up_former(s_.view(), out);
-    return out.given_up;
-  };
-  const wire::Welcome w = welcome(1);
-  welcome(2);
-  EXPECT_TRUE(given_up().empty()) << "anybody could have sent that Join";
-  pieces(1, w.cookie, kLocal);
-  EXPECT_EQ(given_up(), std::vector<PeerId>{3});
-  s_.roster.give_up(3, true);
-  EXPECT_TRUE(given_up().empty()) << "once";
-  node::Seat& seat = s_.roster.seats[w.peer];
-  seat.at = joiner(1);
-  seat.presence = node::Presence::kThere;
-  seat.incarnation = w.incarnation;
-  EXPECT_TRUE(given_up().empty()) << "not its new seat";
-}
-
 TEST_F(Admitting, BeginsAnewIfItsSlotIsTakenMeanwhile) {
   const wire::Welcome w = welcome(1);
   pieces(1, w.cookie, kLocal);
