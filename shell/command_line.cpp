@@ -45,7 +45,12 @@ std::string plain(double v) {
 /// CLI11's "Could not convert: --seed = x" in the words of the other messages.
 std::string in_our_words(const std::string& line) {
   static const std::regex converts("Could not convert: (-[^ ]+) = (.*)");
+  static const std::regex twice("(-[^ ]+): At Most 1 required but received ([0-9]+)");
+  static const std::regex no_value("(-[^ ]+): 1 required ([^: ]+).* missing");
   std::smatch found;
+  if (std::regex_match(line, found, twice))
+    return found[1].str() + ": given " + found[2].str() + " times; give it once";
+  if (std::regex_match(line, found, no_value)) return found[1].str() + ": no value; give " + found[2].str();
   if (!std::regex_match(line, found, converts)) return line;
   const std::string text = found[2];
   double v = 0;

@@ -70,6 +70,10 @@ class Parser {
     if (keyword.text == "packets" || keyword.text == "bytes") {
       words::fail(keyword, "only allowed right after slot and its times, packets before bytes");
     }
+    static constexpr std::array<std::string_view, 8> kUnits{"ms", "us", "ns", "sec", "%", "kbit", "mbit", "gbit"};
+    if (next_ > 1 && words::looks_like_number(words_[next_ - 2]) &&
+        std::find(kUnits.begin(), kUnits.end(), keyword.text) != kUnits.end())
+      words::fail(keyword, "is a unit; write it right behind its number, without a blank");
     words::fail(
         keyword,
         "unknown; allowed here: limit, delay, distribution, loss, corrupt, duplicate, reorder, gap, rate, slot, "

@@ -38,13 +38,20 @@ std::string share(std::size_t part, std::size_t whole) {
 double slow_enough(const scenarios::Path& path, const Scene& scene) {
   const auto most = static_cast<double>(scene.avatar.max_speed);
   double factor = 1;
-  for (double fastest = survey_path(path, scene).fastest; fastest > most;) {
+  for (double fastest = survey_path(path, scene).fastest; fastest > most && factor <= kMostStretch;) {
     factor = std::ceil(std::max(factor * fastest / most, factor + 0.05) * 10) / 10;
     std::vector<scenarios::PathPoint> points = path.points();
     for (scenarios::PathPoint& p : points) p.seconds *= factor;
     fastest = survey_path(scenarios::Path(std::move(points)), scene).fastest;
   }
   return factor;
+}
+
+std::string remedy(double factor) {
+  if (factor > kMostStretch)
+    return "not even padr-lab path --stretch " + scenarios::number_text(kMostStretch) +
+           " makes it slow enough; are its times milliseconds, or its places pixels?";
+  return "padr-lab path --stretch " + scenarios::number_text(factor) + " makes it slow enough";
 }
 
 }  // namespace
@@ -85,8 +92,8 @@ PathNotes notes_on_path(const scenarios::Path& path, std::string_view label, con
   if (s.too_fast > 0)
     notes.warnings.push_back(name + ": at " + share(s.too_fast, s.points) +
                              " it asks for more than an avatar can do: up to " + measure(s.fastest) +
-                             " m/s, but an avatar reaches only " + measure(most) + " m/s; padr-lab path --stretch " +
-                             scenarios::rough_text(slow_enough(path, scene)) + " makes it slow enough");
+                             " m/s, but an avatar reaches only " + measure(most) + " m/s; " +
+                             remedy(slow_enough(path, scene)));
   if (s.fastest < kIdle * most)
     notes.warnings.push_back(name + ": it hardly moves, at most " + measure(s.fastest) +
                              " m/s; are its times milliseconds?" + hint);

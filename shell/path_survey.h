@@ -23,6 +23,9 @@ struct PathSurvey {
 };
 PathSurvey survey_path(const scenarios::Path& path, const Scene& scene);
 
+/// Most that `padr-lab path --stretch` multiplies times by.
+inline constexpr double kMostStretch = 1000;
+
 /// For people: what the path asks for and what the world has.
 struct PathNotes {
   std::string summary;

@@ -30,10 +30,16 @@ class Ids {
   std::size_t next_ = 0;
 };
 
-bool finite(const BodyState& s) {
-  for (const float v : fields_of(s))
-    if (!std::isfinite(v)) return false;
-  return true;
+/// No world has such places or speeds; what is computed from them would not be finite.
+constexpr float kBeyond = 1e9F;
+
+bool possible(const BodyState& s) {
+  const auto values = fields_of(s);
+  return std::all_of(values.begin(), values.end(), [](float v) { return std::abs(v) < kBeyond; });
+}
+
+bool possible(Vec2 place) {
+  return std::abs(place.x) < kBeyond && std::abs(place.y) < kBeyond;
 }
 
 bool follows(std::uint32_t tick, Tick last) {
@@ -62,7 +68,7 @@ struct TraceReader::Parser {
       }
       set_fields(s, values);
       s.awake = (in.changed_fields(i) & kAwakeBit) != 0;
-      if (!finite(s)) return "the state of an entity is not finite";
+      if (!possible(s)) return "the state of an entity is out of range";
     }
     return next_value == in.values_size() ? "" : "more values than changed fields";
   }
@@ -75,7 +81,7 @@ struct TraceReader::Parser {
       const auto e = ids.next(in.shown(i));
       if (!e) return "no such entity";
       r.live_.shown[*e] = {in.shown_at(2 * i), in.shown_at(2 * i + 1)};
-      if (!is_finite(r.live_.shown[*e])) return "a shown position is not finite";
+      if (!possible(r.live_.shown[*e])) return "a shown position is out of range";
     }
     return "";
   }
@@ -125,7 +131,7 @@ struct TraceReader::Parser {
       r.truth_.owner[*e] = nobody ? kNoPeer : static_cast<PeerId>(owner - 1);
       r.truth_.present[*e] = in.owner(i) % 2 != 0;
       r.truth_.agreed[*e] = {in.position(2 * i), in.position(2 * i + 1)};
-      if (!is_finite(r.truth_.agreed[*e])) return "a confirmed position is not finite";
+      if (!possible(r.truth_.agreed[*e])) return "a confirmed position is out of range";
     }
     return "";
   }

@@ -56,11 +56,15 @@ TEST_F(AuditProgram, WhatItCannotUseHasOneLineAndExit2) {
   write("cut.trace", whole.substr(0, 20));
   write("bent.trace", whole.substr(0, whole.size() / 2) + std::string(3, '\xFF') + whole.substr(whole.size() / 2));
   for (const char* words : {"audit", "audit none.trace", "audit cut.trace", "audit a/peer0.trace b/peer1.trace",
-                            "audit bent.trace", "audit a/peer0.trace --worst 0"}) {
+                            "audit bent.trace", "audit a/peer0.trace --worst 0", "audit a/peer0.trace a/peer0.trace"}) {
     const Outcome o = lab(words);
     EXPECT_EQ(o.status, 2) << words << "\n" << o.out;
     EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << words << "\n" << o.err;
   }
+  EXPECT_NE(lab("audit a/peer0.trace a/peer0.trace").err.find("is a trace of peer 0, and so is a/peer0.trace"),
+            std::string::npos);
+  write("short.trace", whole.substr(0, whole.size() / 2));
+  EXPECT_NE(lab("audit short.trace").out.find("Note: short.trace breaks off"), std::string::npos);
   EXPECT_NE(lab("audit a/peer0.trace b/peer1.trace").err.find("is of another session than a/peer0.trace"),
             std::string::npos);
 }

@@ -47,6 +47,8 @@ TEST(CommandLine, AWrongValueIsNamedWithWhatIsAllowed) {
       {{"--factor", "x"}, "--factor: 'x' is not allowed; give a number (see --help)"},
       {{"--seed", "-1"},
        "--seed: '-1' is not allowed; give a whole number from 0 to 18446744073709551615 (see --help)"},
+      {{"--peers", "2", "--peers", "3"}, "--peers: given 2 times; give it once (see --help)"},
+      {{"--peers"}, "--peers: no value; give INT (see --help)"},
       {{"--sed", "1"}, "'--sed' is no option here; did you mean --seed? (see --help)"},
   };
   for (const Row& r : rows) EXPECT_EQ(answer_to(r.words), r.answer);

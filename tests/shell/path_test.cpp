@@ -125,6 +125,13 @@ TEST(PathSurvey, SaysWhatThePathAsksForAndWarnsOfOtherUnits) {
                 "6.1 m/s, but an avatar reaches only 6 m/s; padr-lab path --stretch 1.1 makes it slow enough"}));
 }
 
+// Once, it named a stretch that padr-lab path refuses.
+TEST(PathSurvey, APathThatNoStretchSlowsDownIsToldSo) {
+  const Path leap({{0, {0, 15}}, {0.0001, {19, 15}}, {2, {19, 15}}});
+  const std::string warning = notes_on_path(leap, "p.csv", room()).warnings.at(0);
+  EXPECT_NE(warning.find("not even padr-lab path --stretch 1000 makes it slow enough"), std::string::npos) << warning;
+}
+
 // Two rushes with a rest between them: a second holds more of a rush that takes longer.
 TEST(PathSurvey, TheStretchThatItNamesIsEnough) {
   const std::vector<PathPoint> rushes{{0, {1, 1}}, {0.5, {7, 1}}, {1.2, {7, 1}}, {1.7, {14, 1}}, {3, {14, 1}}};

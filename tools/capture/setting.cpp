@@ -100,7 +100,8 @@ Setting SettingFlags::setting(const SessionLog& session_log) const {
   if (session_log.join) {
     const std::uint64_t ours = scene_hash(s.scene);
     if (ours != session_log.join->scene_hash)
-      throw UserError("--scenario: the session was played in '" + session_log.join->scenario + "' (hash " +
+      throw UserError(std::string(scenario_.empty() && seed_ ? "--seed" : "--scenario") +
+                      ": the session was played in '" + session_log.join->scenario + "' (hash " +
                       shell::hex(session_log.join->scene_hash) + "), and '" + s.label + "' is another here (hash " +
                       shell::hex(ours) + ")");
     s.checked = true;

@@ -44,7 +44,7 @@ void PathCommand::declare(CLI::App& app) {
   CLI::Option* stretch =
       app.add_option("--stretch", stretch_, "Multiply all times of --in by this, for paths that are too fast")
           ->type_name("FACTOR")
-          ->check(shell::between(0.001, 1000, ""))
+          ->check(shell::between(0.001, shell::kMostStretch, ""))
           ->capture_default_str()
           ->needs(in);
   CLI::Option* input = app.add_option("--input", input_, "In place of --in: made-up motion, wander[:SEED] or rest")

@@ -40,6 +40,7 @@ void replay_to(Judge& judge, const TraceText& text, std::size_t number, Report& 
   while (const auto event = replay.next())
     if (std::holds_alternative<trace::Step>(*event))
       note_other_worlds(*replay.replica(), report.evidence.members, number, report.other_worlds);
+  if (replay.result().truncated) report.truncated.push_back(text.label);
   if (!replay.result().identical())
     throw UserError(text.label + ": does not do again what it did, at " + replay.result().difference +
                     "; padr-lab replay says the same");
@@ -71,6 +72,18 @@ std::vector<T> merged(const std::vector<T>& all) {
   return out;
 }
 
+/// What a trace and its copy say would count twice.
+void check_apart(const std::vector<TraceText>& texts) {
+  std::map<std::tuple<PeerId, std::uint32_t, std::int64_t>, std::string> seen;
+  for (const TraceText& t : texts) {
+    const trace::TraceReader reader(t.bytes, t.label);
+    const trace::Header& h = reader.header();
+    const auto [first, is_new] = seen.try_emplace({h.peer, h.incarnation, h.start_unix_us}, t.label);
+    if (!is_new)
+      throw UserError(t.label + ": is a trace of peer " + std::to_string(h.peer) + ", and so is " + first->second);
+  }
+}
+
 /// Whoever was told two things may have believed the other one.
 bool may_be_misled(const Finding& f, const std::vector<Finding>& two) {
   return std::any_of(two.begin(), two.end(), [&f](const Finding& lie) {
@@ -85,10 +98,11 @@ float severity(const Finding& f) {
 }
 
 Report audit(const std::vector<TraceText>& texts, const Options& options) {
+  check_apart(texts);
   trace::TraceReader first(texts.front().bytes, texts.front().label);
   const Replay setting(first);  // refuses a trace of another build
   const Limits limits(setting.scene(), first.header().slots);
-  Report r{{}, read_evidence(texts, setting.scene()), {}, {}, {}, {}, 0, 0};
+  Report r{{}, {}, read_evidence(texts, setting.scene()), {}, {}, {}, {}, 0, 0};
   for (const TraceText& t : texts) r.labels.push_back(t.label);
   const std::vector<Finding> two = find_two_updates(r.evidence, r.labels);
   std::vector<Finding> physics;

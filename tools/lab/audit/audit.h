@@ -19,7 +19,8 @@ struct OtherWorld {
 };
 
 struct Report {
-  std::vector<std::string> labels;  ///< of traces
+  std::vector<std::string> labels;     ///< of traces
+  std::vector<std::string> truncated;  ///< of those of them that break off
   Evidence evidence;
   std::vector<Finding> findings;  ///< by member, then kind, the worst first
   std::vector<Push> pushes;       ///< by member and tick

@@ -171,6 +171,7 @@ std::string text(const Report& r, int worst) {
     from = to;
   }
   out += pushes_text(r) + other_worlds_text(r);
+  for (const std::string& label : r.truncated) out += "Note: " + label + " breaks off, and counts as far as it goes\n";
   const std::string found = r.findings.empty() ? "nothing found" : std::to_string(r.findings.size()) + " findings";
   return out + found + ": " + std::to_string(r.labels.size()) + (r.labels.size() == 1 ? " trace, " : " traces, ") +
          std::to_string(r.updates) + " updates compared, " + std::to_string(r.judged) + " held against physics\n";
