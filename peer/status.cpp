@@ -64,10 +64,10 @@ std::string Status::line(const Player& player, Micros now) {
   const double seconds = std::max(1e-3, static_cast<double>(now - last_) / kMicrosPerSecond);
   const auto ticks = static_cast<double>(std::max<std::uint64_t>(1, totals.ticks - last_ticks_));
   std::string line = fmt::format(
-      "{:6.1f} s  peers {}/{}  confirmed {:.0f} ms {:08x}@{}  sent {:.1f} updates/s {:.1f} kbit/s  own error {:.3f} m "
+      "{:6.1f} s  peers {}/{}  confirmed -{:.0f} ms {:08x}@{}  sent {:.1f} updates/s {:.1f} kbit/s  own error {:.3f} m "
       " replay {:.1f}/tick  late {}",
       static_cast<double>(replica.now()) / kTicksPerSecond, player.present(), replica.config().slots,
-      0 - confirmed_lag_ms(player), player.confirmed().hash >> 32U, player.confirmed().tick,
+      confirmed_lag_ms(player), player.confirmed().hash >> 32U, player.confirmed().tick,
       static_cast<double>(updates - last_updates_) / seconds, static_cast<double>(bytes - last_bytes_) * 8e-3 / seconds,
       replica.own_error(), static_cast<double>(totals.replayed_steps - last_replayed_) / ticks, player.ticks().late);
   if (const int wanted = replica.start().wanted; wanted > 0) line += fmt::format("  waits for {} players", wanted);
