@@ -179,7 +179,7 @@ bool PartitionMerge::is_outranked(const wire::Probe& probe, const Side& us, cons
   if (!session_.config.sealed) return outranks(probe.members, us);
   if (!has_stronger_evidence(probe, us, view)) return false;
   // Each part goes by what it knows, so each may yield to the other. Then the larger one stays.
-  return !probe.yields || is_larger(probe, us, us.size(), view);
+  return !probe.yields || is_larger(probe, us, evidence(probe.members, view).size(), us.size());
 }
 
 // A newcomer counts in its own part only, and seniority may then keep the smaller part from joining the larger one for
@@ -191,15 +191,14 @@ bool PartitionMerge::is_larger_for_long(const wire::Probe& probe, const Side& us
   const Tick split = split_from(witnesses);
   const auto is_known = [&](const wire::Seat& s) { return since(s.slot, view) <= split; };
   const auto own = probe.yields ? us.size() : static_cast<std::size_t>(std::count_if(us.begin(), us.end(), is_known));
-  if (!is_larger(probe, us, own, view)) return false;
+  if (!is_larger(probe, us, witnesses.size(), own)) return false;
   const Tick now = view.roster.now;
   if (now - larger_seen_ >= kLately) larger_since_ = now;
   larger_seen_ = now;
   return now - larger_since_ >= (witnesses.size() > 1 ? kStrangers : kAlone);
 }
 
-bool PartitionMerge::is_larger(const wire::Probe& probe, const Side& us, std::size_t own, const View& view) const {
-  const std::size_t witnesses = evidence(probe.members, view).size();
+bool PartitionMerge::is_larger(const wire::Probe& probe, const Side& us, std::size_t witnesses, std::size_t own) {
   return witnesses == own ? outranks(probe.members, us) : witnesses > own;
 }
 
@@ -220,7 +219,8 @@ bool PartitionMerge::has_stronger_evidence(const wire::Probe& probe, const Side&
   // Nothing shows which part is the larger one, in neither of them perhaps: then they may have their word, after a
   // while. Of two that are alone the other one may know nothing of this one, and wait for ever.
   if (std::none_of(witnesses.begin(), witnesses.end(), was_member))
-    return view.roster.now - split >= kStrangers && (is_larger(probe, us, us.size(), view) || is_lonely(kLonely, view));
+    return view.roster.now - split >= kStrangers &&
+           (is_larger(probe, us, witnesses.size(), us.size()) || is_lonely(kLonely, view));
   const auto weigh = [&](Tick margin) {
     Weights w;
     for (const Gone& g : witnesses)

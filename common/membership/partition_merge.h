@@ -147,8 +147,8 @@ class PartitionMerge {
   bool has_stronger_evidence(const wire::Probe& probe, const Side& us, const View& view) const;
   /// When this part evicted the first of them that was a member; kNever if none was.
   static Tick split_from(const std::vector<Gone>& witnesses);
-  /// Whether it has more witnesses than this part has peers that count, or as many and outranks it.
-  bool is_larger(const wire::Probe& probe, const Side& us, std::size_t own, const View& view) const;
+  /// Whether it has more witnesses than this part has peers that count (`own`), or as many and outranks it.
+  static bool is_larger(const wire::Probe& probe, const Side& us, std::size_t witnesses, std::size_t own);
   /// Whether it has been so for kStrangers.
   bool is_larger_for_long(const wire::Probe& probe, const Side& us, const View& view);
   /// Stops trying to join the winner for a while, if this peer has tried for long and has others in its part.
