@@ -88,6 +88,48 @@ TEST(OrderDesk, AllMustFollow) {
   EXPECT_EQ(outcomes[0].text, "peer 1: will not");
 }
 
+TEST(OrderDesk, ForOneThoseWhoRefuseAreFollowedByTheNext) {
+  Desk d;
+  const Push push{3, {4, 0}};
+  ASSERT_TRUE(d.desk.give({&d.peers[0], &d.peers[1]}, push, {5, 9, "push"}, OrderDesk::Whom::kOne));
+  const auto first = d.sent(0);
+  ASSERT_EQ(first.size(), 1U);
+  EXPECT_EQ(first[0].process, 11U);
+  d.desk.heard(11, d.answer(first[0], EventKind::kRefused, "another peer holds it"));
+  EXPECT_TRUE(d.desk.take_outcomes().empty());
+  const auto second = d.sent(1);
+  ASSERT_EQ(second.size(), 1U);
+  EXPECT_EQ(second[0].process, 12U);
+  EXPECT_EQ(second[0].what, What(push));
+  d.desk.heard(12, d.answer(second[0], EventKind::kPush));
+  const auto outcomes = d.desk.take_outcomes();
+  ASSERT_EQ(outcomes.size(), 1U);
+  EXPECT_TRUE(outcomes[0].ok);
+  EXPECT_EQ(outcomes[0].text, "");
+}
+
+TEST(OrderDesk, ForOneItFailsIfAllRefuse) {
+  Desk d;
+  ASSERT_TRUE(d.desk.give({&d.peers[0], &d.peers[1]}, Push{3, {4, 0}}, {5, 9, "push"}, OrderDesk::Whom::kOne));
+  d.desk.heard(11, d.answer(d.sent(0).at(0), EventKind::kRefused, "no"));
+  d.desk.heard(12, d.answer(d.sent(1).at(0), EventKind::kRefused, "nor I"));
+  const auto outcomes = d.desk.take_outcomes();
+  ASSERT_EQ(outcomes.size(), 1U);
+  EXPECT_FALSE(outcomes[0].ok);
+  EXPECT_EQ(outcomes[0].text, "peer 0: no; peer 1: nor I");
+  EXPECT_TRUE(d.sent(kMicrosPerSecond).empty());
+}
+
+TEST(OrderDesk, ForOneNobodyElseIsAskedInPlaceOfOneThatDoesNotAnswer) {
+  Desk d;
+  ASSERT_TRUE(d.desk.give({&d.peers[0], &d.peers[1]}, Push{3, {4, 0}}, {5, 9, "push"}, OrderDesk::Whom::kOne));
+  for (Micros t = 0; t < 10 * kMicrosPerSecond; t += 10'000)
+    for (const Order& o : d.sent(t)) EXPECT_EQ(o.process, 11U) << "it may have followed, and its answer is lost";
+  const auto outcomes = d.desk.take_outcomes();
+  ASSERT_EQ(outcomes.size(), 1U);
+  EXPECT_EQ(outcomes[0].text, "peer 0: does not answer");
+}
+
 TEST(OrderDesk, WhoDoesNotAnswerIsGivenUp) {
   Desk d;
   ASSERT_TRUE(d.desk.give({&d.peers[0]}, kKnob, {5, {}, "knob"}));

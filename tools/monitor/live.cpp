@@ -139,7 +139,6 @@ std::vector<const PeerRecord*> Live::meant(const Command& c, std::string& why) c
     why = "there is no session";
     return out;
   }
-  const bool anyone = std::holds_alternative<Push>(c.what);
   std::string closed;
   for (const PeerRecord* p : s->peers()) {
     if (c.peer != kNoPeer && p->origin.slot != c.peer) continue;
@@ -149,7 +148,6 @@ std::vector<const PeerRecord*> Live::meant(const Command& c, std::string& why) c
       continue;
     }
     out.push_back(p);
-    if (anyone) break;
   }
   // Of all, those who will; of one, that one.
   if (out.empty()) why = closed.empty() ? "there is no such peer" : closed;
@@ -167,7 +165,9 @@ void Live::act(ViewerId viewer, const Asked& asked) {
   const auto peers = meant(*command, why);
   if (peers.empty()) return answer(viewer, asked, false, why);
   if (const auto* d = std::get_if<Drive>(&command->what)) return drive(viewer, asked, command->peer, *d);
-  if (!orders_.give(peers, command->what, {viewer, asked.id, asked.about}))
+  // Who holds a body, or has just won it, is the only one that may push it.
+  const auto whom = std::holds_alternative<Push>(command->what) ? OrderDesk::Whom::kOne : OrderDesk::Whom::kAll;
+  if (!orders_.give(peers, command->what, {viewer, asked.id, asked.about}, whom))
     answer(viewer, asked, false, "too much to do already");
 }
 

@@ -36,9 +36,14 @@ class OrderDesk {
   /// `issuer`: drawn at random, not 0.
   OrderDesk(std::uint64_t issuer, Sender send) : issuer_(issuer), send_(std::move(send)) {}
 
-  /// For all of these peers, which must take orders. Returns false, and does nothing, if one of them has too much to
-  /// do already.
-  bool give(const std::vector<const PeerRecord*>& peers, const What& what, const Ticket& ticket);
+  enum class Whom : std::uint8_t {
+    kAll,  ///< each of them is to follow it
+    kOne,  ///< one is: the first that does not refuse
+  };
+  /// For these peers, which must take orders. Returns false, and does nothing, if one of them has too much to do
+  /// already.
+  bool give(const std::vector<const PeerRecord*>& peers, const What& what, const Ticket& ticket,
+            Whom whom = Whom::kAll);
   /// From now on, until something else is said. A release is an order like others.
   void drive(const PeerRecord& peer, const Drive& drive);
   /// The peer has told of this.
@@ -54,9 +59,17 @@ class OrderDesk {
   static constexpr std::size_t kWaiting = 32;  ///< orders for one peer
 
  private:
+  struct Addressee {
+    std::uint64_t process = 0;
+    PeerId slot = kNoPeer;
+    Endpoint to;
+    std::uint64_t token = 0;
+  };
   struct Errand {
     Ticket ticket;
-    std::set<std::uint64_t> open;  ///< processes
+    Whom whom = Whom::kAll;
+    std::set<std::uint64_t> open;   ///< processes
+    std::deque<Addressee> instead;  ///< asked one after the other if it is refused
     bool ok = true;
     std::string text;
   };
@@ -65,9 +78,7 @@ class OrderDesk {
     std::uint64_t errand = 0;  ///< 0: nobody asks
   };
   struct Lane {
-    PeerId slot = kNoPeer;
-    Endpoint to;
-    std::uint64_t token = 0;
+    Addressee whose;
     std::deque<Item> waiting;
     std::uint32_t number = 0;  ///< of the first that waits; 0: not sent yet
     int tries = 0;
@@ -76,9 +87,11 @@ class OrderDesk {
     bool drive_new = false;
     Micros driven_at = 0;
   };
-  Lane& lane_of(const PeerRecord& peer);
-  void send(std::uint64_t process, const Lane& lane, std::uint32_t number, const What& what);
-  void done(std::uint64_t process, Lane& lane, bool ok, const std::string& text);
+  static Addressee addressee(const PeerRecord& peer);
+  Lane& lane_of(const Addressee& a);
+  void send(const Lane& lane, std::uint32_t number, const What& what);
+  enum class Answer : std::uint8_t { kFollowed, kRefused, kNone };
+  void done(Lane& lane, Answer answer, const std::string& text);
 
   std::uint64_t issuer_;
   Sender send_;
