@@ -192,9 +192,9 @@ void Membership::take(const std::vector<sync::Transfer::Proof>& proofs) {
   for (const sync::Transfer::Proof& p : proofs) testimony_.take(p);
 }
 
-void Membership::inherit(const Membership& before) {
+void Membership::inherit(const Membership& before, const PublicKey& let_in_by) {
   take(before.testimony_.proofs());
-  misbehaviour_.inherit(before.misbehaviour_);
+  misbehaviour_.inherit(before.misbehaviour_, let_in_by);
   merge_.inherit(before.merge_, before.view(), roster().now);
 }
 

@@ -77,8 +77,9 @@ class Membership {
   bool convicts(const PublicKey& key) const { return testimony_.convicts(key); }
   /// Whether the peer with this key is barred: it may not join.
   bool bars(const PublicKey& key) const;
-  /// Bans, proofs and places that this peer's former incarnation knew.
-  void inherit(const Membership& before);
+  /// Bans, proofs and places that this peer's former incarnation knew. `let_in_by`: key of who has let this peer in
+  /// anew, if anybody has.
+  void inherit(const Membership& before, const PublicKey& let_in_by);
   /// Once a tick, after the replica's step.
   void advance(Micros local);
   /// Address at which to join anew after an eviction, a difference of confirmed worlds, a standstill or a lost merge of

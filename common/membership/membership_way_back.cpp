@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/membership/membership.h"
+#include "common/session/session_objection.h"
 
 namespace padr::node {
 namespace {
@@ -22,6 +23,7 @@ constexpr Tick kInTurn = 2 * kTicksPerSecond;
 /// one that has left, too: it then finds that one, which others can join.
 constexpr Tick kFoundsAnew = 10 * kTicksPerSecond;
 constexpr Tick kAfterSenior = 5 * kTicksPerSecond;
+constexpr Micros kTenth = kMicrosPerSecond / 10;
 
 }  // namespace
 
@@ -77,6 +79,8 @@ std::string Membership::why_back() const {
     return "all others have an update of a lost peer that none of them can send";
   const PeerId c = coordinator();
   if (c == session_.self || c == kNoPeer) return "";
+  if (const Micros lead = n.least_clock_lead(); lead >= Replica::kFarAhead)
+    return "this peer's clock is " + in_seconds(lead - lead % kTenth) + " ahead of most others'";
   // With a key, the two first find out who has lied to whom.
   const Tick disputed = session_.config.sealed ? roster().now - n.seat(c).disputed : Testimony::kDispute;
   if (n.seat(c).differs && disputed >= Testimony::kDispute)

@@ -325,6 +325,12 @@ Tick MisbehaviourPolicy::bar(PeerId p, bool for_good, const View& view) {
   return for_good ? kForGood : until - view.roster.now;
 }
 
+void MisbehaviourPolicy::inherit(const MisbehaviourPolicy& before, const PublicKey& let_in_by) {
+  offenders_ = before.offenders_;
+  for (Offender& o : offenders_)
+    if (o.key == let_in_by && o.barred_until != kForGood) o.barred_until = 0;
+}
+
 bool MisbehaviourPolicy::bars_for_good(const PublicKey& key) const {
   return std::any_of(offenders_.begin(), offenders_.end(),
                      [&](const Offender& o) { return o.key == key && o.barred_until == kForGood; });

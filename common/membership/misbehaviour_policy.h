@@ -51,8 +51,9 @@ class MisbehaviourPolicy {
   void convict(PeerId p, const View& view, Commands& out);
   /// p has misled this peer by words that it cannot show to others.
   void distrust(PeerId p, const View& view, Commands& out);
-  /// Takes over the bans of this peer's former incarnation.
-  void inherit(const MisbehaviourPolicy& before) { offenders_ = before.offenders_; }
+  /// Takes over the bans of this peer's former incarnation, except for one that ends: who has let this peer in anew is
+  /// followed by the others, and this peer could not follow them if it ignored that one.
+  void inherit(const MisbehaviourPolicy& before, const PublicKey& let_in_by);
 
   static constexpr std::size_t kNonsense = 20;  ///< invalid datagrams within kWithin for which p is cut off
   static constexpr Tick kWithin = 10 * kTicksPerSecond;

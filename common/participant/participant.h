@@ -176,6 +176,8 @@ class Participant {
   std::optional<Micros> left_at_;  ///< local time of leave()
   std::optional<Tick> farewell_;   ///< tick at which to leave; absent: done, or not planned yet
   bool stays_ = false;
+  /// See SessionConfig; of the next incarnation.
+  std::optional<Micros> most_offset_;
   Micros try_again_ = 0;
   std::uint64_t tries_ = 0;
   Allowance for_members_;    ///< what this peer may carry

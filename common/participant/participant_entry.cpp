@@ -203,7 +203,8 @@ void Participant::take_over() {
   if (left_at_) plan_farewell();  // leave() was called before its admission
   if (!before.session) return;
   collect(before);
-  current_.membership->inherit(*before.membership);
+  most_offset_.reset();
+  current_.membership->inherit(*before.membership, current_.session->let_in_by().key);
   before.replica->finish(true);
 }
 
@@ -218,6 +219,8 @@ void Participant::look_for_way_back(Micros local) {
   if (left_at_) return;
   const auto where = current_.membership->way_back();
   if (where) current_.membership->announce_way_back();
+  if (const Micros lead = replica().least_clock_lead(); lead >= Replica::kFarAhead)
+    most_offset_ = session().session_now(local) - local - lead;
   if (current_.membership->founds_anew() && !next_.replica && !scene_.region) return found_anew(local);
   if (next_.session && !next_.replica && (!where || asks_in_vain(*where))) next_ = {};  // no longer needed
   if (next_.session || local < try_again_ || !where || !where->is_set()) return;
@@ -225,6 +228,7 @@ void Participant::look_for_way_back(Micros local) {
   c.join = *where;
   c.seed = derive_seed(c.seed, 0xBAC, ++tries_);
   c.patience = kReturnPatience;
+  c.most_offset = most_offset_;
   next_.session = std::make_unique<Session>(c, local);
 }
 

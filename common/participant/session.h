@@ -82,6 +82,8 @@ class Session {
   const wire::Bytes& transfer() const { return pull_->transfer(); }
   /// The member that welcomed us, which is to admit us.
   const Endpoint& introducer() const { return pull_->by(); }
+  /// Our introducer; not set for the founder.
+  Endpoint let_in_by() const { return pull_ ? pull_->by() : Endpoint{}; }
   PeerId introducer_number() const { return introducer_; }
   /// While kEntering: session time is at least this, us.
   void time_is_at_least(Micros session, Micros local) { pull_->clock_is_ahead(session - local); }

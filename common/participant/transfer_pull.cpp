@@ -15,7 +15,7 @@ void TransferPull::on_pong(const Endpoint& from, const wire::Pong& pong, Micros 
   unanswered_ = 0;
   offset_.add(pong.sent, pong.session, local);
   lost_ |= offset_.is_contradictory();
-  if (ready_ && !lost_) session_.clock.set(std::max(offset_.offset(), least_offset_));
+  if (ready_ && !lost_) set_clock();
   finish_if_complete();
 }
 
@@ -37,8 +37,14 @@ void TransferPull::on_piece(const Endpoint& from, const wire::Piece& piece, Micr
 void TransferPull::finish_if_complete() {
   if (ready_ || pieces_.empty() || missing_ > 0 || offset_.samples() < kSamples) return;
   for (const wire::Bytes& p : pieces_) transfer_.insert(transfer_.end(), p.begin(), p.end());
-  session_.clock.set(offset_.offset());
+  set_clock();
   ready_ = true;
+}
+
+// An introducer can lie about the time.
+void TransferPull::set_clock() {
+  const Micros most = session_.config.most_offset.value_or(std::numeric_limits<Micros>::max());
+  session_.clock.set(std::max(std::min(offset_.offset(), most), least_offset_));
 }
 
 void TransferPull::pull(Micros local) {
@@ -112,7 +118,7 @@ void TransferPull::measure(Micros local) {
 
 void TransferPull::clock_is_ahead(Micros at_least) {
   least_offset_ = at_least;
-  session_.clock.set(std::max(offset_.offset(), least_offset_));
+  set_clock();
 }
 
 void TransferPull::enter(Micros local) {

@@ -53,6 +53,7 @@ class TransferPull {
 
  private:
   void pull(Micros local);
+  void set_clock();
   bool pull_is_due(Micros local) const;
   bool comes_to_nothing(Micros local) const;
   void finish_if_complete();

@@ -32,6 +32,8 @@ class LinkClock {
   Micros least() const { return std::min(previous_, current_); }
   /// By how much our clock leads theirs, if delays are alike both ways; 0 until both have measured.
   Micros lead() const { return measured() && heard_ ? (least() - theirs_) / 2 : 0; }
+  /// By how much it leads theirs at least, whatever the delays are; negative or 0 if that is not known.
+  Micros least_lead() const { return heard_ ? -theirs_ : 0; }
 
  private:
   static constexpr Micros kNone = std::numeric_limits<Micros>::max();

@@ -203,6 +203,11 @@ class Replica {
   /// By how much this peer's session clock leads that of the most senior other peer, in microseconds, as far as delays
   /// are alike both ways; 0 until measured.
   Micros clock_lead() const;
+  /// By how much it leads those of more than half of the other members at least, in microseconds, whatever the delays
+  /// are; 0 if not, or if there is only one other.
+  Micros least_clock_lead() const;
+  /// Lead from which on this peer has been told a wrong time, us: the others drop what it sends from 2 s on.
+  static constexpr Micros kFarAhead = kMicrosPerSecond;
   /// Sum over own entities of the distance between the live and the predicted world (m): the error that the others are
   /// believed to see.
   float own_error() const;

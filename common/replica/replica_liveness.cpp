@@ -1,6 +1,8 @@
 // A Replica's part in links that fail: which peers answer, which updates others relay to it, and which it offers to
 // relay.
 #include <algorithm>
+#include <array>
+#include <functional>
 
 #include "common/replica/replica.h"
 
@@ -61,6 +63,17 @@ PeerId Replica::most_senior_other() const {
 Micros Replica::clock_lead() const {
   const PeerId first = most_senior_other();
   return first == kNoPeer ? 0 : links_[first].clock.lead();
+}
+
+Micros Replica::least_clock_lead() const {
+  std::array<Micros, kMaxPeers> leads;
+  std::size_t others = 0;
+  for (PeerId p = 0; p < config_.slots; ++p)
+    if (p != config_.self && seat(p).there()) leads[others++] = links_[p].clock.least_lead();
+  if (others < 2) return 0;
+  const auto middle = leads.begin() + static_cast<std::ptrdiff_t>(others / 2);
+  std::nth_element(leads.begin(), middle, leads.begin() + static_cast<std::ptrdiff_t>(others), std::greater<>());
+  return std::max<Micros>(0, *middle);
 }
 
 }  // namespace padr::node

@@ -56,6 +56,9 @@ DropReason Replica::take(const wire::Opened& opened, Micros now) {
     link.answered_seq = std::max(link.answered_seq, packet->seen_seq);
     return DropReason::kForeign;
   }
+  // Also from datagrams that are ahead of our time: by what it is told of them, a peer with a wrong clock learns so.
+  link.clock.sample(packet->mark_tick, now);
+  if (packet->transit != 0) link.clock.told(packet->transit);
   const DropReason why = sync::admit(*packet, scene_, config_.slots, this->now());
   if (why != DropReason::kNone) return why;
   if (const DropReason wrong = check_claims(*packet, h.sender); wrong != DropReason::kNone) return wrong;
@@ -77,9 +80,7 @@ DropReason Replica::take(const wire::Opened& opened, Micros now) {
     roster_.note_answer(h.sender, packet->mark_tick);
   }
   link.out.on_packet(*packet, came_at(now));
-  link.clock.sample(packet->mark_tick, now);
   link.arrivals.sample(packet->mark_tick, now);
-  if (packet->transit != 0) link.clock.told(packet->transit);
   take_check(*packet, h.sender);
   return DropReason::kNone;
 }

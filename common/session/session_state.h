@@ -37,6 +37,8 @@ struct SessionConfig {
   /// does not reach directly; see is_of_one_host.
   std::vector<Endpoint> own_addresses{};
   SessionId id{};  ///< of a session with a key; a joiner is told it
+  /// The session's time is ahead of ours by this at most, us, whatever the introducer says; absent: not known.
+  std::optional<Micros> most_offset{};
   /// Longest time from this peer's start to the begin of play, us; 0: no limit.
   Micros patience = 30 * kMicrosPerSecond;
 };

@@ -152,7 +152,6 @@ TEST(Lying, AHashThatIsNoneMakesNobodyBeginAnew) {
   t.expect_no_harm();
 }
 
-// Once, the others dropped what it rested on such claims as nonsense, and barred it for good.
 // Its link seems to carry next to nothing: what the others have to say waits for it, but for a second at most.
 TEST(Lying, WhoSaysThatAllComesLateHoldsNobodyBackForLong) {
   Trial t(4, 2, wire::SealMode::kAuth, 130);
@@ -176,6 +175,7 @@ TEST(Lying, WhoSaysThatAllComesLateHoldsNobodyBackForLong) {
   t.expect_no_harm();
 }
 
+// Once, the others dropped what it rested on such claims as nonsense, and barred it for good.
 TEST(Lying, WhoIsLedToBelieveInHighEpochsIsNotCutOff) {
   Trial t(4, 2, wire::SealMode::kAuth, 125);
   t.party().net().attract(Vec2{10, 7});
@@ -203,6 +203,23 @@ TEST(Lying, WhoIsLedToBelieveInHighEpochsIsNotCutOff) {
     EXPECT_FALSE(t.party().noted(t.person(p), "peer 1 keeps sending invalid datagrams")) << t.party().story();
   EXPECT_TRUE(t.party().net().peer(t.person(1)).playing()) << t.party().story();
   EXPECT_EQ(t.replica(0).link(1).cut_offs, 0U) << t.party().story();
+}
+
+// Once, it was evicted after 3 s, as the others dropped all that it sent, and came back to the same coordinator each
+// time.
+TEST(Lying, WhoIsToldAWrongTimeLearnsItFromTheOthers) {
+  Trial t(4, 0, wire::SealMode::kAuth, 131);
+  ASSERT_EQ(t.party().net().peer(t.person(1)).coordinator(), 0);
+  t.liar().speak_to_joiners([](wire::SessionMessage& m) {
+    if (auto* pong = std::get_if<wire::Pong>(&m)) pong->session += 3 * kMicrosPerSecond;
+  });
+  const int joiner = t.party().net().start(t.person(1));
+  EXPECT_TRUE(t.party().run_until(10, [&] { return t.noted("clock is 2.9 s ahead") && t.party().united(); }))
+      << t.party().story();
+  EXPECT_EQ(t.party().net().peer(joiner).incarnation(), 1) << t.party().story();
+  EXPECT_NEAR(t.party().replica(joiner).now(), t.replica(1).now(), 6);
+  t.expect_no_harm();
+  EXPECT_EQ(t.party().net().peer(joiner).incarnation(), 1) << t.party().story();
 }
 
 // Nothing prevents it, as each signs what it says; but it shows, and whoever has been told otherwise than the

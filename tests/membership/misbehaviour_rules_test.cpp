@@ -286,13 +286,32 @@ TEST(MisbehaviourRules, WhoIsConvictedIsGivenUpByWhoeverHadBarredItBefore) {
   EXPECT_EQ(out.cut_offs, std::vector<PeerId>{2});
   EXPECT_EQ(out.given_up, std::vector<PeerId>{2});
   MisbehaviourPolicy rules(s.session);
-  rules.inherit(before);
+  rules.inherit(before, {});
   rules.convict(2, s.view(), out);
   EXPECT_EQ(out.cut_offs.size(), 1U) << "it is not told twice";
   EXPECT_EQ(out.given_up.size(), 2U);
   s.roster.give_up(2, true);
   rules.convict(2, s.view(), out);
   EXPECT_EQ(out.given_up.size(), 2U);
+}
+
+// Once, a peer that came back by a coordinator that it ignored heard nothing of what the others followed.
+TEST(MisbehaviourRules, WhoHasLetThisPeerInAnewIsHeardUnlessItIsBarredForGood) {
+  Situation s(4, 0);
+  s.session.config.sealed = true;
+  for (const PeerId p : {1, 2, 3}) s.roster.seats[p].at.key.fill(static_cast<std::uint8_t>(p));
+  MisbehaviourPolicy before(s.session);
+  ListedCommands out;
+  before.distrust(1, s.view(), out);
+  before.distrust(2, s.view(), out);
+  before.convict(3, s.view(), out);
+  for (const PeerId by : {1, 3}) {
+    MisbehaviourPolicy rules(s.session);
+    rules.inherit(before, s.roster.seats[by].at.key);
+    EXPECT_EQ(rules.hears(1, s.view()), by == 1);
+    EXPECT_FALSE(rules.hears(2, s.view()));
+    EXPECT_FALSE(rules.hears(3, s.view()));
+  }
 }
 
 // It may have been its network.

@@ -42,5 +42,20 @@ TEST(TransferPull, GivesUpAnIntroducerThatSendsNothingMore) {
   }
 }
 
+// What most others have told of this peer's clock counts more than what an introducer says of its own.
+TEST(TransferPull, TakesNoTimeThatIsLaterThanTheOthersProve) {
+  for (const Micros most : {Micros{-500'000}, Micros{500'000}}) {
+    node::SessionState session;
+    session.config.most_offset = most;
+    const Endpoint by = ipv4({10, 0, 0, 1}, 7000);
+    TransferPull pull(session, by, {}, 0);
+    pull.on_piece(by, {0, 0, 1, wire::Bytes(10)}, 1);
+    for (Micros local = 100'000; !pull.ready() && local < kMicrosPerSecond; local += 10'000)
+      pull.on_pong(by, {local - kRoundTrip, local - kRoundTrip / 2}, local);
+    ASSERT_TRUE(pull.ready());
+    EXPECT_EQ(session.clock.now(kMicrosPerSecond), kMicrosPerSecond + std::min<Micros>(most, 0));
+  }
+}
+
 }  // namespace
 }  // namespace padr::test

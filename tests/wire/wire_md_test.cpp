@@ -359,6 +359,7 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   whole("admit_angle", limits.max_angle);
   whole("admit_control", limits.max_control);
   add("admit_ahead", limits.max_ahead);
+  add("far_ahead_us", node::Replica::kFarAhead);
   add("join_us", Pace::kJoin);
   add("ping_us", node::TransferPull::kPing);
   add("idle_ping_us", node::TransferPull::kIdlePing);
