@@ -60,6 +60,7 @@ class Parser {
 
   void option() {
     const Word& keyword = words_[next_++];
+    refuse_unit(keyword);
     for (const Option& option : options()) {
       if (!option.name.starts_with(keyword.text)) continue;
       const std::string_view canonical = option.name == "latency" ? "delay" : option.name;
@@ -70,14 +71,19 @@ class Parser {
     if (keyword.text == "packets" || keyword.text == "bytes") {
       words::fail(keyword, "only allowed right after slot and its times, packets before bytes");
     }
-    static constexpr std::array<std::string_view, 8> kUnits{"ms", "us", "ns", "sec", "%", "kbit", "mbit", "gbit"};
-    if (next_ > 1 && words::looks_like_number(words_[next_ - 2]) &&
-        std::find(kUnits.begin(), kUnits.end(), keyword.text) != kUnits.end())
-      words::fail(keyword, "is a unit; write it right behind its number, without a blank");
     words::fail(
         keyword,
         "unknown; allowed here: limit, delay, distribution, loss, corrupt, duplicate, reorder, gap, rate, slot, "
         "trace, seed");
+  }
+
+  void refuse_unit(const Word& keyword) const {
+    static constexpr std::array<std::string_view, 8> kUnits{"ms", "us", "ns", "sec", "%", "kbit", "mbit", "gbit"};
+    const bool after_number = next_ > 1 && words::looks_like_number(words_[next_ - 2]);
+    // Where words follow, "s" is short for slot, as in tc.
+    const bool is_unit = std::find(kUnits.begin(), kUnits.end(), keyword.text) != kUnits.end() ||
+                         (keyword.text == "s" && next_ == words_.size());
+    if (after_number && is_unit) words::fail(keyword, "is a unit; write it right behind its number, without a blank");
   }
 
   // ---- words

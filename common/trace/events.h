@@ -57,6 +57,12 @@ struct Header : Provenance {
   int entities() const { return bodies + slots; }
 };
 
+/// Whether both are of one incarnation of one peer. The two sides of a partition do not know of one another's
+/// newcomers, and may number them alike.
+inline bool same_incarnation(const Header& a, const Header& b) {
+  return a.peer == b.peer && a.incarnation == b.incarnation && a.start_unix_us == b.start_unix_us;
+}
+
 /// What one who came while the session ran began with.
 struct Begin {
   Tick tick = 0;                        ///< of the first Step

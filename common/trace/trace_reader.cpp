@@ -3,7 +3,9 @@
 #include <google/protobuf/io/coded_stream.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <span>
 
@@ -230,13 +232,27 @@ void TraceReader::refuse(const std::string& what) const {
                   what);
 }
 
+namespace {
+
+// As pcap or pcapng files begin, of whatever byte order and resolution.
+bool is_capture(std::span<const std::byte> bytes) {
+  constexpr std::array<std::uint32_t, 5> kMagics{0xa1b2c3d4, 0xd4c3b2a1, 0xa1b23c4d, 0x4d3cb2a1, 0x0a0d0d0a};
+  std::uint32_t magic = 0;
+  if (bytes.size() < sizeof magic) return false;
+  std::memcpy(&magic, bytes.data(), sizeof magic);
+  return std::find(kMagics.begin(), kMagics.end(), magic) != kMagics.end();
+}
+
+}  // namespace
+
 TraceReader::TraceReader(std::span<const std::byte> bytes, std::string label)
     : bytes_(bytes), label_(std::move(label)) {
   if (bytes.empty()) throw UserError(label_ + ": is empty, not a trace");
   const std::size_t preamble = kMagic.size() + 1;
   for (std::size_t i = 0; i < std::min(kMagic.size(), bytes.size()); ++i)
     if (bytes[i] != static_cast<std::byte>(kMagic[i]))
-      throw UserError(label_ + ": not a trace of padr (it does not begin with " + std::string(kMagic) + ")");
+      throw UserError(label_ + ": not a trace of padr (it does not begin with " + std::string(kMagic) + ")" +
+                      (is_capture(bytes) ? "; it is a capture of packets, which padr-capture reads" : ""));
   if (bytes.size() < preamble)
     throw UserError(label_ + ": ends within the first " + std::to_string(preamble) + " bytes");
   const auto version = std::to_integer<unsigned>(bytes[kMagic.size()]);

@@ -201,6 +201,7 @@ constexpr Rejected kRejected[] = {
     {"delay nan", "word 2 \"nan\"", "0 to 4294s"},
     {"DELAY 10ms", "word 1 \"DELAY\"", "unknown"},
     {"delayed 10ms", "word 1 \"delayed\"", "unknown; allowed here: limit"},
+    {"delay 1 s", "word 3 \"s\"", "is a unit; write it right behind its number"},
     {"delay 100 ms", "word 3 \"ms\"", "is a unit; write it right behind its number"},
     {"packets 5", "word 1 \"packets\"", "right after slot"},
     {"slot 10ms bytes 5 packets 5", "word 5 \"packets\"", "packets before bytes"},

@@ -278,6 +278,9 @@ TEST(TraceFormat, WhatIsNoTraceIsNamed) {
   const std::vector<std::pair<Bytes, std::string>> cases{
       {{}, "some.trace: is empty, not a trace"},
       {text("t,x,y\n0,1,2\n"), "some.trace: not a trace of padr (it does not begin with PADRTRC)"},
+      {text("\x0a\x0d\x0d\x0a\x1c\x01\x01\x01"),
+       "some.trace: not a trace of padr (it does not begin with PADRTRC); it is a capture of packets, which "
+       "padr-capture reads"},
       {text("PADR"), "some.trace: ends within the first 8 bytes"},
       {newer, "some.trace: trace format 7; this program reads format 6"},
       {older, "some.trace: trace format 5; this program reads format 6"},

@@ -25,11 +25,6 @@ void check_pair(const trace::Header& a, const trace::Header& b, const std::strin
   same("whether there is authority over bodies", a.technique.authority, b.technique.authority, first, second);
 }
 
-// The two sides of a partition do not know of one another's newcomers, and may number them alike.
-bool same_life(const trace::Header& a, const trace::Header& b) {
-  return a.peer == b.peer && a.incarnation == b.incarnation && a.start_unix_us == b.start_unix_us;
-}
-
 }  // namespace
 
 Survey survey(const TraceBytes& trace) {
@@ -61,7 +56,7 @@ void check_together(const std::vector<Survey>& all, const std::vector<TraceBytes
   for (std::size_t i = 0; i < all.size(); ++i) {
     check_pair(all[0].header, all[i].header, traces[0].label, traces[i].label);
     for (std::size_t j = 0; j < i; ++j)
-      if (same_life(all[j].header, all[i].header))
+      if (same_incarnation(all[j].header, all[i].header))
         throw UserError(traces[i].label + ": is a trace of peer " + std::to_string(all[i].header.peer) +
                         ", and so is " + traces[j].label);
   }

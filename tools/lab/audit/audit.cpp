@@ -74,13 +74,13 @@ std::vector<T> merged(const std::vector<T>& all) {
 
 /// What a trace and its copy say would count twice.
 void check_apart(const std::vector<TraceText>& texts) {
-  std::map<std::tuple<PeerId, std::uint32_t, std::int64_t>, std::string> seen;
+  std::vector<trace::Header> seen;
   for (const TraceText& t : texts) {
-    const trace::TraceReader reader(t.bytes, t.label);
-    const trace::Header& h = reader.header();
-    const auto [first, is_new] = seen.try_emplace({h.peer, h.incarnation, h.start_unix_us}, t.label);
-    if (!is_new)
-      throw UserError(t.label + ": is a trace of peer " + std::to_string(h.peer) + ", and so is " + first->second);
+    const trace::Header h = trace::TraceReader(t.bytes, t.label).header();
+    for (std::size_t i = 0; i < seen.size(); ++i)
+      if (same_incarnation(seen[i], h))
+        throw UserError(t.label + ": is a trace of peer " + std::to_string(h.peer) + ", and so is " + texts[i].label);
+    seen.push_back(h);
   }
 }
 
