@@ -20,6 +20,7 @@ class Measuring:
         self.programs = programs
         self.quick = quick
         self.commands = []  # as a reader would give them
+        self._shown = {}  # them, by what is run
         self._done = {}
         self._folder = tempfile.mkdtemp()
 
@@ -31,18 +32,25 @@ class Measuring:
 
     def begin(self):
         self.commands = []
+        self._shown = {}
 
     def _chosen(self, words):
         return [w[1 if self.quick else 0] if isinstance(w, tuple) else w for w in words]
+
+    def _as_shown(self, chosen):
+        """A sweep goes on with the rows in its file, and refuses those of another grid: each has a file of its own."""
+        shown = shlex.join(["padr-lab", *(w for w in chosen if w != "--no-pictures")])
+        before = sum(c.split()[1] == chosen[0] for c in self.commands)
+        file = f"out/{chosen[0]}{f'-{before + 1}' if before else ''}.csv"
+        return shown.replace("OUT", "out/" + chosen[0]).replace("FILE", file)
 
     def lab(self, *words):
         """Runs padr-lab; returns what it printed. The word OUT stands for a folder of its own, FILE for a file in it."""
         chosen = self._chosen(words)
         key = tuple(chosen)
-        shown = shlex.join(["padr-lab", *(w for w in chosen if w != "--no-pictures")])
-        shown = shown.replace("OUT", "out/" + chosen[0]).replace("FILE", f"out/{chosen[0]}.csv")
-        if shown not in self.commands:
-            self.commands.append(shown)
+        if key not in self._shown:
+            self._shown[key] = self._as_shown(chosen)
+            self.commands.append(self._shown[key])
         if key in self._done:
             return self._done[key]
         folder = os.path.join(self._folder, str(len(self._done)))
