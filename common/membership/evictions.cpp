@@ -124,7 +124,9 @@ void Evictions::keep(const wire::Fetched& fetched, Lost& lost, const View& view,
   const std::uint32_t have = view.log.have(fetched.slot);
   for (const sync::Bundle& b : fetched.updates) {
     const bool asked_for = b.index >= std::min(lost.least, have) && b.index <= have + sync::UpdateLog::kMostBeyond;
-    if (!asked_for || lost.fetched.contains(b.index) || !misbehaviour.said(b, view) ||
+    // No member has filed an update from so far in the future: all would wait for that time.
+    const bool in_time = b.tick <= view.roster.now + sync::AdmitLimits{}.max_ahead;
+    if (!asked_for || !in_time || lost.fetched.contains(b.index) || !misbehaviour.said(b, view) ||
         sync::admit(b, view.scene, session_.slots) != sync::DropReason::kNone)
       continue;
     lost.fetched.emplace(b.index, b);

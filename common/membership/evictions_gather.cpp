@@ -5,6 +5,16 @@
 #include "common/membership/evictions.h"
 
 namespace padr::node {
+namespace {
+
+/// How deep updates lie in this one; see sync::kMaxPassing.
+int passings(const sync::Bundle& b) {
+  int deepest = 0;
+  for (const sync::Bundle& inner : b.passed_on) deepest = std::max(deepest, 1 + passings(inner));
+  return deepest;
+}
+
+}  // namespace
 
 // An update that was here once and is no longer, all have confirmed: nobody else keeps it, either, and a member that
 // says it lacks it is behind or lies.
@@ -71,9 +81,9 @@ bool Evictions::gather(PeerId p, Lost& lost, const View& view, Commands& out) {
   for (std::uint32_t i = lost.least; i < lost.most; ++i) {
     const auto found = lost.fetched.find(i);
     if (found != lost.fetched.end()) {
-      // No log takes two updates of one tick. A peer that signs such has its log ended; whoever has more of it joins
-      // anew.
-      if (found->second.tick <= newest) {
+      // No log takes two updates of one tick, and no datagram one that lies deeper than kMaxPassing. A peer that signs
+      // such has its log ended; whoever has more of it joins anew.
+      if (found->second.tick <= newest || passings(found->second) >= sync::kMaxPassing) {
         lost.most = i;
         break;
       }

@@ -142,17 +142,21 @@ void Membership::on_unreachable(const Endpoint& at) {
   }
 }
 
-// One process is one peer: a peer of another slot at the same address is a former incarnation of it, and has ended.
-// Several changes may arrive at once, so this is checked after all of them: the address of a former occupant says
-// nothing about the present one.
+// One process is one peer: a peer of another slot at the same address is a former incarnation of it, and has ended. If
+// it has another key the process may have started anew; but the address is the word of one member, and two peers on two
+// LANs may name the same one. Whoever answers still stays. Several changes may arrive at once, so this is checked after
+// all of them: the address of a former occupant says nothing about the present one.
 void Membership::note_former_incarnations(const std::vector<MemberChange>& changes) {
   for (const MemberChange& c : changes) {
     if (c.kind != MemberChange::Kind::kAdmitted || c.slot == session_.self) continue;
     for (PeerId p = 0; p < session_.slots; ++p) {
       const Seat& n = roster().seats[p];
-      if (p != session_.self && p != c.slot && same_place(n.at, roster().seats[c.slot].at) &&
-          n.incarnation < c.incarnation)
+      const Endpoint& at = roster().seats[c.slot].at;
+      if (p == session_.self || p == c.slot || !same_place(n.at, at) || n.incarnation >= c.incarnation) continue;
+      if (n.at.key == at.key)
         former_[p] = n.incarnation;
+      else if (n.there())
+        commands_.give_up(p, false);
     }
   }
 }

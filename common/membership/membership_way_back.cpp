@@ -123,8 +123,9 @@ std::optional<Endpoint> Membership::way_back() const {
   if (roster().leaving && !stands_down_) return std::nullopt;
   if (const auto winner = merge_.winner(view())) return winner;
   if (is_alone()) return place_of_somebody();
-  if (why_back().empty()) return std::nullopt;
-  return roster().seats[guide()].at;
+  const PeerId by = guide();
+  if (by == kNoPeer || why_back().empty()) return std::nullopt;
+  return roster().seats[by].at;
 }
 
 // They may all be members again, as others than this peer knows. It asks each for a while, in turn.

@@ -31,7 +31,7 @@ void PartitionMerge::on_change(const MemberChange& change, const View& view) {
   if (change.kind == MemberChange::Kind::kRemoved) {
     remember({change.at, first_admission(), change.tick}, view.roster.now);
   } else if (change.kind == MemberChange::Kind::kLeft) {
-    if (change.at.has_key()) keep(gone_, {{change.at, first_admission(), change.tick}, view.roster.now, true}, kMost);
+    if (change.at.has_key()) keep_gone({{change.at, first_admission(), change.tick}, view.roster.now, true});
   } else if (change.kind == MemberChange::Kind::kAdmitted) {
     if (change.slot == view.roster.self) own_key_ = change.at.key;
     Gone before{change.at, first_admission(), change.tick};
@@ -51,7 +51,14 @@ void PartitionMerge::remember(const Gone& gone, Tick now) {
     if (r.has_left || !was_member(r.gone)) r = {was_member(gone) ? gone : r.gone, now, false, false, 0, r.before};
     return;
   }
-  if (gone.at.is_set()) keep(gone_, {gone, now}, kMost);
+  if (gone.at.is_set()) keep_gone({gone, now});
+}
+
+// Those that have said goodbye make room first: nobody looks for them. Many that come and go would displace all others.
+void PartitionMerge::keep_gone(const Remembered& r) {
+  const auto left = std::find_if(gone_.begin(), gone_.end(), [](const Remembered& g) { return g.has_left; });
+  if (gone_.size() == kMost && left != gone_.end()) gone_.erase(left);
+  if (gone_.size() < kMost || !r.has_left) keep(gone_, r, kMost);
 }
 
 // Where they are, not evidence: this peer was in no session with them and with the present members. Once it has nobody
@@ -175,6 +182,12 @@ std::vector<sync::Transfer::Gone> PartitionMerge::evidence(const Side& side, con
   return all;
 }
 
+bool PartitionMerge::is_witness(const Endpoint& from, const wire::Probe& probe, const View& view) const {
+  if (!session_.config.sealed) return true;
+  const std::vector<Gone> all = evidence(probe.members, view);
+  return std::any_of(all.begin(), all.end(), [&](const Gone& g) { return g.at.key == from.key; });
+}
+
 bool PartitionMerge::is_outranked(const wire::Probe& probe, const Side& us, const View& view) const {
   if (!session_.config.sealed) return outranks(probe.members, us);
   if (!has_stronger_evidence(probe, us, view)) return false;
@@ -264,6 +277,8 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
   const bool is_lost = view.roster.leaving && us.size() == 1;
   const bool stays = view.roster.now < stays_until_;
   if (is_lost || (!stays && (is_outranked(probe, us, view) || is_larger_for_long(probe, us, view)))) {
+    // Whoever tells of it has to be of it: anybody can repeat its list.
+    if (!is_lost && !is_witness(from, probe, view)) return;
     if (!winner_)
       out.tell({.kind = SessionEvent::Kind::kOutvoted, .at = from, .count = probe.members.size(), .own = us.size()});
     winner_ = from;

@@ -126,6 +126,7 @@ class PartitionMerge {
     Endpoint at;
     Tick since = 0;
   };
+  void keep_gone(const Remembered& r);
   bool member_at(const Endpoint& where, const View& view) const;
   /// Whether the peer in slot p is another one of our part.
   bool is_ours(PeerId p, const View& view) const;
@@ -144,6 +145,8 @@ class PartitionMerge {
   bool is_outvoted(const View& view) const;
   bool is_outranked(const wire::Probe& probe, const Side& us, const View& view) const;
   /// With a key: whether more, or more senior, witnesses are in that part, of those that both parts can know.
+  /// Whether the peer at `from` is one of those members for whom there is evidence.
+  bool is_witness(const Endpoint& from, const wire::Probe& probe, const View& view) const;
   bool has_stronger_evidence(const wire::Probe& probe, const Side& us, const View& view) const;
   /// When this part evicted the first of them that was a member; kNever if none was.
   static Tick split_from(const std::vector<Gone>& witnesses);

@@ -60,12 +60,25 @@ void Testimony::take(const Proof& proof) {
   if (wire::is_proven(session_.id, proof)) proofs_.push_back(proof);
 }
 
+// Whoever knows the proof has barred that key already.
+void Testimony::forget_absent(const View& view) {
+  const auto is_absent = [&](const Proof& p) {
+    return std::none_of(view.roster.seats.begin(), view.roster.seats.end(),
+                        [&](const Seat& s) { return s.there() && s.at.key == p.key; });
+  };
+  const auto it = std::find_if(proofs_.begin(), proofs_.end(), is_absent);
+  if (it != proofs_.end()) proofs_.erase(it);
+}
+
 void Testimony::accuse(PeerId from, std::uint32_t incarnation, const Bundle& one, const Bundle& other,
                        const View& view) {
   const std::vector<PublicKey> keys = keys_of(one.peer, incarnation, view);
   if (keys.size() == 1 && convicts(keys[0])) return;
   if (!may_check(from, view)) return;
-  for (const PublicKey& key : keys) take({key, incarnation, one, other});
+  for (const PublicKey& key : keys) {
+    if (proofs_.size() == sync::Transfer::kMostProofs) forget_absent(view);
+    take({key, incarnation, one, other});
+  }
 }
 
 void Testimony::compare(PeerId from, const Bundle& update, std::uint32_t incarnation, const View& view) {

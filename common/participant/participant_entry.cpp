@@ -146,7 +146,8 @@ void Participant::found_anew(Micros local) {
   c.begins_at = session().session_now(local);
   next_ = {};
   next_.session = std::make_unique<Session>(c, local);
-  next_.session->state().incarnation = before.roster().newest_incarnation() + 2;
+  // Two that found it anew at the same time, and meet later, must not take each other for themselves.
+  next_.session->state().incarnation += before.roster().newest_incarnation() + 1;
   const ReplicaConfig r = replica_config(*next_.session);
   go_on_from(before.founding_anew(r.incarnation), r, before.now());
 }

@@ -166,6 +166,25 @@ TEST(Orders, AdmissionToATakenSlot) {
   expect_refused({1, 5000, 0, nowhere(), {}}, 212);
 }
 
+// Once, all took whoever is at a newcomer's address for ended, though it has another key.
+TEST(Orders, AdmissionAtTheAddressOfAnother) {
+  Trial t(4, 0, wire::SealMode::kAuth, 213);
+  Endpoint at = t.replica(1).seat(2).at;
+  at.key.fill(7);
+  t.liar().begin(in_place_of_the_next([&](sync::Bundle& b) {
+    b.admission = sync::Admission{9, t.replica(1).roster().newest_incarnation() + 1, 0, at, {}};
+    b.admission->have.assign(static_cast<std::size_t>(t.replica(1).config().slots), 0);
+  }));
+  t.party().net().attract(Vec2{10, 7});
+  EXPECT_TRUE(t.party().run_until(10, [&] { return t.replica(1).seat(9).there() && t.replica(3).seat(9).there(); }))
+      << t.party().story();
+  t.party().net().kill(t.person(0));
+  t.party().run(12);
+  EXPECT_TRUE(t.replica(1).seat(2).there()) << t.party().story();
+  EXPECT_TRUE(t.replica(3).seat(2).there()) << t.party().story();
+  t.expect_no_harm();
+}
+
 // What passes for one's own word is known to have been said, or not.
 TEST(Orders, NobodyPutsWordsIntoOnesOwnMouth) {
   Trial t(3, 0, wire::SealMode::kNone, 207);

@@ -40,11 +40,16 @@ class Eviction : public testing::Test {
   }
 
   /// A member sends an update of the lost peer. How many count as proof that it lives.
-  std::size_t send(PeerId by, std::uint32_t index, Tick tick) {
+  std::size_t send(PeerId by, std::uint32_t index, Tick tick, int passings = 0) {
     sync::Bundle b;
-    b.peer = 3;
-    b.index = index;
-    b.tick = tick;
+    for (int i = passings; i >= 0; --i) {
+      sync::Bundle outer;
+      outer.peer = i % 2 == 0 ? PeerId{3} : PeerId{2};
+      outer.index = index;
+      outer.tick = tick;
+      if (i < passings) outer.passed_on.push_back(b);
+      b = outer;
+    }
     ListedCommands out;
     rules_.on_fetched(by, {3, 4, {b}}, s_.view(), node::MisbehaviourPolicy(s_.session), out);
     s_.follow(out);
@@ -128,6 +133,35 @@ TEST_F(Eviction, PassesOnNoUpdateThatIsNoLaterThanTheLastThatAllHave) {
   pass(1);
   ASSERT_EQ(orders_.size(), 1U);
   EXPECT_EQ(orders_[0].removals, (std::vector<sync::Removal>{{3, 4, 1}}));
+}
+
+// Once, a coordinator that passed it on sent datagrams that nobody can decode, and was cut off by all for good.
+TEST_F(Eviction, PassesOnNoUpdateThatAnotherOneCouldNotHold) {
+  begin();
+  reply(1, true, 1, -1);
+  reply(2, true, 3, -1);
+  pass(1);
+  send(2, 1, kNow - 200, sync::kMaxPassing - 1);
+  send(2, 2, kNow - 100, sync::kMaxPassing);
+  pass(1);
+  ASSERT_EQ(orders_.size(), 2U);
+  EXPECT_EQ(orders_[0].passed_on[0].index, 1U);
+  EXPECT_EQ(orders_[1].removals, (std::vector<sync::Removal>{{3, 4, 2}}));
+}
+
+// Once, the eviction waited for that tick.
+TEST_F(Eviction, TakesNoUpdateFromTheFuture) {
+  begin();
+  reply(1, true, 1, -1);
+  reply(2, true, 2, -1);
+  pass(1);
+  send(1, 1, kNow + 1000);
+  pass(1);
+  EXPECT_TRUE(orders_.empty());
+  send(2, 1, kNow - 100);
+  pass(1);
+  ASSERT_EQ(orders_.size(), 2U);
+  EXPECT_EQ(orders_[0].passed_on[0].tick, kNow - 100);
 }
 
 TEST_F(Eviction, IsTakenBackIfAMemberHearsItAgain) {

@@ -299,13 +299,13 @@ TEST(MisbehaviourRules, WhoIsConvictedIsGivenUpByWhoeverHadBarredItBefore) {
 TEST(MisbehaviourRules, WhoHasLetThisPeerInAnewIsHeardUnlessItIsBarredForGood) {
   Situation s(4, 0);
   s.session.config.sealed = true;
-  for (const PeerId p : {1, 2, 3}) s.roster.seats[p].at.key.fill(static_cast<std::uint8_t>(p));
+  for (PeerId p = 1; p < 4; ++p) s.roster.seats[p].at.key.fill(p);
   MisbehaviourPolicy before(s.session);
   ListedCommands out;
   before.distrust(1, s.view(), out);
   before.distrust(2, s.view(), out);
   before.convict(3, s.view(), out);
-  for (const PeerId by : {1, 3}) {
+  for (const PeerId by : {PeerId{1}, PeerId{3}}) {
     MisbehaviourPolicy rules(s.session);
     rules.inherit(before, s.roster.seats[by].at.key);
     EXPECT_EQ(rules.hears(1, s.view()), by == 1);

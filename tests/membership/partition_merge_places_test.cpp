@@ -83,6 +83,29 @@ TEST(PartitionMerge, OfTwoThatAreAloneTheOneThatKnowsOfTheOtherGoesInTheEnd) {
   }
 }
 
+// Once, so many made this peer forget all that it had been parted from.
+TEST(PartitionMerge, ManyThatComeAndGoDisplaceNobodyThatIsLost) {
+  Met met({10, 20, 30}, 4);
+  ASSERT_EQ(met.rules.gone().size(), 4U);
+  for (int person = 20; person < 20 + 2 * static_cast<int>(PartitionMerge::kMost); ++person)
+    met.rules.on_change({MemberChange::Kind::kLeft, 4, 100U, keyed(person), 900, 4, 20}, met.s.view());
+  EXPECT_EQ(met.rules.gone().size(), 4U);
+  for (int person = 150; person < 150 + static_cast<int>(PartitionMerge::kMost); ++person)
+    met.rules.remember({keyed(person), 10, 100}, 100);
+  EXPECT_EQ(met.rules.gone().size(), PartitionMerge::kMost);
+}
+
+// Once, whoever had the key could tell the smaller part to join it elsewhere, by repeating the larger one's list.
+TEST(PartitionMerge, OnlyAMemberOfTheOtherPartIsJoined) {
+  Met met({800, 810, 820}, 4);
+  met.probed_by(5, 8);
+  ASSERT_TRUE(met.yields());
+  const Endpoint before = *met.rules.winner(met.s.view());
+  met.probe.incarnation = 5;
+  met.rules.on_probe(keyed(30), 4, met.probe, wire::kMaxDatagram, met.s.view(), 0, met.out);
+  EXPECT_EQ(met.rules.winner(met.s.view()), before);
+}
+
 // Person 1 was a member with this peer's former incarnation. Once, this one took it for a stranger, and the other one,
 // which was the more senior, stayed where it was, too.
 TEST(PartitionMerge, WhoIsAloneGoesByWhatItsFormerIncarnationKnew) {

@@ -210,6 +210,22 @@ TEST_F(Told, InvalidProofsAreNotTaken) {
   EXPECT_EQ(rules_.proofs().size(), 1U);
 }
 
+// Once, whoever lied after eight others had been convicted went free.
+TEST_F(Told, ProofsAgainstPeersThatAreGoneMakeRoom) {
+  for (std::uint8_t n = 0; n < sync::Transfer::kMostProofs; ++n) {
+    const auto by = [n](sync::Bundle b) {
+      b.signature = wire::sign_update(wire::signing_key(secret(100 + n)), {kSession, 3}, b);
+      return b;
+    };
+    rules_.take({wire::public_key(secret(100 + n)), 3, by(update(4, 100, 1)), by(update(4, 100, 2))});
+  }
+  ASSERT_EQ(rules_.proofs().size(), sync::Transfer::kMostProofs);
+  s_.log.insert(said(update(10, kNow - 50, 1)));
+  from(3, said(update(10, kNow - 50, 2)));
+  EXPECT_TRUE(convicted());
+  EXPECT_EQ(rules_.proofs().size(), sync::Transfer::kMostProofs);
+}
+
 TEST_F(Told, SignaturesAreCheckedInMeasure) {
   s_.log.insert(said(update(10, kNow - 50, 1)));
   for (int i = 0; i < Testimony::kMostChecks; ++i) from(3, update(10, kNow - 50, 2));
