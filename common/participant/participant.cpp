@@ -195,7 +195,7 @@ Micros Participant::before_step(Micros local) {
   if (farewell_ && replica().now() >= *farewell_) say_goodbye();
   if (replica().playing()) current_.session->settle_clock();
   const Micros lateness = current_.session->session_now(local) - tick_start(replica().now() + 1);
-  if (lateness > tick_start(kHeldUp)) current_.replica->excuse_silence();
+  if (lateness > tick_start(kHeldUp)) current_.replica->excuse_tick();
   return lateness;
 }
 

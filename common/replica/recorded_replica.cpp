@@ -108,9 +108,9 @@ sync::DropReason RecordedReplica::relay(const wire::Fetched& fetched, PeerId by)
   return why;
 }
 
-void RecordedReplica::excuse_silence() {
+void RecordedReplica::excuse_tick() {
   if (writer_) writer_->excuse();
-  replica_.excuse_silence();
+  replica_.excuse_tick();
 }
 
 void RecordedReplica::retune(const Technique& technique) {

@@ -44,7 +44,7 @@ class RecordedReplica {
   void leave();
   void order(const sync::Bundle& order);
   void freeze(PeerId p, bool frozen);
-  void excuse_silence();
+  void excuse_tick();
   void give_up(PeerId p, bool for_good = true);
   sync::DropReason relay(const wire::Fetched& fetched, PeerId by);
   /// Sets the address of p, in a session whose peers are all present from tick 0 on.

@@ -165,8 +165,8 @@ class Replica {
   /// With the next report this peer takes authority over the body, unless it may not after all, and adds to its
   /// velocity (m/s), as if its avatar had touched it. Without dynamic authority it does so in its own world alone.
   void push(EntityId b, Vec2 velocity) { pushes_[b] = pushes_[b] + velocity; }
-  /// As in Roster: the process was held up.
-  void excuse_silence() { roster_.excuse_silence(); }
+  /// As in Roster.
+  void excuse_tick() { roster_.excuse_tick(); }
 
   Tick now() const { return agreed_.now(); }
   /// The begin of play, as far as it is confirmed: until then targets and pushes have no effect. A predicted begin may

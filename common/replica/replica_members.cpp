@@ -237,7 +237,7 @@ bool Replica::catch_up(Tick most) {
   note_time();
   if (now() < comes_at_) return false;
   agreed_.catch_up();
-  excuse_silence();
+  roster_.excuse_silence();
   adopt();
   return true;
 }

@@ -60,12 +60,24 @@ void Roster::give_up(PeerId p, bool for_good) {
   seats[p].given_up_for_good |= for_good;
 }
 
-void Roster::excuse_silence() {
+// Silence from before goes on counting: a machine that stands still for a moment every few seconds would never find
+// anybody lost.
+void Roster::excuse_tick() {
+  const auto later = [this](Tick& t) {
+    if (t >= 0) t = std::min(t + 1, now);
+  };
   for (Seat& s : seats) {
-    s.heard = s.answered = s.excused = now;
+    later(s.heard);
+    later(s.answered);
+    later(s.relayed);
+    s.excused = now;
     s.given_up = -1;
     s.given_up_for_good = s.proven = false;
   }
+}
+
+void Roster::excuse_silence() {
+  for (Seat& s : seats) s.heard = s.answered = s.excused = now;
 }
 
 void Roster::seat(PeerId p, std::uint32_t as_incarnation, std::uint32_t first, const Endpoint& at, Tick from) {

@@ -111,7 +111,9 @@ struct Roster {
   void freeze(PeerId p, bool frozen);
   /// p, which is frozen, has acknowledged something new of ours.
   void note_answer_of_frozen(PeerId p);
-  /// This peer was held up: the silence of the others meanwhile does not count.
+  /// This peer has been held up, and makes a tick late: that tick is no silence of the others.
+  void excuse_tick();
+  /// This peer has heard nobody up to now, as it has just come in.
   void excuse_silence();
   /// Gives slot p to another peer from that tick on, and remembers the former occupant.
   void seat(PeerId p, std::uint32_t as_incarnation, std::uint32_t first, const Endpoint& at, Tick from);

@@ -148,6 +148,25 @@ TEST(Losing, LastWordsThatOnlySomeHaveReachAll) {
   EXPECT_GT(passed_on, 0) << "otherwise this shows nothing";
 }
 
+// Once, each time that it stood still it took everybody for heard just now, and the lost peer held all up for ever.
+TEST(Losing, ACoordinatorThatOftenStandsStillFindsWhoIsLost) {
+  Party party(4, "delay 50ms", 27);
+  party.run(6);
+  ASSERT_EQ(party.net().peer(1).coordinator(), party.replica(0).self());
+  const PeerId lost = party.replica(3).self();
+  party.net().kill(3);
+  for (int i = 0; i < 4 && party.replica(1).seat(lost).there(); ++i) {
+    party.run(1.7);
+    party.net().pause(0, true);
+    party.run(0.6);
+    party.net().pause(0, false);
+  }
+  EXPECT_FALSE(party.replica(1).seat(lost).there()) << party.story();
+  party.run(2);
+  EXPECT_TRUE(party.united()) << party.story();
+  for (int p = 0; p < 3; ++p) EXPECT_EQ(party.net().peer(p).incarnation(), 0) << party.story();
+}
+
 TEST(Losing, AShortPauseIsOnlyAPause) {
   Party party(3, "delay 50ms", 28);
   party.run(6);

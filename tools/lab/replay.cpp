@@ -100,7 +100,7 @@ class Replay::Again {
   }
   void take(const trace::Freeze& f) { replica_->freeze(f.peer, f.frozen); }
   void take(const trace::GiveUp& g) { replica_->give_up(g.peer, true); }
-  void take(const trace::Excuse&) { replica_->excuse_silence(); }
+  void take(const trace::Excuse&) { replica_->excuse_tick(); }
   void take(const trace::Retune& r) { replica_->retune(r.technique); }
   void take(const trace::Push& p) { replica_->push(p.body, p.velocity); }
   void take(const trace::Remark&) {}
