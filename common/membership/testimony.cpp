@@ -52,12 +52,13 @@ bool Testimony::may_check(PeerId from, const View& view) {
   return ++c.made <= kMostChecks;
 }
 
+bool Testimony::is_new(const Proof& proof) const {
+  return !convicts(proof.key) && proof.incarnation < sync::kEndOfNumbers && has_form_in_transfer(proof.one) &&
+         has_form_in_transfer(proof.other) && wire::is_proven(session_.id, proof);
+}
+
 void Testimony::take(const Proof& proof) {
-  if (proofs_.size() >= sync::Transfer::kMostProofs || convicts(proof.key)) return;
-  if (proof.incarnation >= sync::kEndOfNumbers || !has_form_in_transfer(proof.one) ||
-      !has_form_in_transfer(proof.other))
-    return;
-  if (wire::is_proven(session_.id, proof)) proofs_.push_back(proof);
+  if (proofs_.size() < sync::Transfer::kMostProofs && is_new(proof)) proofs_.push_back(proof);
 }
 
 // Whoever knows the proof has barred that key already.
@@ -76,8 +77,10 @@ void Testimony::accuse(PeerId from, std::uint32_t incarnation, const Bundle& one
   if (keys.size() == 1 && convicts(keys[0])) return;
   if (!may_check(from, view)) return;
   for (const PublicKey& key : keys) {
+    const Proof proof{key, incarnation, one, other};
+    if (!is_new(proof)) continue;
     if (proofs_.size() == sync::Transfer::kMostProofs) forget_absent(view);
-    take({key, incarnation, one, other});
+    if (proofs_.size() < sync::Transfer::kMostProofs) proofs_.push_back(proof);
   }
 }
 

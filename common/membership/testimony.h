@@ -69,6 +69,8 @@ class Testimony {
     int made = 0;
   };
   void compare(PeerId from, const sync::Bundle& update, std::uint32_t incarnation, const View& view);
+  /// Whether it proves something of a key that is not convicted yet.
+  bool is_new(const Proof& proof) const;
   /// Makes room for another proof, if the peer of one of them is not there.
   void forget_absent(const View& view);
   void accuse(PeerId from, std::uint32_t incarnation, const sync::Bundle& one, const sync::Bundle& other,

@@ -219,8 +219,11 @@ TEST_F(Told, ProofsAgainstPeersThatAreGoneMakeRoom) {
     };
     rules_.take({wire::public_key(secret(100 + n)), 3, by(update(4, 100, 1)), by(update(4, 100, 2))});
   }
-  ASSERT_EQ(rules_.proofs().size(), sync::Transfer::kMostProofs);
+  const std::vector<Proof> before = rules_.proofs();
+  ASSERT_EQ(before.size(), sync::Transfer::kMostProofs);
   s_.log.insert(said(update(10, kNow - 50, 1)));
+  from(3, update(10, kNow - 50, 2));
+  EXPECT_TRUE(rules_.convicts(before.front().key)) << "what proves nothing takes nobody's place";
   from(3, said(update(10, kNow - 50, 2)));
   EXPECT_TRUE(convicted());
   EXPECT_EQ(rules_.proofs().size(), sync::Transfer::kMostProofs);
