@@ -129,6 +129,8 @@ class Membership {
   std::string why_back() const;
   /// Counts whoever does not let this peer in anew as silent, after a while.
   void give_up_guide();
+  /// Whether nothing is confirmed, and the coordinator c has not asked about a peer that has been silent for long.
+  bool spares_silent(PeerId c) const;
 
   const SessionView& session_;
   RecordedReplica& replica_;
@@ -155,7 +157,9 @@ class Membership {
   std::map<PeerId, Asked> in_vain_;  ///< members that count as silent, as they did not let this peer in anew
   PeerId asked_ = kNoPeer;           ///< the member by which this peer tries to join anew
   Tick back_since_ = 0;              ///< since when it has been trying that
-  Tick alone_since_ = 0;             ///< since when it has left its seat and knows of nobody who lives
+  PeerId coordinates_ = kNoPeer;     ///< the coordinator, and since when it has been that
+  Tick coordinates_since_ = 0;
+  Tick alone_since_ = 0;  ///< since when it has left its seat and knows of nobody who lives
   bool told_ = false;
   bool misled_ = false;       ///< another member has lied to this one
   bool stands_down_ = false;  ///< it has left its seat to join anew

@@ -67,6 +67,7 @@ void Membership::watch_confirmed() {
   const Tick confirmed = replica_.replica().agreed().confirmed().tick;
   if (confirmed != confirmed_) confirmed_at_ = roster().now;
   confirmed_ = confirmed;
+  merge_.set_stalled(roster().now - confirmed_at_ >= PartitionMerge::kStalled);
 }
 
 // The coordinator's confirmed world is the right one, whatever other members say.
@@ -105,18 +106,34 @@ void Membership::give_up_guide() {
     const auto& [slot, asked] = entry;
     return now - asked.since >= kGivenUp || roster().seats[slot].incarnation != asked.incarnation;
   });
-  for (const auto& [slot, asked] : in_vain_) commands_.give_up(slot, true);
   const bool returns = !why_back().empty();
   told_ = told_ && returns;
   const PeerId by = returns ? guide() : kNoPeer;
   if (std::exchange(asked_, by) != by) back_since_ = now;
+  if (const PeerId c = coordinator(); std::exchange(coordinates_, c) != c) coordinates_since_ = now;
   if (!session_.config.sealed || (roster().leaving && !stands_down_) || by == kNoPeer) {
     back_since_ = now;
-  } else if (now - back_since_ >= (by == coordinator() ? kInVain : 2 * kInVain)) {
+  } else if (now - back_since_ >= (by == coordinator() ? kInVain : 2 * kInVain) || spares_silent(by)) {
     in_vain_[by] = {roster().seats[by].incarnation, now};
     evictions_.forget_asker(by);
     back_since_ = now;
   }
+  for (const auto& [slot, asked] : in_vain_) commands_.give_up(slot, true);
+}
+
+// An honest coordinator asks about whoever is silent, and passes on the updates of whoever only it hears. One that has
+// admitted somebody who is nowhere would let all in again, to where nothing is confirmed either.
+bool Membership::spares_silent(PeerId c) const {
+  if (c != coordinator() || roster().now - confirmed_at_ <= kStuck ||
+      roster().now - coordinates_since_ < Evictions::kWithheld)
+    return false;
+  for (PeerId p = 0; p < session_.slots; ++p) {
+    const Seat& s = roster().seats[p];
+    if (p != session_.self && p != c && s.there() && !s.frozen && !evictions_.answered(c, p, s.incarnation) &&
+        roster().unanswered(p) >= kSilence + Evictions::kWithheld)
+      return true;
+  }
+  return false;
 }
 
 std::optional<Endpoint> Membership::way_back() const {

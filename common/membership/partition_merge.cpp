@@ -250,6 +250,8 @@ bool PartitionMerge::has_stronger_evidence(const wire::Probe& probe, const Side&
   const auto& [theirs, ours] = few ? members : known;
   if (members.peers() == 0) return false;
   if (theirs.peers != ours.peers) return theirs.peers > ours.peers;
+  // What a single witness says may be a lie.
+  if (stalled_ && theirs.peers > 1) return true;
   if (theirs.senior != ours.senior) return theirs.senior < ours.senior;
   return outranks(probe.members, us);
 }

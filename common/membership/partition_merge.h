@@ -43,6 +43,8 @@ class PartitionMerge {
   void on_stranger(const Endpoint& from, std::size_t bytes, const View& view, Micros local, Commands& out);
   /// A peer of another part has told of one of its part.
   void on_told(const Endpoint& from, const Endpoint& of, const View& view);
+  /// Whether nothing has been confirmed here for kStalled: then seniority keeps no part of the same size from winning.
+  void set_stalled(bool stalled) { stalled_ = stalled; }
   /// Sends one Probe to an address of no member.
   void knock(const Endpoint& at, const View& view, Commands& out);
   /// Once a tick.
@@ -77,6 +79,8 @@ class PartitionMerge {
   static constexpr Tick kLonely = 3 * kAlone;
   /// Time for which a peer that has others in its part tries to join the winner, and then stays, ticks.
   static constexpr Tick kInVain = 10 * kTicksPerSecond;
+  /// Shorter than the time after which this peer would join its own part anew, ticks.
+  static constexpr Tick kStalled = 10 * kTicksPerSecond;
   /// Time between two peers of the own part that a peer of another part is told of, ticks, after the first ones.
   static constexpr Tick kTell = 2 * kTicksPerSecond;
   /// Peers of other parts that are remembered as told; the latest.
@@ -169,6 +173,7 @@ class PartitionMerge {
   std::vector<Credit> credits_;                  ///< kMost at most
   std::map<PeerId, std::uint32_t> disowned_by_;  ///< members whose Probes disown us, and their incarnations
   std::optional<Endpoint> winner_;
+  bool stalled_ = false;
   Tick probed_ = 0;
   Tick told_at_ = -kTell;
   Tick had_company_ = kNever;  ///< when somebody else was last in this part

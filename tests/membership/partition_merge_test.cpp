@@ -238,6 +238,21 @@ TEST(PartitionMerge, SeniorityKeepsTheSmallerPartApartForAWhileOnly) {
   }
 }
 
+// Once, a member stayed for 30 s with a senior liar by which nothing was confirmed, beside a part of the same size.
+TEST(PartitionMerge, SeniorityKeepsNobodyWhereNothingIsConfirmed) {
+  for (const int both : {1, 2, 3}) {
+    for (const bool stalled : {false, true}) {
+      SCOPED_TRACE(std::to_string(both) + (stalled ? " stalled" : ""));
+      Met met({5, 6, 7}, 0);
+      for (int person = 5; person < 5 + both; ++person) met.rules.remember({keyed(person), 20, 900}, 900);
+      for (PeerId p = 0; p < 3 - both; ++p) met.s.empty(p);
+      met.rules.set_stalled(stalled);
+      met.probed_by(5, 4 + both);
+      EXPECT_EQ(met.yields(), stalled && both > 1) << "a single one may be a liar";
+    }
+  }
+}
+
 // Once, of two parts of three neither yielded: the one did not count a witness that it might have been the only one to
 // know, and took itself for the more senior one, but counted a newcomer of its own against the others.
 TEST(PartitionMerge, AgainstTheLargerPartNoNewcomerCounts) {

@@ -113,15 +113,40 @@ TEST(WayBack, WhoCoordinatesNextHasAsLongToLetThisPeerIn) {
   Group four(4);
   four.state().config.sealed = true;
   four.run_to(120, {0, 1, 2, 3});
-  four.run_to(180, {0, 1, 2});
-  const Tick stuck = four.confirmed() + 12 * kTicksPerSecond;
-  const Tick second = stuck + 9 * kTicksPerSecond;
-  four.run_to(second - 3 * kTicksPerSecond, {0, 1, 2});
+  four.unheard = {3};
+  four.run_to(180, {0, 1, 2, 3});
+  const Tick second = four.confirmed() + 21 * kTicksPerSecond;
+  four.run_to(second - 3 * kTicksPerSecond, {0, 1, 2, 3});
   EXPECT_EQ(four.membership().way_back(), four.place(0));
-  four.run_to(second + 9 * kTicksPerSecond, {1, 2});
+  four.run_to(second + 7 * kTicksPerSecond, {1, 2, 3});
   EXPECT_EQ(four.membership().way_back(), four.place(1));
-  four.run_to(second + 11 * kTicksPerSecond, {1, 2});
+  four.run_to(second + 11 * kTicksPerSecond, {1, 2, 3});
   EXPECT_FALSE(four.membership().way_back()) << "the next one is this peer";
+}
+
+// Once, all joined anew by a coordinator that had admitted somebody who was nowhere, and confirmed nothing there
+// either.
+TEST(WayBack, ACoordinatorThatDoesNotAskAboutASilentPeerCountsAsSilentItself) {
+  for (const bool sealed : {false, true}) {
+    for (const bool asks : {false, true}) {
+      SCOPED_TRACE(std::to_string(sealed) + std::to_string(asks));
+      Group four(4);
+      four.state().config.sealed = sealed;
+      four.run_to(120, {0, 1, 2, 3});
+      four.run_to(180, {0, 1, 2});
+      const Tick stuck = four.confirmed() + 12 * kTicksPerSecond;
+      for (Tick t = 180; t < stuck + kTicksPerSecond;) {
+        four.run_to(t += 30, {0, 1, 2});
+        if (t <= stuck) EXPECT_FALSE(four.membership().way_back());
+        if (!asks || t < 120 + node::kSilence) continue;
+        const wire::MembershipMessage poll = wire::Poll{{{3, 0, 0}}, true, 0};
+        four.membership().receive(four.place(0), {wire::Kind::kMembership, 0, 0}, poll, wire::kMaxDatagram, 0);
+      }
+      EXPECT_EQ(four.membership().way_back(), four.place(sealed && !asks ? 1 : 0));
+      four.run_to(stuck + 6 * kTicksPerSecond, {0, 1, 2});
+      EXPECT_TRUE(four.membership().way_back()) << "the next one has as long to ask";
+    }
+  }
 }
 
 // The last falls silent, and the others never say what they have of it, as if they followed another coordinator.
