@@ -119,15 +119,15 @@ bool Evictions::lives(PeerId p, const Lost& lost, const View& view) const {
 
 // A member that says which updates it has sends those that another lacks; one that vouches for the peer, those that
 // the poll says are lacking.
-void Evictions::keep(const wire::Fetched& fetched, Lost& lost, const View& view,
-                     const MisbehaviourPolicy& misbehaviour) {
+void Evictions::keep(PeerId from, const wire::Fetched& fetched, Lost& lost, const View& view,
+                     MisbehaviourPolicy& misbehaviour) {
   const std::uint32_t have = view.log.have(fetched.slot);
   for (const sync::Bundle& b : fetched.updates) {
     const bool asked_for = b.index >= std::min(lost.least, have) && b.index <= have + sync::UpdateLog::kMostBeyond;
     // No member has filed an update from so far in the future: all would wait for that time.
     const bool in_time = b.tick <= view.roster.now + sync::AdmitLimits{}.max_ahead;
-    if (!asked_for || !in_time || lost.fetched.contains(b.index) || !misbehaviour.said(b, view) ||
-        sync::admit(b, view.scene, session_.slots) != sync::DropReason::kNone)
+    if (!asked_for || !in_time || lost.fetched.contains(b.index) ||
+        sync::admit(b, view.scene, session_.slots) != sync::DropReason::kNone || !misbehaviour.said(from, b, view))
       continue;
     lost.fetched.emplace(b.index, b);
     moved_ = view.roster.now;
@@ -135,10 +135,10 @@ void Evictions::keep(const wire::Fetched& fetched, Lost& lost, const View& view,
 }
 
 void Evictions::on_fetched(PeerId from, const wire::Fetched& fetched, const View& view,
-                           const MisbehaviourPolicy& misbehaviour, Commands& out) {
+                           MisbehaviourPolicy& misbehaviour, Commands& out) {
   const auto it = lost_.find(fetched.slot);
   if (it == lost_.end() || it->second.incarnation != fetched.incarnation) return;
-  keep(fetched, it->second, view, misbehaviour);
+  keep(from, fetched, it->second, view, misbehaviour);
   // Nobody is relayed for ever: a member that has agreed to that does not vouch for it.
   const bool for_long = view.roster.silence(fetched.slot) >= kRelayUntil && it->second.have.contains(from);
   if (for_long || !lives(fetched.slot, it->second, view)) return;

@@ -35,7 +35,7 @@ class Evictions {
   void on_answer(PeerId from, const wire::Answer& answer, const View& view, Commands& out);
   void on_fetch(PeerId from, const wire::Fetch& fetch, const View& view, Commands& out);
   /// Updates of a lost peer; if they are new, they prove that it lives.
-  void on_fetched(PeerId from, const wire::Fetched& fetched, const View& view, const MisbehaviourPolicy& misbehaviour,
+  void on_fetched(PeerId from, const wire::Fetched& fetched, const View& view, MisbehaviourPolicy& misbehaviour,
                   Commands& out);
   /// Once a tick.
   void advance(const View& view, Commands& out);
@@ -129,7 +129,7 @@ class Evictions {
   bool contests(PeerId from, const wire::Poll& poll, const View& view);
   bool has_expired(PeerId asker, const Answered& a, const View& view) const;
   void thaw(const View& view, Commands& out);
-  void keep(const wire::Fetched& fetched, Lost& lost, const View& view, const MisbehaviourPolicy& misbehaviour);
+  void keep(PeerId from, const wire::Fetched& fetched, Lost& lost, const View& view, MisbehaviourPolicy& misbehaviour);
   bool lives(PeerId p, const Lost& lost, const View& view) const;
   void go_on_without(const View& view, Commands& out);
   bool is_forsaken_by(const std::vector<PeerId>& who, const View& view) const;

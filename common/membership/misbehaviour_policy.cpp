@@ -190,14 +190,9 @@ int signatures_in(const Bundle& b, const View& view) {
 // A signature takes far longer to check than to repeat.
 bool MisbehaviourPolicy::may_check(const sync::StatePacket& packet, const View& view) {
   if (!session_.config.sealed || packet.updates.empty()) return true;
-  Watch& w = watch(packet.updates.front().peer, view);
-  w.checks = std::min(kMostChecks, w.checks + kChecksPerTick * (view.roster.now - w.checked));
-  w.checked = view.roster.now;
   int needed = 0;
   for (const Bundle& b : packet.updates) needed += signatures_in(b, view);
-  if (needed > w.checks) return false;
-  w.checks -= needed;
-  return true;
+  return watch(packet.updates.front().peer, view).own.take(needed, view.roster.now);
 }
 
 DropReason MisbehaviourPolicy::judge(const sync::StatePacket& packet, PeerId relayed_by, const View& view,
@@ -219,6 +214,11 @@ DropReason MisbehaviourPolicy::judge(const sync::StatePacket& packet, PeerId rel
     if (is != Signed::kYes) return is == Signed::kNo ? DropReason::kSignature : DropReason::kRight;
   }
   return DropReason::kNone;
+}
+
+bool MisbehaviourPolicy::said(PeerId by, const Bundle& b, const View& view) {
+  const int needed = session_.config.sealed ? signatures_in(b, view) : 0;
+  return watch(by, view).shown.take(needed, view.roster.now) && said(b, view);
 }
 
 bool MisbehaviourPolicy::said(const Bundle& b, const View& view) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <deque>
 #include <limits>
@@ -33,8 +34,9 @@ class MisbehaviourPolicy {
   sync::DropReason judge(const sync::StatePacket& packet, PeerId relayed_by, const View& view,
                          const Evictions& evictions);
   /// Whether an update, and those that it passes on, have valid signatures, as far as this peer can tell: it may lack
-  /// the keys of peers that left or were removed before it joined.
-  bool said(const sync::Bundle& update, const View& view) const;
+  /// the keys of peers that left or were removed before it joined. Counts the signatures that member `by`, who shows
+  /// the update, has it check; false if these are too many.
+  bool said(PeerId by, const sync::Bundle& update, const View& view);
   /// A datagram of p was dropped.
   void on_drop(PeerId p, sync::DropReason why, const View& view, Micros local, Commands& out);
   /// Once a tick.
@@ -64,8 +66,9 @@ class MisbehaviourPolicy {
   static constexpr Tick kBackFor = 2 * kTicksPerSecond;
   static constexpr Tick kMostArrears = View::kArrears + kSilence;
   static constexpr std::size_t kMostOffenders = 64;
-  /// Signatures of one member's updates that are checked per tick, and at most at once. An honest member makes one
-  /// update a tick; after an outage of View::kArrears all of them come at once.
+  /// Signatures of one member's updates that are checked per tick, and at most at once; and as many of those of others
+  /// that it shows. An honest member makes one update a tick; after an outage of View::kArrears all of them come at
+  /// once.
   static constexpr double kChecksPerTick = 4;
   static constexpr double kMostChecks = 2 * View::kArrears;
   static constexpr Micros kTellAgain = 10 * kMicrosPerSecond;
@@ -74,9 +77,21 @@ class MisbehaviourPolicy {
   struct Watch {
     std::uint32_t incarnation = 0;
     Tick deaf_until = -1;
-    Tick unheard = -kBackFor;     ///< when it was last not heard
-    double checks = kMostChecks;  ///< signatures that may be checked now
-    Tick checked = 0;             ///< when that was
+    Tick unheard = -kBackFor;  ///< when it was last not heard
+    /// Signatures that may be checked.
+    struct Checks {
+      double left = kMostChecks;
+      Tick since = 0;
+      bool take(int signatures, Tick now) {
+        left = std::min(kMostChecks, left + kChecksPerTick * (now - since));
+        since = now;
+        if (signatures > left) return false;
+        left -= signatures;
+        return true;
+      }
+    };
+    Checks own;
+    Checks shown;  ///< of updates of lost peers
     struct Told {
       std::uint64_t drops = 0;  ///< since the last event
       Micros at = std::numeric_limits<Micros>::min() / 2;
@@ -94,6 +109,7 @@ class MisbehaviourPolicy {
   Offender& offender(PeerId p, const View& view);
   Watch& watch(PeerId p, const View& view);
   bool may_check(const sync::StatePacket& packet, const View& view);
+  bool said(const sync::Bundle& update, const View& view) const;
   bool is_too_much(PeerId p, const View& view);
   Tick bar(PeerId p, bool for_good, const View& view);
   void tell(PeerId p, sync::DropReason why, Watch& w, Micros local, Commands& out);

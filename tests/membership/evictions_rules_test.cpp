@@ -51,7 +51,8 @@ class Eviction : public testing::Test {
       b = outer;
     }
     ListedCommands out;
-    rules_.on_fetched(by, {3, 4, {b}}, s_.view(), node::MisbehaviourPolicy(s_.session), out);
+    node::MisbehaviourPolicy misbehaviour(s_.session);
+    rules_.on_fetched(by, {3, 4, {b}}, s_.view(), misbehaviour, out);
     s_.follow(out);
     return out.relayed.size();
   }

@@ -173,6 +173,12 @@ TEST(MisbehaviourRules, SignaturesAreCheckedInMeasure) {
   checked = 0;
   while (judge(1) == DropReason::kNone && checked < 10'000) ++checked;
   EXPECT_EQ(checked, static_cast<int>(10 * MisbehaviourPolicy::kChecksPerTick));
+  // What others show of a lost peer is counted apart from what they say themselves, and for each of them.
+  for (const PeerId by : {PeerId{0}, PeerId{1}}) {
+    int shown = 0;
+    while (rules.said(by, says(1).updates[0], s.view()) && shown < 10'000) ++shown;
+    EXPECT_EQ(shown, static_cast<int>(MisbehaviourPolicy::kMostChecks));
+  }
 }
 
 TEST(MisbehaviourRules, OnlyWithAKeyIsNonsensePunished) {

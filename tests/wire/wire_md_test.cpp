@@ -407,6 +407,7 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("probe_lately", node::PartitionMerge::kLately);
   add("may_be_unknown", node::PartitionMerge::kMayBeUnknown);
   add("strangers", node::PartitionMerge::kStrangers);
+  add("stalled", node::PartitionMerge::kStalled);
   add("tell_pace", node::PartitionMerge::kTell);
   add("most_told", node::PartitionMerge::kMostTold);
   add("in_vain", node::PartitionMerge::kInVain);
