@@ -41,7 +41,10 @@ void PartitionMerge::on_change(const MemberChange& change, const View& view) {
       if (p != change.slot && view.roster.seats[p].at.key == change.at.key)
         before.since = std::min(before.since, view.roster.seats[p].since);
     if (before.since < change.tick && change.at.has_key()) keep(returned_, before, kMost);
-    std::erase_if(gone_, [&](const Remembered& r) { return same_place(r.gone.at, change.at); });
+    const auto is_it = [&](const Remembered& r) { return !r.gone.at.has_key() || r.gone.at.key == change.at.key; };
+    std::erase_if(gone_, [&](const Remembered& r) { return same_place(r.gone.at, change.at) && is_it(r); });
+    // With another key the place is one member's word: a lost peer there still counts if it speaks for itself.
+    for (Remembered& r : gone_) r.has_left |= same_place(r.gone.at, change.at);
   }
 }
 

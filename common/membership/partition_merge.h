@@ -93,7 +93,7 @@ class PartitionMerge {
   struct Remembered {
     Gone gone;
     Tick kept = 0;          ///< when it was remembered
-    bool has_left = false;  ///< by itself: it is not looked for
+    bool has_left = false;  ///< by itself, or somebody else is at its place: it is not looked for
     bool told = false;      ///< of members of our part
     PeerId next = 0;        ///< the one of whom it was told last
     Tick before = kNever;   ///< its first admission, as a former incarnation of this peer knew it

@@ -39,3 +39,11 @@ status, said = check(kept)
 expect("what has never been made must be named", status == 1 and f"stale: {NAME} (docs/lab.md) has never" in said, said)
 done = subprocess.run([*sys.argv[1:], "check", "no-such-table"], stderr=subprocess.PIPE, check=False)
 expect("an unknown name is a wrong argument", done.returncode == 2, done.stderr.decode())
+with tempfile.TemporaryDirectory() as folder:
+    lab = os.path.join(folder, "padr-lab")
+    with open(lab, "w", encoding="utf-8") as file:
+        file.write("#!/bin/sh\necho no such thing >&2\nexit 3\n")
+    os.chmod(lab, 0o755)
+    done = subprocess.run([*sys.argv[1:], "--bin", folder, "check", NAME], stderr=subprocess.PIPE, check=False)
+    said = done.stderr.decode()
+    expect("a program that fails must be told of", done.returncode == 1 and "ended with 3: no such thing" in said, said)

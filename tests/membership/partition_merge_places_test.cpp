@@ -55,6 +55,24 @@ TEST(PartitionMerge, WhoHasBeenAloneForLongGoesToThoseOfWhomAFormerMemberHasTold
   }
 }
 
+// A lying coordinator may name any place. Once, it made this part forget the members of the other one.
+TEST(PartitionMerge, WhoIsSaidToBeAtALostPeersPlaceDoesNotHideIt) {
+  for (const bool same_key : {false, true}) {
+    SCOPED_TRACE(same_key ? "it is back" : "somebody else");
+    Met met({15, 20, 30}, 0);
+    for (const PeerId p : {PeerId{5}, PeerId{6}, PeerId{7}}) {
+      met.rules.on_change({MemberChange::Kind::kRemoved, p, 1U + p, keyed(p), 900, 0, 10}, met.s.view());
+      Endpoint at = keyed(same_key ? p : 8);
+      at.port = keyed(p).port;
+      at.address = keyed(p).address;
+      met.rules.on_change({MemberChange::Kind::kAdmitted, 8, 20U + p, at, 950, 1, 950}, met.s.view());
+    }
+    EXPECT_TRUE(met.rules.gone().empty()) << "nobody is looked for where a member is";
+    met.probed_by(5, 7);
+    EXPECT_EQ(met.yields(), !same_key);
+  }
+}
+
 // Both are alone, and only this one has been told of the other. Once, it waited for the other to come, as the own part
 // ranks first.
 TEST(PartitionMerge, OfTwoThatAreAloneTheOneThatKnowsOfTheOtherGoesInTheEnd) {

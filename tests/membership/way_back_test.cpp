@@ -137,7 +137,7 @@ TEST(WayBack, ACoordinatorThatDoesNotAskAboutASilentPeerCountsAsSilentItself) {
       const Tick stuck = four.confirmed() + 12 * kTicksPerSecond;
       for (Tick t = 180; t < stuck + kTicksPerSecond;) {
         four.run_to(t += 30, {0, 1, 2});
-        if (t <= stuck) EXPECT_FALSE(four.membership().way_back());
+        EXPECT_TRUE(t > stuck || !four.membership().way_back());
         if (!asks || t < 120 + node::kSilence) continue;
         const wire::MembershipMessage poll = wire::Poll{{{3, 0, 0}}, true, 0};
         four.membership().receive(four.place(0), {wire::Kind::kMembership, 0, 0}, poll, wire::kMaxDatagram, 0);

@@ -320,6 +320,7 @@ FIGURES = [
     Figure("rivals", "docs/compare.md", rivals.briefly),
     Figure("budgets", "docs/compare.md", rivals.budgets),
     Figure("met", "docs/compare.md", rivals.met),
+    Figure("elsewhere", "docs/compare.md", rivals.elsewhere),
     Picture("compare", rivals.data_of("frontier_delay_100ms"), rivals.drawn("frontier_delay_100ms")),
     Picture("compare-hands", rivals.data_of("hands_delay_100ms"), rivals.drawn("hands_delay_100ms")),
     Picture("compare-loss", rivals.data_of(LOSSY), rivals.drawn(LOSSY)),

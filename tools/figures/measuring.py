@@ -59,7 +59,7 @@ class Measuring:
         command += [w.replace("OUT", folder).replace("FILE", os.path.join(folder, "rows.csv")) for w in chosen]
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
         if done.returncode != 0:
-            raise Failed(f"{shown} ended with {done.returncode}: {done.stderr.decode().strip()[-400:]}")
+            raise Failed(f"{self._shown[key]} ended with {done.returncode}: {done.stderr.decode().strip()[-400:]}")
         self._done[key] = (done.stdout.decode(), folder)
         return self._done[key]
 

@@ -110,6 +110,25 @@ def briefly(m):
     return table(["technique", *(f"{n} (m)" for n in NETWORKS), "kbit/s", "hand to avatar", "frozen, with loss"], lines)
 
 
+INPUTS = "full,rollback-0,rollback-6,rollback-0-20hz,rollback-6-20hz"
+ELSEWHERE = {
+    "`clutter`, 200 bodies, 100 ms": ["--scenario", "clutter", "--netem", "delay 100ms", "--seeds", ("2", "1"), "--seconds", ("20", "2")],
+    "pitch, 21 peers, 100 ms": ["--scenario", "pitch", "--peers", "21", "--netem", "delay 100ms", "--seeds", "1", "--seconds", ("20", "1")],
+    "arena, `delay 30ms trace mobile`": ["--netem", "delay 30ms trace mobile", "--seeds", ("2", "1"), "--seconds", ("30", "3")],
+}  # fmt: skip
+
+
+def elsewhere(m):
+    """Those that send inputs alone, where there are many bodies or peers, and where links fail."""
+    lines = []
+    for where, words in ELSEWHERE.items():
+        for r in m.json("compare", "--techniques", INPUTS, *words)["rows"]:
+            lines.append([where, f"`{r['technique']}`", metres(value(r, "mean_m")), metres(value(r, "hands_mean_m")),
+                          f"{1000 * value(r, 'hand_delay_s'):.0f} ms", f"{100 * value(r, 'frozen_share'):.0f} %",
+                          f"{value(r, 'kbit_per_s'):.0f}"])  # fmt: skip
+    return table(["where", "technique", "mean (m)", "against hands (m)", "hand to avatar", "frozen", "kbit/s"], lines)
+
+
 def data_of(picture):
     """The points of one of the pictures."""
 
