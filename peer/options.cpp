@@ -292,7 +292,8 @@ void take_key(const Raw& raw, Options& o) {
     throw UserError("--seal: '" + mode + "' is not a mode; give auth or encrypt");
   if (o.key) {
     o.seal = mode == "auth" ? wire::SealMode::kAuth : wire::SealMode::kEncrypt;
-    if (o.insecure) o.warnings.push_back("--insecure has no meaning in a session with a key and is ignored");
+    if (o.insecure && !raw.control)
+      o.warnings.push_back("--insecure has no meaning in a session with a key and is ignored");
     return;
   }
   for (const auto& [flag, value] : {std::pair{"--seal", raw.seal}, std::pair{"--keylog", o.keylog}})

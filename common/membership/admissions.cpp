@@ -236,6 +236,15 @@ void Admissions::pass_on(const Endpoint& from, const wire::Enter& enter, const E
     out.send(from, wire::Redirect{enter.nonce, coordinator});
 }
 
+PeerSet Admissions::returning(const View& view) const {
+  PeerSet who = 0;
+  for (PeerId p = 0; p < session_.slots; ++p)
+    for (const Guest& g : guests_)
+      if (g.at.has_key() && !g.ordered && view.roster.seats[p].there() && view.roster.seats[p].at.key == g.at.key)
+        who |= only(p);
+  return who;
+}
+
 void Admissions::advance(Micros local) {
   std::erase_if(guests_, [local](const Guest& g) { return local - g.since > (g.proven ? kStay : kUnproven); });
 }

@@ -39,6 +39,8 @@ class Admissions {
 
   /// Forgets joiners whose time is up.
   void advance(Micros local);
+  /// With a key: members that have asked to be let in anew.
+  PeerSet returning(const View& view) const;
   /// Joiners that are being admitted; at most one per slot.
   std::size_t guests() const { return guests_.size(); }
 

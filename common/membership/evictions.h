@@ -37,6 +37,8 @@ class Evictions {
   /// Updates of a lost peer; if they are new, they prove that it lives.
   void on_fetched(PeerId from, const wire::Fetched& fetched, const View& view, MisbehaviourPolicy& misbehaviour,
                   Commands& out);
+  /// Members that have asked to be let in anew: they may take nothing from this peer.
+  void set_returning(PeerSet who) { returning_ = who; }
   /// Once a tick.
   void advance(const View& view, Commands& out);
 
@@ -81,6 +83,9 @@ class Evictions {
   /// kSilence more until it misses the lost peer itself, and then reply over a bad link. Shorter than the time after
   /// which members join anew because nothing is confirmed.
   static constexpr Tick kWithheld = 2 * kSilence + 90;
+  /// The same for a member that has asked to be let in anew: if it hears this peer, it replies within a few round
+  /// trips.
+  static constexpr Tick kReturning = kSilence;
 
  private:
   struct Lost {
@@ -161,8 +166,9 @@ class Evictions {
   const SessionView& session_;
   std::map<PeerId, Doubted> doubted_;
   Tick doubts_asked_ = 0;
-  std::map<PeerId, Lost> lost_;         ///< as the coordinator
-  std::set<PeerId> withholds_;          ///< members whose replies do not count for these
+  std::map<PeerId, Lost> lost_;  ///< as the coordinator
+  std::set<PeerId> withholds_;   ///< members whose replies do not count for these
+  PeerSet returning_ = 0;
   std::uint32_t number_ = 0;            ///< of this peer's polls; grows with each that is taken back
   std::vector<wire::Seat> taken_back_;  ///< the peers of the poll that was taken back last
   Tick taken_back_at_ = 0;              ///< when that was

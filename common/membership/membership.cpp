@@ -225,6 +225,7 @@ void Membership::advance(Micros local) {
   follow_testimony();
   step_down();
   give_up_guide();
+  evictions_.set_returning(admissions_.returning(view));
   evictions_.advance(view, commands_);
   relay_.advance(view, commands_);
   find_paths();

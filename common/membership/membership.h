@@ -154,10 +154,11 @@ class Membership {
     std::uint32_t incarnation = 0;
     Tick since = 0;
   };
-  std::map<PeerId, Asked> in_vain_;  ///< members that count as silent, as they did not let this peer in anew
-  PeerId asked_ = kNoPeer;           ///< the member by which this peer tries to join anew
-  Tick back_since_ = 0;              ///< since when it has been trying that
-  PeerId coordinates_ = kNoPeer;     ///< the coordinator, and since when it has been that
+  /// Members that count as silent, as they did not let this peer in anew, or spare who is silent.
+  std::map<PeerId, Asked> in_vain_;
+  PeerId asked_ = kNoPeer;        ///< the member by which this peer tries to join anew
+  Tick back_since_ = 0;           ///< since when it has been trying that
+  PeerId coordinates_ = kNoPeer;  ///< the coordinator, and since when it has been that
   Tick coordinates_since_ = 0;
   Tick alone_since_ = 0;  ///< since when it has left its seat and knows of nobody who lives
   bool told_ = false;

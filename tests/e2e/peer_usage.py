@@ -180,6 +180,10 @@ class Usage(Case):
         code, _, err = run(*JOIN, "--wait-peers", 3, "--join-timeout", 0.3)
         self.assertEqual(code, 1)
         self.assertRegex(err, "--wait-peers is only for the founder")
+        key = ("--wait-peers", 1, "--duration", 0.1, "--key-file", self.file("key", "0" * 64), "--insecure")
+        self.assertRegex(run(*key)[2], "--insecure has no meaning in a session with a key")
+        _, _, err = run(*key, "--control", "--monitor", "127.0.0.1:9")
+        self.assertNotIn("--insecure", err, "it lets a monitor on another machine control the peer")
 
 
 if __name__ == "__main__":

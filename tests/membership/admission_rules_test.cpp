@@ -69,6 +69,24 @@ TEST(AdmissionRules, TheLowestSlotThatIsFree) {
   }
 }
 
+TEST(AdmissionRules, MembersThatReturnAreKnownByTheirKeys) {
+  Situation s(4, 0);
+  s.empty(3);
+  Endpoint at = Situation::at(1);
+  at.key[0] = 7;
+  s.roster.seats[1].at = at;
+  Admissions rules(s.session);
+  ListedCommands out;
+  EXPECT_EQ(rules.returning(s.view()), 0U);
+  rules.on_join(Situation::at(2), join(4), s.view(), kLocal, out);
+  EXPECT_EQ(rules.returning(s.view()), 0U) << "without a key anybody could ask in its name";
+  rules.advance(kLocal + Admissions::kUnproven + 1);
+  rules.on_join(at, join(5), s.view(), kLocal, out);
+  EXPECT_EQ(rules.returning(s.view()), only(1));
+  rules.advance(kLocal + Admissions::kUnproven + 1);
+  EXPECT_EQ(rules.returning(s.view()), 0U) << "it no longer asks";
+}
+
 TEST(AdmissionRules, NobodyGetsAnIncarnationThatIsKnown) {
   Situation s(4, 0);
   s.empty(2);

@@ -225,6 +225,18 @@ TEST_F(Eviction, GoesOnWithoutAMemberThatWithholdsItsReply) {
   EXPECT_FALSE(s_.roster.seats[2].frozen);
 }
 
+// It ignores this peer, and all waited for its reply before anybody was let in.
+TEST_F(Eviction, GoesOnSoonerWithoutAMemberThatHasAskedToBeLetInAnew) {
+  begin();
+  rules_.set_returning(only(1) | only(2));
+  reply(1, true, 0, -1);
+  pass(Evictions::kReturning - 2);
+  EXPECT_TRUE(orders_.empty());
+  EXPECT_TRUE(rules_.busy());
+  pass(3);
+  EXPECT_EQ(orders_.size(), 2U) << "the other one has replied, and gets what it lacks";
+}
+
 // They follow another one, and would not take its order. Once, it went on without all of them, and they cut it off for
 // the update that they refused.
 TEST_F(Eviction, IsNotOrderedIfNoneOfSeveralMembersFollows) {

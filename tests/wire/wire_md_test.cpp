@@ -382,6 +382,7 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("heard_lately", node::kHeardLately);
   add("believed", node::kBelieved);
   add("ask_again", node::Evictions::kAskAgain);
+  add("returning", node::Evictions::kReturning);
   add("withheld", node::Evictions::kWithheld);
   add("relay_after", node::kRelayAfter);
   add("relay_until", node::kRelayUntil);
