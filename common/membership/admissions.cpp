@@ -240,7 +240,8 @@ PeerSet Admissions::returning(const View& view) const {
   PeerSet who = 0;
   for (PeerId p = 0; p < session_.slots; ++p)
     for (const Guest& g : guests_)
-      if (g.at.has_key() && !g.ordered && view.roster.seats[p].there() && view.roster.seats[p].at.key == g.at.key)
+      if (g.at.has_key() && !(g.ordered && p == g.slot) && view.roster.seats[p].there() &&
+          view.roster.seats[p].at.key == g.at.key)
         who |= only(p);
   return who;
 }

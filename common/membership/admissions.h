@@ -39,7 +39,7 @@ class Admissions {
 
   /// Forgets joiners whose time is up.
   void advance(Micros local);
-  /// With a key: members that have asked to be let in anew.
+  /// With a key: members that have asked to be let in anew, until some time after they are.
   PeerSet returning(const View& view) const;
   /// Joiners that are being admitted; at most one per slot.
   std::size_t guests() const { return guests_.size(); }

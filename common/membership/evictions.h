@@ -37,8 +37,6 @@ class Evictions {
   /// Updates of a lost peer; if they are new, they prove that it lives.
   void on_fetched(PeerId from, const wire::Fetched& fetched, const View& view, MisbehaviourPolicy& misbehaviour,
                   Commands& out);
-  /// Members that have asked to be let in anew: they may take nothing from this peer.
-  void set_returning(PeerSet who) { returning_ = who; }
   /// Once a tick.
   void advance(const View& view, Commands& out);
 
@@ -166,9 +164,8 @@ class Evictions {
   const SessionView& session_;
   std::map<PeerId, Doubted> doubted_;
   Tick doubts_asked_ = 0;
-  std::map<PeerId, Lost> lost_;  ///< as the coordinator
-  std::set<PeerId> withholds_;   ///< members whose replies do not count for these
-  PeerSet returning_ = 0;
+  std::map<PeerId, Lost> lost_;         ///< as the coordinator
+  std::set<PeerId> withholds_;          ///< members whose replies do not count for these
   std::uint32_t number_ = 0;            ///< of this peer's polls; grows with each that is taken back
   std::vector<wire::Seat> taken_back_;  ///< the peers of the poll that was taken back last
   Tick taken_back_at_ = 0;              ///< when that was

@@ -37,7 +37,7 @@ bool Evictions::is_lacking(const View& view) const {
 // Whether p's reply about a lost peer has been awaited for too long. Time in which this peer was held up does not
 // count: it could not hear the replies.
 bool Evictions::is_silent(PeerId p, const View& view) const {
-  const Tick timeout = (returning_ & only(p)) != 0 ? kReturning : kWithheld;
+  const Tick timeout = (view.returning & only(p)) != 0 ? kReturning : kWithheld;
   return std::any_of(lost_.begin(), lost_.end(), [&](const auto& entry) {
     const Lost& lost = entry.second;
     const auto asked = lost.asked.find(p);

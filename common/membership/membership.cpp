@@ -217,6 +217,7 @@ void Membership::follow_testimony() {
 }
 
 void Membership::advance(Micros local) {
+  returning_ = admissions_.returning(view());
   const View view = this->view();
   // The others owe nothing to a peer that joins anew: they may have declared it gone.
   if (!told_ && !way_back()) misbehaviour_.advance(view, commands_);
@@ -225,7 +226,6 @@ void Membership::advance(Micros local) {
   follow_testimony();
   step_down();
   give_up_guide();
-  evictions_.set_returning(admissions_.returning(view));
   evictions_.advance(view, commands_);
   relay_.advance(view, commands_);
   find_paths();

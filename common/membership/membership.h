@@ -100,7 +100,11 @@ class Membership {
 
  private:
   const Roster& roster() const { return replica_.replica().roster(); }
-  View view() const { return view_of(replica_.replica()); }
+  View view() const {
+    View view = view_of(replica_.replica());
+    view.returning = returning_;
+    return view;
+  }
   sync::Transfer transfer() const;
   void receive_of_member(PeerId member, const wire::MembershipMessage& message, Micros local);
   void on_newcomer(PeerId by, const wire::Newcomer& newcomer, Micros local);
@@ -146,6 +150,7 @@ class Membership {
   Paths paths_;
   std::vector<Paths::Link> links_;  ///< by slot, as measured last
   std::vector<MemberChange> changes_;
+  PeerSet returning_ = 0;                   ///< members that have asked this peer to let them in anew
   std::map<PeerId, Tick> refused_;          ///< since when its machine reports that nobody listens there
   std::map<PeerId, std::uint32_t> former_;  ///< slots and incarnations of peers that were admitted anew elsewhere
   Tick confirmed_ = -1;                     ///< the newest confirmed tick, and since when

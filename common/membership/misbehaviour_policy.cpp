@@ -171,6 +171,11 @@ std::optional<Sayer> missing_signer(const Bundle& b, const View& view, const Adm
 Signed is_signed(const Bundle& b, bool passed_on, const View& view, Admitted& meanwhile) {
   // A peer that passes on an update of a slot may know of a newer occupant that we have not heard of yet.
   if (missing_signer(b, view, meanwhile)) return passed_on ? Signed::kUnclear : Signed::kNo;
+  // Nobody is known to have sat there yet: the admission may be here, and wait for an update before it.
+  const Seat& n = view.roster.seats[b.peer];
+  const bool of_newcomer = b.peer != view.roster.self && b.index >= n.first && !n.at.has_key();
+  if (passed_on && of_newcomer && !view.log.knows(b.peer, b.index) && !sayer(b.peer, b.index, view, meanwhile))
+    return Signed::kUnclear;
   if (b.admission) meanwhile.push_back(&*b.admission);
   for (const Bundle& lost : b.passed_on)
     if (const Signed is = is_signed(lost, true, view, meanwhile); is != Signed::kYes) return is;
@@ -294,9 +299,10 @@ void MisbehaviourPolicy::advance(const View& view, Commands& out) {
     const bool is_back = view.roster.now - watch(p, view).unheard < kBackFor;
     if (!tells && is_back && view.arrears(p) < kMostArrears) continue;
     // A lying coordinator can make an honest member freeze this peer for as long as it takes to see through it.
-    if (tells && view.roster.unacknowledged(p) < kPatience) continue;
+    const Tick patience = (view.returning & only(p)) != 0 ? kMostPatience : kPatience;  // barred, it could not return
+    if (tells && view.roster.unacknowledged(p) < patience) continue;
+    const Tick lasted = tells ? patience : View::kArrears;
     const std::string what = tells ? "acknowledged no updates" : "not sent the updates that it promised";
-    const Tick lasted = tells ? kPatience : View::kArrears;
     cut_off(p, false, "has " + what + " for " + std::to_string(lasted / kTicksPerSecond) + " s", view, out);
   }
 }

@@ -62,6 +62,8 @@ class MisbehaviourPolicy {
   static constexpr Tick kBarred = 60 * kTicksPerSecond;  ///< first ban for arrears; doubles each time
   /// Time for which a member that is heard may acknowledge no updates, ticks.
   static constexpr Tick kPatience = 2 * View::kArrears;
+  /// The same for one that asks to be let in anew. All that it has not acknowledged must be kept meanwhile.
+  static constexpr Tick kMostPatience = 4 * kPatience;
   /// Time for which a member that is heard again may owe what it could not tell before, ticks; kMostArrears in all.
   static constexpr Tick kBackFor = 2 * kTicksPerSecond;
   static constexpr Tick kMostArrears = View::kArrears + kSilence;

@@ -13,6 +13,7 @@ struct View {
   const Roster& roster;
   const sync::UpdateLog& log;
   const Scene& scene;
+  PeerSet returning = 0;  ///< members that have asked this peer to let them in anew, and may take nothing from it
 
   /// Ticks since the last one for which all updates of p are here, or since silence was last excused; 0 if none of p is
   /// awaited. Every confirmed world lies back as far.

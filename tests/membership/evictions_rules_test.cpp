@@ -228,7 +228,7 @@ TEST_F(Eviction, GoesOnWithoutAMemberThatWithholdsItsReply) {
 // It ignores this peer, and all waited for its reply before anybody was let in.
 TEST_F(Eviction, GoesOnSoonerWithoutAMemberThatHasAskedToBeLetInAnew) {
   begin();
-  rules_.set_returning(only(1) | only(2));
+  s_.returning = only(1) | only(2);
   reply(1, true, 0, -1);
   pass(Evictions::kReturning - 2);
   EXPECT_TRUE(orders_.empty());

@@ -144,6 +144,39 @@ TEST(MisbehaviourRules, AnOrderThatAnotherMemberHasTakenIsTaken) {
   }
 }
 
+// Its admission may be here, and wait for an earlier order. Once, a joiner took what a liar made up in its name, and
+// cut off the newcomer, whose own update of that tick it did not take.
+TEST(MisbehaviourRules, NothingIsPassedOnOfWhoseKeyIsNotKnownYet) {
+  struct Row {
+    const char* name;
+    void (*change)(node::Seat&);
+    DropReason why;
+  };
+  const Row rows[] = {
+      {"nobody has sat there yet", [](node::Seat& s) { s.at = {}; }, DropReason::kRight},
+      {"it did not sign it", [](node::Seat&) {}, DropReason::kRight},
+      {"a former one, of before this peer joined", [](node::Seat& s) { s.first = 9; }, DropReason::kNone},
+  };
+  for (const Row& r : rows) {
+    Situation s(5, 2);
+    s.session.config.sealed = true;
+    wire::Key secret{};
+    secret.fill(5);
+    s.roster.seats[0].at.key = s.roster.seats[4].at.key = wire::public_key(secret);
+    s.empty(4);
+    r.change(s.roster.seats[4]);
+    s.roster.in_since = kNow;
+    s.roster.admitted_by = 0;
+    sync::Bundle order = by(0);
+    order.passed_on.push_back(by(4));
+    order.signature =
+        wire::sign_update(wire::signing_key(secret), {s.roster.session, s.roster.seats[0].incarnation}, order);
+    sync::StatePacket packet;
+    packet.updates.push_back(order);
+    EXPECT_EQ(MisbehaviourPolicy(s.session).judge(packet, kNoPeer, s.view(), Evictions(s.session)), r.why) << r.name;
+  }
+}
+
 // Each has a valid signature, so that it has to be checked; none can be filed.
 TEST(MisbehaviourRules, SignaturesAreCheckedInMeasure) {
   Situation s(4, 2);
@@ -218,6 +251,23 @@ TEST(MisbehaviourRules, WhoHoldsUpEverybodyIsCutOff) {
       {"a tick short", 0, [](Situation& s) { s.log.begin(2, 0, kOwed + 1); }, {}},
       {"one does not acknowledge", 0, [](Situation& s) { s.roster.seats[2].unacknowledged = kIgnored; }, {2}},
       {"a tick short of that", 0, [](Situation& s) { s.roster.seats[2].unacknowledged = kIgnored + 1; }, {}},
+      {"nor did it while it asks to be let in anew",
+       0,
+       [](Situation& s) {
+         s.returning = only(2);
+         s.roster.seats[2].unacknowledged = kIgnored;
+       },
+       {}},
+      {"for too long",
+       0,
+       [](Situation& s) {
+         s.roster.now = 2 * MisbehaviourPolicy::kMostPatience;
+         for (PeerId p = 1; p < 4; ++p) s.log.mark(p, s.roster.now, 0);
+         s.returning = only(2);
+         s.roster.seats[2].unacknowledged = s.roster.now - MisbehaviourPolicy::kMostPatience;
+         for (node::Seat& seat : s.roster.seats) seat.heard = seat.answered = s.roster.now;
+       },
+       {2}},
       {"updates of a former peer in the slot are missing",
        0,
        [](Situation& s) {

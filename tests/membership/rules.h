@@ -104,7 +104,7 @@ struct Situation {
     }
   }
   static Endpoint at(int p) { return ipv4({10, 0, 0, static_cast<std::uint8_t>(1 + p)}, 7000); }
-  node::View view() const { return {roster, log, scene}; }
+  node::View view() const { return {roster, log, scene, returning}; }
   /// p has neither been heard nor answered since that tick.
   void silence(PeerId p, Tick since) {
     node::Seat& s = roster.seats[p];
@@ -135,6 +135,7 @@ struct Situation {
   Scene scene = scenarios::load_embedded("arena", 1);
   node::SessionState session;
   node::Roster roster;
+  PeerSet returning = 0;
   sync::UpdateLog log;
 };
 
