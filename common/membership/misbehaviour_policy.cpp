@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/membership/evictions.h"
-#include "common/wire/signature.h"
+#include "common/membership/signers.h"
 
 namespace padr::node {
 namespace {
@@ -16,32 +16,6 @@ using sync::DropReason;
 /// Time for which two peers may take themselves for the coordinator, or their orders be under way.
 constexpr Tick kHandOver = 10 * kTicksPerSecond;
 constexpr Tick kForGood = std::numeric_limits<Tick>::max();
-
-struct Sayer {
-  std::uint32_t incarnation = 0;
-  PublicKey key{};
-};
-
-/// Peers admitted earlier in the datagram that is being judged, in order.
-using Admitted = std::vector<const sync::Admission*>;
-
-enum class Signed : std::uint8_t {
-  kYes,
-  kNo,
-  kUnclear,  ///< not by the peer that we know; the admission of a newer one may be on its way
-};
-
-/// The peer that published the slot's update of that number; nothing if it is not known.
-std::optional<Sayer> sayer(PeerId p, std::uint32_t index, const View& view, const Admitted& meanwhile) {
-  for (auto a = meanwhile.rbegin(); a != meanwhile.rend(); ++a)
-    if ((*a)->slot == p && index >= (*a)->first) return Sayer{(*a)->incarnation, (*a)->at.key};
-  const Seat& n = view.roster.seats[p];
-  if (index >= n.first && p != view.roster.self)
-    return n.at.has_key() ? std::optional(Sayer{n.incarnation, n.at.key}) : std::nullopt;
-  for (auto f = n.former.rbegin(); f != n.former.rend(); ++f)
-    if (index >= f->first && f->at.has_key()) return Sayer{f->incarnation, f->at.key};
-  return std::nullopt;
-}
 
 /// Reasons that no honest peer causes, whatever the receiver knows, and under a seal no network fault either. All other
 /// rules depend on the receiver's clock or log, and a liar who tells different peers different things can make honest
@@ -159,37 +133,6 @@ bool is_in_step(const Bundle& b, const View& view, std::uint32_t& newest) {
                      [&](const Bundle& lost) { return is_in_step(lost, view, newest); });
 }
 
-/// The peer whose valid signature a new update lacks; nothing if it has one, or if the peer is not known.
-std::optional<Sayer> missing_signer(const Bundle& b, const View& view, const Admitted& meanwhile) {
-  if (view.log.knows(b.peer, b.index)) return std::nullopt;
-  const auto who = sayer(b.peer, b.index, view, meanwhile);
-  if (who && wire::is_signed(who->key, {view.roster.session, who->incarnation}, b)) return std::nullopt;
-  return who;
-}
-
-/// Whether an update and those that it passes on are signed. Adds admissions to `meanwhile`.
-Signed is_signed(const Bundle& b, bool passed_on, const View& view, Admitted& meanwhile) {
-  // A peer that passes on an update of a slot may know of a newer occupant that we have not heard of yet.
-  if (missing_signer(b, view, meanwhile)) return passed_on ? Signed::kUnclear : Signed::kNo;
-  // Nobody is known to have sat there yet: the admission may be here, and wait for an update before it.
-  const Seat& n = view.roster.seats[b.peer];
-  const bool of_newcomer = b.peer != view.roster.self && b.index >= n.first && !n.at.has_key();
-  if (passed_on && of_newcomer && !view.log.knows(b.peer, b.index) && !sayer(b.peer, b.index, view, meanwhile))
-    return Signed::kUnclear;
-  if (b.admission) meanwhile.push_back(&*b.admission);
-  for (const Bundle& lost : b.passed_on)
-    if (const Signed is = is_signed(lost, true, view, meanwhile); is != Signed::kYes) return is;
-  return Signed::kYes;
-}
-
-/// Signatures that have to be checked for an update and those that it passes on.
-int signatures_in(const Bundle& b, const View& view) {
-  if (view.log.knows(b.peer, b.index)) return 0;
-  int all = 1;
-  for (const Bundle& lost : b.passed_on) all += signatures_in(lost, view);
-  return all;
-}
-
 }  // namespace
 
 // A signature takes far longer to check than to repeat.
@@ -205,7 +148,9 @@ DropReason MisbehaviourPolicy::judge(const sync::StatePacket& packet, PeerId rel
   for (const Bundle& b : packet.updates)  // what the log would not take needs no check
     if (b.index > view.log.have(b.peer) + sync::UpdateLog::kMostBeyond) return DropReason::kOrder;
   if (!may_check(packet, view)) return DropReason::kCutOff;
+  const auto waiting = session_.config.sealed ? waiting_admissions(packet, view) : std::vector<Bundle>{};
   Admitted meanwhile;
+  for (const Bundle& b : waiting) meanwhile.push_back(&*b.admission);
   PeerSet freed = 0;
   std::uint32_t newest = view.roster.newest_incarnation();
   for (const Bundle& b : packet.updates) {
@@ -367,34 +312,6 @@ void MisbehaviourPolicy::cut_off(PeerId p, bool for_good, const std::string& why
             .tick = barred,
             .text = why});
   out.cut_off(p, why);
-}
-
-bool said(const sync::Transfer& transfer, const SessionId& session) {
-  struct Sitter {
-    std::uint32_t first = 0;
-    Sayer who;
-  };
-  std::vector<std::vector<Sitter>> seats(transfer.slots.size());
-  for (std::size_t p = 0; p < seats.size(); ++p)
-    seats[p].push_back({0, {transfer.state.members[p].incarnation, transfer.slots[p].at.key}});
-  // The address is that of the latest peer in the slot; the transfer has no key of earlier ones.
-  const auto note = [&](const Bundle& b) {
-    if (!b.admission || b.admission->slot >= seats.size()) return;
-    std::vector<Sitter>& s = seats[b.admission->slot];
-    if (b.admission->incarnation <= s.back().who.incarnation) return;
-    s.front().who.key = {};
-    s.push_back({b.admission->first, {b.admission->incarnation, b.admission->at.key}});
-  };
-  for (const Bundle& b : transfer.tail) {
-    note(b);
-    for (const Bundle& lost : b.passed_on) note(lost);
-  }
-  return std::all_of(transfer.tail.begin(), transfer.tail.end(), [&](const Bundle& b) {
-    const auto& s = seats[b.peer];
-    const auto sitter = std::find_if(s.rbegin(), s.rend(), [&b](const Sitter& at) { return b.index >= at.first; });
-    return sitter == s.rend() || sitter->who.key == PublicKey{} ||
-           wire::is_signed(sitter->who.key, {session, sitter->who.incarnation}, b);
-  });
 }
 
 }  // namespace padr::node

@@ -122,7 +122,4 @@ class MisbehaviourPolicy {
   std::vector<Offender> offenders_;  ///< kMostOffenders at most
 };
 
-/// Whether the updates in a transfer have valid signatures, as far as the transfer has the keys.
-bool said(const sync::Transfer& transfer, const SessionId& session);
-
 }  // namespace padr::node

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/membership/signers.h"
 #include "common/model/observed_address.h"
 #include "common/model/rng.h"
 #include "common/participant/participant.h"

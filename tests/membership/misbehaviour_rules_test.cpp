@@ -149,26 +149,44 @@ TEST(MisbehaviourRules, AnOrderThatAnotherMemberHasTakenIsTaken) {
 TEST(MisbehaviourRules, NothingIsPassedOnOfWhoseKeyIsNotKnownYet) {
   struct Row {
     const char* name;
-    void (*change)(node::Seat&);
+    std::uint32_t first;  ///< of who sits in the slot
+    bool has_key;         ///< who sits there
+    bool waits;           ///< the newcomer's admission
+    bool is_signed;       ///< by the newcomer
     DropReason why;
   };
   const Row rows[] = {
-      {"nobody has sat there yet", [](node::Seat& s) { s.at = {}; }, DropReason::kRight},
-      {"it did not sign it", [](node::Seat&) {}, DropReason::kRight},
-      {"a former one, of before this peer joined", [](node::Seat& s) { s.first = 9; }, DropReason::kNone},
+      {"nobody has sat there yet", 0, false, false, false, DropReason::kRight},
+      {"whoever sits there has not signed it", 0, true, false, true, DropReason::kRight},
+      {"of a former one, of before this peer joined", 9, true, false, false, DropReason::kNone},
+      {"of a newcomer whose admission waits", 0, false, true, true, DropReason::kNone},
+      {"which it has not signed", 0, false, true, false, DropReason::kRight},
+      {"of a newcomer in a slot that another one had", 0, true, true, true, DropReason::kNone},
   };
+  wire::Key secret{};
+  secret.fill(5);
+  wire::Key newcomers{};
+  newcomers.fill(6);
+  const std::uint32_t kNew = 50;
   for (const Row& r : rows) {
     Situation s(5, 2);
     s.session.config.sealed = true;
-    wire::Key secret{};
-    secret.fill(5);
-    s.roster.seats[0].at.key = s.roster.seats[4].at.key = wire::public_key(secret);
+    s.roster.seats[0].at.key = wire::public_key(secret);
     s.empty(4);
-    r.change(s.roster.seats[4]);
+    s.roster.seats[4].first = r.first;
+    s.roster.seats[4].at.key = r.has_key ? wire::public_key(secret) : PublicKey{};
     s.roster.in_since = kNow;
     s.roster.admitted_by = 0;
+    sync::Bundle admission = admits(0, 4, kNew);
+    admission.index = 5;
+    admission.tick = kNow + 1;
+    admission.admission->at.key = wire::public_key(newcomers);
+    ASSERT_TRUE(!r.waits || s.log.insert(admission));
     sync::Bundle order = by(0);
     order.passed_on.push_back(by(4));
+    if (r.is_signed)
+      order.passed_on[0].signature =
+          wire::sign_update(wire::signing_key(newcomers), {s.roster.session, kNew}, order.passed_on[0]);
     order.signature =
         wire::sign_update(wire::signing_key(secret), {s.roster.session, s.roster.seats[0].incarnation}, order);
     sync::StatePacket packet;
