@@ -30,10 +30,9 @@ Signed is_signed(const Bundle& b, bool passed_on, const View& view, Admitted& me
   // A peer that passes on an update of a slot may know of a newer occupant that we have not heard of yet. Its own are
   // by the occupant that we know.
   if (missing_signer(b, view, passed_on ? meanwhile : Admitted{})) return passed_on ? Signed::kUnclear : Signed::kNo;
-  // Nobody is known to have sat there yet.
-  const Seat& n = view.roster.seats[b.peer];
-  const bool of_newcomer = b.peer != view.roster.self && b.index >= n.first && !n.at.has_key();
-  if (passed_on && of_newcomer && !view.log.knows(b.peer, b.index) && !sayer(b.peer, b.index, view, meanwhile))
+  // Nobody is known to have sat there yet. Of times before this peer came, that is no objection.
+  const bool of_now = b.peer != view.roster.self && b.index >= view.roster.seats[b.peer].first;
+  if (passed_on && of_now && !view.log.knows(b.peer, b.index) && !sayer(b.peer, b.index, view, meanwhile))
     return Signed::kUnclear;
   if (b.admission) meanwhile.push_back(&*b.admission);
   for (const Bundle& lost : b.passed_on)

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "common/membership/last_heard.h"
-#include "common/membership/misbehaviour_policy.h"
 #include "common/model/rng.h"
 #include "common/model/user_error.h"
 #include "common/wire/signature.h"
