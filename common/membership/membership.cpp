@@ -196,12 +196,6 @@ void Membership::take(const std::vector<sync::Transfer::Proof>& proofs) {
   for (const sync::Transfer::Proof& p : proofs) testimony_.take(p);
 }
 
-void Membership::inherit(const Membership& before, const PublicKey& let_in_by) {
-  take(before.testimony_.proofs());
-  misbehaviour_.inherit(before.misbehaviour_, let_in_by);
-  merge_.inherit(before.merge_, before.view(), roster().now);
-}
-
 void Membership::follow_testimony() {
   const View view = this->view();
   testimony_.advance(view, commands_);

@@ -135,6 +135,9 @@ class Membership {
   void give_up_guide();
   /// Whether nothing is confirmed, and the coordinator c has not asked about a peer that has been silent for long.
   bool spares_silent(PeerId c) const;
+  /// Whether the coordinator c tells a hash that differs from ours, though this peer joined anew for that reason
+  /// lately.
+  bool differs_again(PeerId c) const;
 
   const SessionView& session_;
   RecordedReplica& replica_;
@@ -159,8 +162,11 @@ class Membership {
     std::uint32_t incarnation = 0;
     Tick since = 0;
   };
-  /// Members that count as silent, as they did not let this peer in anew, or spare who is silent.
+  /// Members that count as silent, as they did not let this peer in anew, spare who is silent, or differ again.
   std::map<PeerId, Asked> in_vain_;
+  PublicKey
+      differed_{};  ///< the coordinator from whose world a former incarnation's differed, and until when it counts
+  Tick differed_until_ = 0;
   PeerId asked_ = kNoPeer;        ///< the member by which this peer tries to join anew
   Tick back_since_ = 0;           ///< since when it has been trying that
   PeerId coordinates_ = kNoPeer;  ///< the coordinator, and since when it has been that

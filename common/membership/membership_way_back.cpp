@@ -15,7 +15,7 @@ constexpr Tick kStuck = 12 * kTicksPerSecond;
 constexpr Tick kBehind = 2 * kStuck;
 /// Time for which this peer tries to join anew by one member, ticks.
 constexpr Tick kInVain = 10 * kTicksPerSecond;
-/// Time for which that member then counts as silent, ticks.
+/// Time for which that member then counts as silent, ticks; and so does one that differs again within that time.
 constexpr Tick kGivenUp = 60 * kTicksPerSecond;
 /// Time for which a peer that knows of no living member asks one place, ticks.
 constexpr Tick kInTurn = 2 * kTicksPerSecond;
@@ -26,6 +26,18 @@ constexpr Tick kAfterSenior = 5 * kTicksPerSecond;
 constexpr Micros kTenth = kMicrosPerSecond / 10;
 
 }  // namespace
+
+void Membership::inherit(const Membership& before, const PublicKey& let_in_by) {
+  take(before.testimony_.proofs());
+  misbehaviour_.inherit(before.misbehaviour_, let_in_by);
+  merge_.inherit(before.merge_, before.view(), roster().now);
+  differed_ = before.differed_;
+  differed_until_ = before.differed_until_;
+  const PeerId c = before.coordinator();
+  if (c == kNoPeer || !before.roster().seats[c].differs) return;
+  differed_ = before.roster().seats[c].at.key;
+  differed_until_ = roster().now + kGivenUp;
+}
 
 PeerId Membership::lacks_former() const {
   const View view = this->view();
@@ -113,7 +125,8 @@ void Membership::give_up_guide() {
   if (const PeerId c = coordinator(); std::exchange(coordinates_, c) != c) coordinates_since_ = now;
   if (!session_.config.sealed || (roster().leaving && !stands_down_) || by == kNoPeer) {
     back_since_ = now;
-  } else if (now - back_since_ >= (by == coordinator() ? kInVain : 2 * kInVain) || spares_silent(by)) {
+  } else if (now - back_since_ >= (by == coordinator() ? kInVain : 2 * kInVain) || spares_silent(by) ||
+             differs_again(by)) {
     in_vain_[by] = {roster().seats[by].incarnation, now};
     evictions_.forget_asker(by);
     back_since_ = now;
@@ -134,6 +147,13 @@ bool Membership::spares_silent(PeerId c) const {
       return true;
   }
   return false;
+}
+
+// Whoever has taken over the coordinator's world confirms the same as it does. If the hash differs again, it is false,
+// or the next world would be.
+bool Membership::differs_again(PeerId c) const {
+  const Seat& s = roster().seats[c];
+  return c == coordinator() && s.differs && s.at.key == differed_ && roster().now < differed_until_;
 }
 
 std::optional<Endpoint> Membership::way_back() const {

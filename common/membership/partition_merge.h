@@ -148,9 +148,9 @@ class PartitionMerge {
   /// Whether a Probe of the larger part has come lately.
   bool is_outvoted(const View& view) const;
   bool is_outranked(const wire::Probe& probe, const Side& us, const View& view) const;
-  /// With a key: whether more, or more senior, witnesses are in that part, of those that both parts can know.
   /// Whether the peer at `from` is one of those members for whom there is evidence.
   bool is_witness(const Endpoint& from, const wire::Probe& probe, const View& view) const;
+  /// With a key: whether more, or more senior, witnesses are in that part, of those that both parts can know.
   bool has_stronger_evidence(const wire::Probe& probe, const Side& us, const View& view) const;
   /// When this part evicted the first of them that was a member; kNever if none was.
   static Tick split_from(const std::vector<Gone>& witnesses);
