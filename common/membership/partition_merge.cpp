@@ -14,11 +14,6 @@ void keep(std::vector<T>& list, const T& entry, std::size_t most) {
   list.push_back(entry);
 }
 
-/// Whether the peer is known to have been a member here. That it was seen elsewhere is no evidence.
-bool was_member(const sync::Transfer::Gone& g) {
-  return g.since < g.removed;
-}
-
 }  // namespace
 
 void PartitionMerge::on_change(const MemberChange& change, const View& view) {
@@ -76,12 +71,6 @@ void PartitionMerge::inherit(const PartitionMerge& before, const View& then, Tic
   }
 }
 
-PartitionMerge::Gone PartitionMerge::known(const Remembered& r, const View& view) const {
-  Gone known = r.gone;
-  if (!was_member(known) && r.before < known.removed && is_lonely(kStrangers, view)) known.since = r.before;
-  return known;
-}
-
 std::vector<sync::Transfer::Gone> PartitionMerge::gone() const {
   std::vector<Gone> all;
   for (const Remembered& r : gone_)
@@ -137,17 +126,6 @@ bool PartitionMerge::knows(const Endpoint& at, const View& view) const {
                      [&](const Remembered& r) { return !r.has_left && same_place(r.gone.at, at); });
 }
 
-// The two parts of a partition have no peer in common. If a peer seems to be in both, one of the lists is out of date.
-bool PartitionMerge::outranks(const Side& a, const Side& b) {
-  const bool disjoint = std::none_of(b.begin(), b.end(),
-                                     [&](const wire::Seat& s) { return std::find(a.begin(), a.end(), s) != a.end(); });
-  if (!disjoint || a.size() != b.size()) return disjoint && a.size() > b.size();
-  return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(),
-                                      [](const wire::Seat& x, const wire::Seat& y) {
-                                        return std::pair(x.slot, x.incarnation) < std::pair(y.slot, y.incarnation);
-                                      });
-}
-
 PartitionMerge::Witness& PartitionMerge::note_witness(const Endpoint& from, PeerId sender, std::uint32_t incarnation,
                                                       Tick now) {
   Witness noted{from, sender, incarnation, now};
@@ -160,109 +138,10 @@ PartitionMerge::Witness& PartitionMerge::note_witness(const Endpoint& from, Peer
   return witnesses_.back();
 }
 
-// The peers of that part that have sent a Probe lately and, by our own log, were members until they were evicted or
-// left, or are until now. Whoever left to join anew may have found other members than we did. For a peer that has been
-// alone for long those count, too, that its former incarnation knew, or of which it was only told.
-std::vector<sync::Transfer::Gone> PartitionMerge::evidence(const Side& side, const View& view) const {
-  std::vector<Gone> all;
-  for (const Witness& w : witnesses_) {
-    const bool listed = std::any_of(side.begin(), side.end(), [&](const wire::Seat& s) {
-      return s.slot == w.slot && s.incarnation == w.incarnation;
-    });
-    if (!listed || view.roster.now - w.heard >= kLately) continue;
-    const auto gone =
-        std::find_if(gone_.begin(), gone_.end(), [&](const Remembered& r) { return r.gone.at.key == w.from.key; });
-    const auto disowned = disowned_by_.find(w.slot);
-    if (gone != gone_.end())
-      all.push_back(known(*gone, view));
-    else if (disowned != disowned_by_.end() && disowned->second == w.incarnation &&
-             view.roster.seats[w.slot].at.key == w.from.key)
-      all.push_back({w.from, since(w.slot, view), view.roster.now});
-    else if (is_lonely(kAlone, view))
-      for (const Told& t : told_)
-        if (t.at.key == w.from.key) all.push_back({w.from, t.since, t.since});
-  }
-  return all;
-}
-
-bool PartitionMerge::is_witness(const Endpoint& from, const wire::Probe& probe, const View& view) const {
-  if (!session_.config.sealed) return true;
-  const std::vector<Gone> all = evidence(probe.members, view);
-  return std::any_of(all.begin(), all.end(), [&](const Gone& g) { return g.at.key == from.key; });
-}
-
-bool PartitionMerge::is_outranked(const wire::Probe& probe, const Side& us, const View& view) const {
-  if (!session_.config.sealed) return outranks(probe.members, us);
-  if (!has_stronger_evidence(probe, us, view)) return false;
-  // Each part goes by what it knows, so each may yield to the other. Then the larger one stays.
-  return !probe.yields || is_larger(probe, us, evidence(probe.members, view).size(), us.size());
-}
-
-// A newcomer counts in its own part only, and seniority may then keep the smaller part from joining the larger one for
-// ever. A single witness may be a liar, and moves nobody but who has been alone for longer.
-bool PartitionMerge::is_larger_for_long(const wire::Probe& probe, const Side& us, const View& view) {
-  if (!session_.config.sealed) return false;
-  const std::vector<Gone> witnesses = evidence(probe.members, view);
-  // Newcomers count in neither part, as each part must come to the same, unless both parts yield.
-  const Tick split = split_from(witnesses);
-  const auto is_known = [&](const wire::Seat& s) { return since(s.slot, view) <= split; };
-  const auto own = probe.yields ? us.size() : static_cast<std::size_t>(std::count_if(us.begin(), us.end(), is_known));
-  if (!is_larger(probe, us, witnesses.size(), own)) return false;
-  const Tick now = view.roster.now;
-  if (now - larger_seen_ >= kLately) larger_since_ = now;
-  larger_seen_ = now;
-  return now - larger_since_ >= (witnesses.size() > 1 ? kStrangers : kAlone);
-}
-
-bool PartitionMerge::is_larger(const wire::Probe& probe, const Side& us, std::size_t witnesses, std::size_t own) {
-  return witnesses == own ? outranks(probe.members, us) : witnesses > own;
-}
-
-// Somebody whose place only is known was not in this part when it split, so that says nothing of when that was.
-Tick PartitionMerge::split_from(const std::vector<Gone>& witnesses) {
-  Tick split = kNever;
-  for (const Gone& g : witnesses)
-    if (was_member(g)) split = std::min(split, g.removed);
-  return split;
-}
-
-bool PartitionMerge::has_stronger_evidence(const wire::Probe& probe, const Side& us, const View& view) const {
-  const bool disjoint = outranks(probe.members, us) || outranks(us, probe.members);
-  const std::vector<Gone> witnesses = evidence(probe.members, view);
-  if (!disjoint || witnesses.empty()) return false;
-  Tick split = kNever;
-  for (const Gone& g : witnesses) split = std::min(split, g.removed);
-  // Nothing shows which part is the larger one, in neither of them perhaps: then they may have their word, after a
-  // while. Of two that are alone the other one may know nothing of this one, and wait for ever.
-  if (std::none_of(witnesses.begin(), witnesses.end(), was_member))
-    return view.roster.now - split >= kStrangers &&
-           (is_larger(probe, us, witnesses.size(), us.size()) || is_lonely(kLonely, view));
-  const auto weigh = [&](Tick margin) {
-    Weights w;
-    for (const Gone& g : witnesses)
-      if (g.since + margin <= g.removed) w.theirs.add(g.since);
-    for (const wire::Seat& s : us)
-      if (since(s.slot, view) + margin <= split) w.ours.add(since(s.slot, view));
-    return w;
-  };
-  // If most of those that were members when the two parts evicted each other had not been so for long, all of them
-  // count. Each part must come to the same: its newcomers since then, which the other cannot know, do not count here.
-  const Weights members = weigh(0);
-  const Weights known = weigh(kMayBeUnknown);
-  const bool few = 2 * known.peers() < members.peers() || known.peers() == 0;
-  const auto& [theirs, ours] = few ? members : known;
-  if (members.peers() == 0) return false;
-  if (theirs.peers != ours.peers) return theirs.peers > ours.peers;
-  // What a single witness says may be a lie.
-  if (stalled_ && theirs.peers > 1) return true;
-  if (theirs.senior != ours.senior) return theirs.senior < ours.senior;
-  return outranks(probe.members, us);
-}
-
 void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, std::size_t bytes,
                               const View& view, Micros local, Commands& out) {
   if (!view.roster.member || sender >= session_.slots) return;
-  if (sender == session_.self && probe.incarnation == view.roster.incarnation) {  // our own Probe, at our own address
+  if (is_own(from, sender, probe.incarnation, view)) {  // at our own address
     std::erase_if(gone_, [&](const Remembered& r) { return r.gone.at == from; });
     return;
   }

@@ -141,10 +141,18 @@ class PartitionMerge {
   Gone known(const Remembered& r, const View& view) const;
   /// Whether a peer with this key was a member here, or is one.
   bool has_been_here(const PublicKey& key, const View& view) const;
+  /// Whether the peer is known to have been a member here. That it was seen elsewhere is no evidence.
+  static bool was_member(const Gone& g) { return g.since < g.removed; }
+  /// Whether this peer itself has sent that.
+  bool is_own(const Endpoint& from, PeerId sender, std::uint32_t incarnation, const View& view) const;
   void tell_of_ours(Remembered& to, const View& view, Commands& out);
   Side ours(const View& view) const;
   Witness& note_witness(const Endpoint& from, PeerId sender, std::uint32_t incarnation, Tick now);
   std::vector<Gone> evidence(const Side& side, const View& view) const;
+  /// Whether a part has more peers than another one, or as many and the lowest slot, or the lower incarnation in it.
+  static bool comes_first(const Side& a, const Side& b);
+  /// Whether nobody is in both parts, as far as the other part's list and the keys of its witnesses tell.
+  bool is_disjoint(const Side& theirs, const Side& us, const View& view) const;
   /// Whether a Probe of the larger part has come lately.
   bool is_outvoted(const View& view) const;
   bool is_outranked(const wire::Probe& probe, const Side& us, const View& view) const;
@@ -155,7 +163,8 @@ class PartitionMerge {
   /// When this part evicted the first of them that was a member; kNever if none was.
   static Tick split_from(const std::vector<Gone>& witnesses);
   /// Whether it has more witnesses than this part has peers that count (`own`), or as many and outranks it.
-  static bool is_larger(const wire::Probe& probe, const Side& us, std::size_t witnesses, std::size_t own);
+  bool is_larger(const wire::Probe& probe, const Side& us, std::size_t witnesses, std::size_t own,
+                 const View& view) const;
   /// Whether it has been so for kStrangers.
   bool is_larger_for_long(const wire::Probe& probe, const Side& us, const View& view);
   /// Stops trying to join the winner for a while, if this peer has tried for long and has others in its part.

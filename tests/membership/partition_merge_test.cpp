@@ -276,6 +276,24 @@ TEST(PartitionMerge, AgainstTheLargerPartNoNewcomerCounts) {
   }
 }
 
+// Once, two such parts never merged: each took the other's peer for its own, and this peer took it for itself.
+TEST(PartitionMerge, BothPartsMayHaveGivenOneSlotAndIncarnation) {
+  for (const PeerId slot : {PeerId{1}, PeerId{2}}) {
+    for (const bool speaks : {false, true}) {
+      SCOPED_TRACE(std::to_string(slot) + (speaks ? " speaks" : " is silent"));
+      Met met({20, 920, 930}, 3);
+      const std::uint32_t incarnation = met.s.roster.incarnation_of(slot);
+      met.rules.on_change({MemberChange::Kind::kAdmitted, 2, 40, keyed(2), 40, 0, 40}, met.s.view());
+      met.probe.members = side({{slot, incarnation}, {6, 7}, {7, 8}});
+      met.probe.incarnation = incarnation;
+      if (speaks) met.rules.on_probe(keyed(5), slot, met.probe, wire::kMaxDatagram, met.s.view(), 0, met.out);
+      EXPECT_TRUE(met.rules.knows(keyed(5), met.s.view())) << "it is looked for";
+      met.probed_by(6, 7);
+      EXPECT_EQ(met.yields(), speaks);
+    }
+  }
+}
+
 // Once, two members tried for ever to join a more senior liar, which let nobody in, and let nobody in themselves.
 TEST(PartitionMerge, WhoJoinsAWinnerInVainStaysForAWhileUnlessItIsAlone) {
   for (const bool alone : {false, true}) {
