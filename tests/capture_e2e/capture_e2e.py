@@ -221,6 +221,7 @@ class Captures(Case):
             self.assertGreater(link["delay_least_ms"], 5)
             self.assertTrue(20 < link["delay_mean_ms"] < 300, link)
         self.check_rebuilt(files[0], least=6)
+        self.check_contradictions(files[0])
         self.check_middle(files[0], traces)
         self.check_begins_between_copies(files[0], traces)
 
@@ -294,6 +295,17 @@ class Captures(Case):
         self.capture("timeline", *files, "--svg", self.path("t.svg"))
         with open(self.path("t.svg"), encoding="utf-8") as f:
             self.assertIn("</svg>", f.read())
+
+    def check_contradictions(self, file):
+        """What the packets tell no flag can change."""
+        for flags, why in (
+            (["--slots", 3], "--slots: the session's Welcome says [0-9]+, not 3"),
+            (["--wait-peers", 5], "--wait-peers: the session's Welcome says 2, not 5"),
+            (["--avatar-only"], "--avatar-only: the session was played with dynamic authority, its Join says"),
+        ):
+            refused = subprocess.run([CAPTURE, "rebuild", file, *map(str, flags)], capture_output=True, text=True, timeout=60)
+            self.assertRegex(refused.stderr, why)
+            self.assertEqual(refused.returncode, 2)
 
     def check_middle(self, file, traces):
         """Of a capture that begins later nothing can be rebuilt or compared, and that is no success."""

@@ -79,7 +79,20 @@ void SettingFlags::declare(CLI::App& app, const std::string& group) {
       ->group(group);
 }
 
+void SettingFlags::refuse_contradictions(const SessionLog& session_log) const {
+  const auto refuse = [](const std::string& flag, std::optional<int> given, int told) {
+    if (given && told > 0 && *given != told)
+      throw UserError(flag + ": the session's Welcome says " + std::to_string(told) + ", not " +
+                      std::to_string(*given));
+  };
+  refuse("--slots", slots_, session_log.slots);
+  refuse("--wait-peers", wait_peers_, session_log.wanted);
+  if (avatar_only_ && session_log.join && session_log.join->authority)
+    throw UserError("--avatar-only: the session was played with dynamic authority, its Join says");
+}
+
 Setting SettingFlags::setting(const SessionLog& session_log) const {
+  refuse_contradictions(session_log);
   std::string name = scenario_;
   std::uint64_t seed = 1;
   std::string told;

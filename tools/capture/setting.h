@@ -22,10 +22,12 @@ class SettingFlags {
   /// `group`: the heading in help texts.
   void declare(CLI::App& app, const std::string& group = "Session");
   const std::optional<int>& session() const { return session_; }
-  /// Throws UserError if the scenario is not known, or is another than that of the capture.
+  /// Throws UserError if the scenario is not known, or if a flag contradicts the capture.
   Setting setting(const SessionLog& session_log) const;
 
  private:
+  void refuse_contradictions(const SessionLog& session_log) const;
+
   std::string scenario_;
   std::optional<std::uint64_t> seed_;
   std::optional<int> session_;
