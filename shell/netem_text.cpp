@@ -89,7 +89,7 @@ class Parser {
   // ---- words
 
   void warn(const Word& word, const std::string& message) {
-    if (warnings_ != nullptr) warnings_->push_back("netem: " + words::describe(word) + ": " + message);
+    if (warnings_ != nullptr) warnings_->push_back(words::describe(word) + ": " + message);
   }
 
   const Word& need(const Word& keyword, std::string_view what) {

@@ -146,7 +146,7 @@ std::string describe(const Word& word) {
 }
 
 void fail(const Word& word, const std::string& message) {
-  throw UserError("netem: " + describe(word) + ": " + message);
+  throw UserError(describe(word) + ": " + message);
 }
 
 bool looks_like_number(const Word& word) {

@@ -25,7 +25,7 @@ std::string quoted(std::string_view text);
 /// `word 3 "20mss" (column 14)`.
 std::string describe(const Word& word);
 
-/// Throws UserError: `netem: word 3 "20mss" (column 14): MESSAGE`.
+/// Throws UserError: `word 3 "20mss" (column 14): MESSAGE`.
 [[noreturn]] void fail(const Word& word, const std::string& message);
 
 /// Whether an optional value follows: tc looks at the first character only, so a misspelt number is an error, not a

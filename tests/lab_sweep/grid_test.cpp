@@ -117,7 +117,7 @@ TEST(Grid, BadOnesAreRefusedBeforeAnythingRuns) {
       {"knob", [](GridText& t) { knob(t, "--threshold") = "0.3:0.8"; }, "--threshold: '0.3:0.8' is not allowed"},
       {"knob", [](GridText& t) { knob(t, "--steps") = "30,601"; }, "--steps: '601' is not allowed; give 1 to 600"},
       {"input", [](GridText& t) { t.inputs = {"walk"}; }, "--input: \"walk\" is no input"},
-      {"netem", [](GridText& t) { t.netem = "lose 3%"; }, "--netem: netem: word 1 \"lose\""},
+      {"netem", [](GridText& t) { t.netem = "lose 3%"; }, "--netem: word 1 \"lose\""},
       {"size", [](GridText& t) { t.seeds = "1-1000000", t.peers = "1-16"; }, "the grid has more than 10 million runs"},
   };
   for (const Bad& bad : all) {

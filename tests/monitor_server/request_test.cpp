@@ -84,7 +84,7 @@ TEST(Request, WhatItMayNotIsAnsweredWithTheFieldThatIsWrong) {
       {R"({"type":"knob","peer":1,"name":"model","value":"a\nb"})", "value: has control characters"},
       {R"({"type":"netem","peer":1,"to":"all","spec":"delay -3ms"})", "spec: "},
       {R"({"type":"netem","peer":1,"to":"all","spec":"trace /etc/passwd"})",
-       "spec: netem: word 2 \"/etc/passwd\" (column 7): not one of mobile, satellite, uplink; files can be named on a"},
+       "spec: word 2 \"/etc/passwd\" (column 7): not one of mobile, satellite, uplink; files can be named on a"},
       {R"({"type":"netem","peer":1,"to":1.5,"spec":""})", "to: is not a whole number"},
       {R"({"type":"cut","peer":3,"with":3,"seconds":5})", "with: is the peer itself"},
       {R"({"type":"cut","peer":3,"with":1,"seconds":601})", "seconds: "},

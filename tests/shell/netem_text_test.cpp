@@ -240,7 +240,7 @@ TEST(NetemText, RejectsAndNamesTheWord) {
   for (const Rejected& r : kRejected) {
     SCOPED_TRACE(r.text);
     const std::string message = error_of(r.text);
-    EXPECT_EQ(message.rfind("netem: word ", 0), 0U) << message;
+    EXPECT_EQ(message.rfind("word ", 0), 0U) << message;
     EXPECT_NE(message.find(r.where), std::string::npos) << message;
     EXPECT_NE(message.find(r.says), std::string::npos) << message;
   }
@@ -277,7 +277,7 @@ TEST(NetemText, WhatIsWrongWithALinkTraceIsNamedByLine) {
     ADD_FAILURE() << "accepted: " << text;
     return {};
   };
-  const std::string begin = "netem: word 2 \"my.link\" (column 7): my.link:";
+  const std::string begin = "word 2 \"my.link\" (column 7): my.link:";
   const std::string allowed = " is no time, allowed: a whole number of milliseconds, 0 to 4294967295";
   EXPECT_EQ(error_of_file(""), begin + "1: the file is empty, allowed: lines with a time in milliseconds each");
   EXPECT_EQ(error_of_file("0\n0\n"), begin + "2: the last time is 0, allowed: 1 or later, as the trace is so long");
@@ -291,7 +291,7 @@ TEST(NetemText, WhatIsWrongWithALinkTraceIsNamedByLine) {
   EXPECT_EQ(error_of_file("\x01\xff\n"), begin + "1: \"\\x01\\xff\"" + allowed);
   EXPECT_EQ(
       error_of_file("5", "trace mobil"),
-      "netem: word 2 \"mobil\" (column 7): not one of mobile, satellite, uplink; as a file: cannot read 'mobil': No "
+      "word 2 \"mobil\" (column 7): not one of mobile, satellite, uplink; as a file: cannot read 'mobil': No "
       "such file or directory");
 }
 
