@@ -36,10 +36,10 @@ bool Evictions::follows(PeerId from, const wire::Poll& poll, const View& view, T
     const bool asked_about = std::any_of(poll.lost.begin(), poll.lost.end(), [&](const wire::Seat& s) {
       return s.slot == p && s.incarnation == n.incarnation;
     });
-    // A peer that was not held up can judge the silence itself. A newcomer that has not been answered yet knows
-    // nothing: it would follow anybody.
+    // A peer that was not held up can judge the silence itself. So can a newcomer that has not been answered yet, in
+    // time: it would follow anybody.
     const bool held_up = due - view.roster.now >= kHeldUp || view.roster.now - n.excused < kSilence;
-    const bool excused = held_up && due - view.roster.in_since >= kSilence;
+    const bool excused = held_up && n.answer_mark >= 0;
     if (!asked_about || !excused || n.answer_mark > due - kHeardLately) return false;
   }
   return view.roster.seats[from].there() && !suspected(view, from) && !lost_.contains(from);

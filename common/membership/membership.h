@@ -135,9 +135,9 @@ class Membership {
   void give_up_guide();
   /// Whether nothing is confirmed, and the coordinator c has not asked about a peer that has been silent for long.
   bool spares_silent(PeerId c) const;
-  /// Whether the coordinator c tells a hash that differs from ours, though this peer joined anew for that reason
-  /// lately.
-  bool differs_again(PeerId c) const;
+  /// Whether c's confirmed hash differs though it has let this peer in anew when it differed, and all others agree with
+  /// this peer.
+  bool is_odd_one_out(PeerId c) const;
 
   const SessionView& session_;
   RecordedReplica& replica_;
@@ -162,11 +162,10 @@ class Membership {
     std::uint32_t incarnation = 0;
     Tick since = 0;
   };
-  /// Members that count as silent, as they did not let this peer in anew, spare who is silent, or differ again.
+  /// Members that count as silent, as they did not let this peer in anew, or spare who is silent.
   std::map<PeerId, Asked> in_vain_;
-  PublicKey
-      differed_{};  ///< the coordinator from whose world a former incarnation's differed, and until when it counts
-  Tick differed_until_ = 0;
+  PublicKey differed_{};          ///< who has let this peer in anew though its hash differed
+  Tick differed_until_ = 0;       ///< until when that counts
   PeerId asked_ = kNoPeer;        ///< the member by which this peer tries to join anew
   Tick back_since_ = 0;           ///< since when it has been trying that
   PeerId coordinates_ = kNoPeer;  ///< the coordinator, and since when it has been that

@@ -15,8 +15,10 @@ constexpr Tick kStuck = 12 * kTicksPerSecond;
 constexpr Tick kBehind = 2 * kStuck;
 /// Time for which this peer tries to join anew by one member, ticks.
 constexpr Tick kInVain = 10 * kTicksPerSecond;
-/// Time for which that member then counts as silent, ticks; and so does one that differs again within that time.
+/// Time for which that member then counts as silent, ticks.
 constexpr Tick kGivenUp = 60 * kTicksPerSecond;
+/// Time for which it is remembered who has let this peer in anew as their hashes differed, ticks.
+constexpr Tick kDiffered = 60 * kTicksPerSecond;
 /// Time for which a peer that knows of no living member asks one place, ticks.
 constexpr Tick kInTurn = 2 * kTicksPerSecond;
 /// Time after which such a peer founds the session anew, ticks; and how much later each one does for every more senior
@@ -33,10 +35,11 @@ void Membership::inherit(const Membership& before, const PublicKey& let_in_by) {
   merge_.inherit(before.merge_, before.view(), roster().now);
   differed_ = before.differed_;
   differed_until_ = before.differed_until_;
-  const PeerId c = before.coordinator();
-  if (c == kNoPeer || !before.roster().seats[c].differs) return;
-  differed_ = before.roster().seats[c].at.key;
-  differed_until_ = roster().now + kGivenUp;
+  for (const Seat& s : before.roster().seats) {
+    if (!s.differs || !s.at.has_key() || s.at.key != let_in_by || before.testimony_.misled_by()) continue;
+    differed_ = let_in_by;
+    differed_until_ = roster().now + kDiffered;
+  }
 }
 
 PeerId Membership::lacks_former() const {
@@ -96,7 +99,7 @@ std::string Membership::why_back() const {
     return "this peer's clock is " + in_seconds(lead - lead % kTenth) + " ahead of most others'";
   // With a key, the two first find out who has lied to whom.
   const Tick disputed = session_.config.sealed ? roster().now - n.seat(c).disputed : Testimony::kDispute;
-  if (n.seat(c).differs && disputed >= Testimony::kDispute)
+  if (n.seat(c).differs && disputed >= Testimony::kDispute && !is_odd_one_out(c))
     return "CONFIRMED WORLDS DIFFER from peer " + std::to_string(c) + "'s at tick " +
            std::to_string(n.stats().first_mismatch);
   if (const PeerId p = lacks_former(); p != kNoPeer)
@@ -125,8 +128,7 @@ void Membership::give_up_guide() {
   if (const PeerId c = coordinator(); std::exchange(coordinates_, c) != c) coordinates_since_ = now;
   if (!session_.config.sealed || (roster().leaving && !stands_down_) || by == kNoPeer) {
     back_since_ = now;
-  } else if (now - back_since_ >= (by == coordinator() ? kInVain : 2 * kInVain) || spares_silent(by) ||
-             differs_again(by)) {
+  } else if (now - back_since_ >= (by == coordinator() ? kInVain : 2 * kInVain) || spares_silent(by)) {
     in_vain_[by] = {roster().seats[by].incarnation, now};
     evictions_.forget_asker(by);
     back_since_ = now;
@@ -149,11 +151,19 @@ bool Membership::spares_silent(PeerId c) const {
   return false;
 }
 
-// Whoever has taken over the coordinator's world confirms the same as it does. If the hash differs again, it is false,
-// or the next world would be.
-bool Membership::differs_again(PeerId c) const {
-  const Seat& s = roster().seats[c];
-  return c == coordinator() && s.differs && s.at.key == differed_ && roster().now < differed_until_;
+// Whoever has taken over a world confirms the same as the member that gave it. If the two differ again, and all others
+// agree with this peer, that member tells a false hash.
+bool Membership::is_odd_one_out(PeerId c) const {
+  const Seat& odd = roster().seats[c];
+  if (!odd.at.has_key() || odd.at.key != differed_ || roster().now >= differed_until_) return false;
+  bool agrees = false;
+  for (PeerId p = 0; p < session_.slots; ++p) {
+    const Seat& s = roster().seats[p];
+    if (p == session_.self || p == c || !s.there() || !hears(p)) continue;
+    if (s.differs) return false;
+    agrees |= s.same >= odd.differs_at;
+  }
+  return agrees;
 }
 
 std::optional<Endpoint> Membership::way_back() const {

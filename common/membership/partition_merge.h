@@ -143,7 +143,7 @@ class PartitionMerge {
   bool has_been_here(const PublicKey& key, const View& view) const;
   /// Whether the peer is known to have been a member here. That it was seen elsewhere is no evidence.
   static bool was_member(const Gone& g) { return g.since < g.removed; }
-  /// Whether this peer itself has sent that.
+  /// Whether this peer itself sent the Probe from this address, with this slot and incarnation.
   bool is_own(const Endpoint& from, PeerId sender, std::uint32_t incarnation, const View& view) const;
   void tell_of_ours(Remembered& to, const View& view, Commands& out);
   Side ours(const View& view) const;
@@ -162,7 +162,8 @@ class PartitionMerge {
   bool has_stronger_evidence(const wire::Probe& probe, const Side& us, const View& view) const;
   /// When this part evicted the first of them that was a member; kNever if none was.
   static Tick split_from(const std::vector<Gone>& witnesses);
-  /// Whether it has more witnesses than this part has peers that count (`own`), or as many and outranks it.
+  /// Whether it has more witnesses than this part has peers that count (`own`); or as many, nobody is in both, and its
+  /// list comes first.
   bool is_larger(const wire::Probe& probe, const Side& us, std::size_t witnesses, std::size_t own,
                  const View& view) const;
   /// Whether it has been so for kStrangers.

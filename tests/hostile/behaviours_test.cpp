@@ -66,7 +66,7 @@ TEST(LyingScripts, EveryBehaviourIsDrawn) {
 }
 
 // As `padr-lab chaos --liar` plays them, the latter with --spectators. In each of these an honest peer once was cut off
-// by another, was shut out, or stood still.
+// by another, was shut out, stood still, or stayed in another part.
 TEST(LyingScripts, NorWithSeedsThatHaveFailed) {
   lab::ChaosPlay how;
   how.technique = sealed_play().technique;

@@ -78,10 +78,17 @@ TEST(EvictionRules, WhoFollowsAPollFreezesWhomItIsAbout) {
        false},
       {"this peer was held up, and reads before it steps", 1, true,
        [](Situation& s) { s.silence(0, kNow - node::kHeardLately + 3); }, 3 * kTicksPerSecond, true},
-      {"held up, as it catches up: a newcomer", 1, true,
+      {"a newcomer, which nobody has answered yet", 1, true,
        [](Situation& s) {
          s.silence(0, kNow - node::kHeardLately);
-         s.roster.in_since = kNow - 1;
+         s.roster.seats[0].excused = kNow - 1;
+         s.roster.seats[0].answer_mark = -1;
+       },
+       0, false},
+      {"the same, held up as it catches up", 1, true,
+       [](Situation& s) {
+         s.silence(0, kNow - node::kHeardLately);
+         s.roster.seats[0].answer_mark = -1;
        },
        node::kSilence - 2, false},
       {"held up, but what it read meanwhile is new", 1, true,

@@ -289,10 +289,9 @@ TEST(NetemText, WhatIsWrongWithALinkTraceIsNamedByLine) {
   EXPECT_EQ(error_of_file("5\n4294967296\n"), begin + "2: \"4294967296\"" + allowed);
   EXPECT_EQ(error_of_file("5 \n"), begin + "1: \"5 \"" + allowed);
   EXPECT_EQ(error_of_file("\x01\xff\n"), begin + "1: \"\\x01\\xff\"" + allowed);
-  EXPECT_EQ(
-      error_of_file("5", "trace mobil"),
-      "word 2 \"mobil\" (column 7): not one of mobile, satellite, uplink; as a file: cannot read 'mobil': No "
-      "such file or directory");
+  EXPECT_EQ(error_of_file("5", "trace mobil"),
+            "word 2 \"mobil\" (column 7): not one of mobile, satellite, uplink; as a file: cannot read 'mobil': No "
+            "such file or directory");
 }
 
 /// They last as long as the recipes say, and carry what these say.
