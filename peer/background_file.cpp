@@ -4,7 +4,10 @@ namespace padr::peer {
 
 BackgroundFile::BackgroundFile(std::string_view flag, const std::string& path, std::chrono::milliseconds interval,
                                std::size_t most)
-    : file_(flag, path), interval_(interval), room_(most), thread_([this] { write_on(); }) {}
+    : file_(flag, path, shell::Readers::kAsUsual, shell::Content::kBinary),
+      interval_(interval),
+      room_(most),
+      thread_([this] { write_on(); }) {}
 
 BackgroundFile::~BackgroundFile() {
   end_thread();

@@ -15,8 +15,16 @@ std::string trace_file(const std::string& first, int incarnation) {
   return (path.parent_path() / name).string();
 }
 
+namespace {
+
+std::unique_ptr<shell::OutputFile> open_trace(const std::string& path) {
+  return std::make_unique<shell::OutputFile>("--trace", path, shell::Readers::kAsUsual, shell::Content::kBinary);
+}
+
+}  // namespace
+
 Recordings::Recordings(const Options& options, Log& log) : options_(options), log_(log) {
-  if (!options.trace.empty()) files_.push_back(std::make_unique<shell::OutputFile>("--trace", options.trace));
+  if (!options.trace.empty()) files_.push_back(open_trace(options.trace));
 }
 
 trace::Provenance Recordings::provenance() const {
@@ -44,7 +52,7 @@ std::optional<node::RecordedReplica::Recording> Recordings::of(int incarnation) 
     files_.resize(std::max(files_.size(), n + 1));
     files_[n].reset();  // what it has buffered is written now, and not into the file that begins anew
     try {
-      files_[n] = std::make_unique<shell::OutputFile>("--trace", trace_file(options_.trace, incarnation));
+      files_[n] = open_trace(trace_file(options_.trace, incarnation));
     } catch (const UserError& e) {
       log_.play->error("{}: the peer has joined again, and this is not recorded", e.what());
       return std::nullopt;

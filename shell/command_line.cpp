@@ -116,6 +116,49 @@ std::string not_expected(const CLI::App& app, int argc, const char* const* argv)
   return "unexpected arguments";
 }
 
+/// How messages name an option, or what is given without one.
+std::string name_of(const CLI::Option& o) {
+  return o.get_lnames().empty() ? o.get_name() : "--" + o.get_lnames().front();
+}
+
+/// Whether the two name one file that can be lost, or that will be made.
+bool is_same_file(const std::string& a, const std::string& b) {
+  std::error_code error;
+  const auto place = [&](const std::string& file) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(file, error), error);
+  };
+  const std::filesystem::path one = place(a);
+  if (one.empty() || one != place(b)) return false;
+  return !std::filesystem::exists(one, error) || std::filesystem::is_regular_file(one, error);
+}
+
+/// One of the two would overwrite what the other one reads or writes, or both would be printed into one another.
+void refuse_shared_files(const CLI::App& app) {
+  struct Given {
+    const CLI::Option* option;
+    std::string file;
+    bool prints;
+  };
+  std::vector<Given> all;
+  for (const CLI::Option* o : app.get_options()) {
+    const std::string type = o->get_type_name();
+    if (o->count() == 0 || type.find("FILE") == std::string::npos) continue;
+    for (const std::string& file : o->results())
+      all.push_back({o, file, file == "-" && type.find("|-") != std::string::npos});
+  }
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const Given& a = all[j];
+      const Given& b = all[i];
+      if (a.option == b.option) continue;
+      const std::string both = name_of(*a.option) + " and " + name_of(*b.option);
+      if (a.prints && b.prints) throw UserError(both + ": only one of them can be printed; give a file in place of -");
+      if (a.file != "-" && b.file != "-" && is_same_file(a.file, b.file))
+        throw UserError(both + ": both name the file '" + b.file + "'; give each its own");
+    }
+  }
+}
+
 }  // namespace
 
 bool parse(CLI::App& app, int argc, const char* const* argv) {
@@ -133,6 +176,8 @@ bool parse(CLI::App& app, int argc, const char* const* argv) {
       if (c == '\n') c = ' ';
     throw UserError(in_our_words(line) + " (see --help)");
   }
+  refuse_shared_files(app);
+  for (const CLI::App* command : app.get_subcommands()) refuse_shared_files(*command);
   return true;
 }
 

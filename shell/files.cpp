@@ -4,6 +4,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
@@ -59,9 +61,25 @@ std::FILE* open_for_owner(const std::string& path, bool new_file) {
   return nullptr;
 }
 
+bool is_binary(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  std::array<char, 64> head{};
+  std::ifstream in(path, std::ios::binary);
+  in.read(head.data(), head.size());
+  return std::any_of(head.begin(), head.begin() + in.gcount(), [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return (byte < ' ' && c != '\n' && c != '\r' && c != '\t') || byte == 0x7F;
+  });
+}
+
 }  // namespace
 
-OutputFile::OutputFile(std::string_view flag, std::string path, Readers readers) : path_(std::move(path)) {
+OutputFile::OutputFile(std::string_view flag, std::string path, Readers readers, Content content)
+    : path_(std::move(path)) {
+  if (content == Content::kText && is_binary(path_))
+    throw UserError(std::string(flag) + ": '" + path_ +
+                    "' is no text, perhaps a recording, and is not overwritten; name another file");
   file_.reset(readers == Readers::kAsUsual ? std::fopen(path_.c_str(), "wb")
                                            : open_for_owner(path_, readers == Readers::kOwnerNew));
   if (!file_) throw UserError(std::string(flag) + ": cannot write '" + path_ + "': " + system_reason());

@@ -23,11 +23,16 @@ enum class Readers : std::uint8_t {
   kOwnerNew,  ///< for secrets; the file must not exist yet
 };
 
+/// What a file is written with. Text is not written over a file that is no text: that may be a recording, named by
+/// mistake.
+enum class Content : std::uint8_t { kText, kBinary };
+
 /// A file that is written from its beginning. A full disk shows as an exception, at the latest in close().
 class OutputFile {
  public:
   /// Creates or empties the file. Throws UserError, which names the flag, if that cannot be done.
-  OutputFile(std::string_view flag, std::string path, Readers readers = Readers::kAsUsual);
+  OutputFile(std::string_view flag, std::string path, Readers readers = Readers::kAsUsual,
+             Content content = Content::kText);
   /// Throw std::system_error.
   void write(std::span<const std::byte> bytes);
   void write(std::string_view text);

@@ -54,6 +54,41 @@ TEST(CommandLine, AWrongValueIsNamedWithWhatIsAllowed) {
   for (const Row& r : rows) EXPECT_EQ(answer_to(r.words), r.answer);
 }
 
+// Once, what was written replaced what was to be read, or the other result.
+TEST(CommandLine, NoTwoOptionsNameOneFile) {
+  struct Row {
+    std::vector<const char*> words;
+    std::string answer;
+  };
+  const std::vector<Row> rows{
+      {{"a", "--json", "b", "--csv", "c"}, ""},
+      {{"-", "--json", "-"}, ""},
+      {{"a", "a", "--json", "/dev/null", "--csv", "/dev/null"}, ""},
+      {{"a", "b", "--json", "./b"}, "TRACE and --json: both name the file './b'; give each its own"},
+      {{"a", "--json", "x/../c", "--csv", "c"}, "--json and --csv: both name the file 'c'; give each its own"},
+      {{"a", "--json", "-", "--csv", "-"},
+       "--json and --csv: only one of them can be printed; give a file in place of -"},
+  };
+  for (const Row& r : rows) {
+    CLI::App app;
+    std::vector<std::string> traces;
+    std::string json;
+    std::string csv;
+    app.add_option("TRACE", traces)->type_name("FILE ...");
+    app.add_option("--json", json)->type_name("FILE|-");
+    app.add_option("--csv", csv)->type_name("FILE|-");
+    std::vector<const char*> argv{"program"};
+    argv.insert(argv.end(), r.words.begin(), r.words.end());
+    std::string answer;
+    try {
+      shell::parse(app, static_cast<int>(argv.size()), argv.data());
+    } catch (const UserError& e) {
+      answer = e.what();
+    }
+    EXPECT_EQ(answer, r.answer);
+  }
+}
+
 TEST(CommandLine, AFileWithoutAnOptionIsToldWhichTakeFiles) {
   CLI::App app;
   std::string trace;

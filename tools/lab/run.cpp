@@ -105,7 +105,8 @@ void RunCommand::prepare_recordings(const shell::LoadedScenario& scenario, const
   std::filesystem::create_directories(trace_dir_, error);
   if (error) throw UserError("--trace: cannot make the folder " + trace_dir_ + ": " + error.message());
   for (int p = 0; p < peers_; ++p) {
-    auto file = std::make_shared<shell::OutputFile>("--trace", trace_dir_ + "/peer" + std::to_string(p) + ".trace");
+    auto file = std::make_shared<shell::OutputFile>("--trace", trace_dir_ + "/peer" + std::to_string(p) + ".trace",
+                                                    shell::Readers::kAsUsual, shell::Content::kBinary);
     node::RecordedReplica::Recording r;
     r.provenance.program = "padr-lab";
     r.provenance.revision = std::string(shell::revision());
