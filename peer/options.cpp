@@ -21,9 +21,6 @@ namespace {
 
 using shell::parse_host_port;
 
-/// Slots by default, if the scenario has room for more. Every slot costs each peer something, also an empty one.
-constexpr int kUsualSlots = 32;
-
 constexpr const char* kDescription =
     "One peer of a session of shared physics over UDP. It runs its own deterministic world with one avatar. It takes\n"
     "authority over the bodies that the avatar touches, and sends an update when the guess of the others is too wrong.";
@@ -316,7 +313,7 @@ void take_sizes(const Raw& raw, Options& o) {
   const int watches = o.spectates ? 1 : 0;
   o.wait_peers = check("--wait-peers", raw.wait_peers.value_or(2), 1, most - watches);
   const int least = o.wait_peers + watches;
-  o.slots = check("--slots", raw.slots.value_or(std::max(least, std::min(most, kUsualSlots))), least, most);
+  o.slots = check("--slots", raw.slots.value_or(std::max(least, std::min(most, shell::kUsualSlots))), least, most);
 }
 
 void take_spectator(const CLI::App& app, Options& o) {

@@ -14,6 +14,9 @@
 
 namespace padr::shell {
 
+/// Avatar slots by default, if the scenario has room for more. Every slot costs each peer something, also an empty one.
+inline constexpr int kUsualSlots = 32;
+
 /// A scenario with where it came from.
 struct LoadedScenario {
   Scene scene;

@@ -73,6 +73,7 @@ void Joiner::start_over_if_unheard(Micros local) {
 void Joiner::on_unreachable(const Endpoint& at, Micros local) {
   if (session_.phase != SessionPhase::kJoining || at != target_) return;
   redirected_ = std::min(redirected_, local - SessionPace::kUnheard + SessionPace::kJoin);
+  refused_ = {target_, local};
 }
 
 void Joiner::on_redirect(const Endpoint& from, const wire::Redirect& redirect, Micros local) {
@@ -114,9 +115,11 @@ std::optional<Joiner::Introduction> Joiner::introduction(Micros local) const {
 void Joiner::give_up_if_late(Micros local) {
   const Micros patience = session_.config.patience;
   if (patience == 0 || local - session_.born < patience) return;
-  session_.fail(
-      "no answer from " + to_string(target_) + " within " + in_seconds(patience) +
-      (session_.config.sealed ? "; it may have another session key, or none" : "; it may have a session key"));
+  const bool refused = refused_ && refused_->at == target_ && local - refused_->when <= 2 * SessionPace::kRareJoin;
+  session_.fail("no answer from " + to_string(target_) + " within " + in_seconds(patience) +
+                (refused                  ? ": nobody listens there"
+                 : session_.config.sealed ? "; it may have another session key, or none"
+                                          : "; it may have a session key"));
 }
 
 }  // namespace padr::node

@@ -45,6 +45,11 @@ class Joiner {
   Micros redirected_ = 0;
   Micros asked_ = 0;
   int asks_ = 0;  ///< of the present target
+  struct Refused {
+    Endpoint at;
+    Micros when = 0;
+  };
+  std::optional<Refused> refused_;  ///< the last report that nobody listens there
 };
 
 }  // namespace padr::node

@@ -4,11 +4,12 @@
   architecture.py includes ROOT             who includes whom, and what the pure core may not include or call
   architecture.py symbols --nm NM LIB...    what the pure core's archives would take from outside
   architecture.py paths ROOT                absolute paths of somebody's machine in the repository's files
-  architecture.py cases ROOT                tests that docs/cases.md and docs/trust.md name and nobody has written
+  architecture.py cases ROOT                tests that pages name and nobody has written; cases and claims without one
   architecture.py house ROOT                the picture in CONTRIBUTING.md against CORE_ORDER
 """
 
 import argparse
+import glob
 import os
 import re
 import shutil
@@ -230,6 +231,7 @@ def paths(root):
 
 
 TEST_NAME = re.compile(r"`(\w+\.\w+)`")
+NAMED_TEST = re.compile(r"`([A-Z]\w+\.[A-Z]\w+)`")
 TEST_DEFINITION = re.compile(r"^TEST(?:_F|_P)?\((\w+), *(\w+)\)", re.MULTILINE)
 
 
@@ -238,7 +240,16 @@ def cases(root):
     for path in sources(root, "tests"):
         with open(os.path.join(root, path), encoding="utf-8") as file:
             written.update(".".join(m) for m in TEST_DEFINITION.findall(file.read()))
-    return cases_of(root, "docs/cases.md", "case", written) + cases_of(root, "docs/trust.md", "claim", written)
+    for path in glob.glob(os.path.join(root, "tests/*/CMakeLists.txt")):
+        with open(path, encoding="utf-8") as file:
+            written.update(re.findall(r"add_test\(NAME ([A-Z]\w+\.\w+)", file.read()))
+    found = cases_of(root, "docs/cases.md", "case", written) + cases_of(root, "docs/trust.md", "claim", written)
+    for page in sorted(name for name in repository_files(root) if re.fullmatch(r"docs/[^/]+\.md", name)):
+        with open(os.path.join(root, page), encoding="utf-8") as file:
+            for number, line in enumerate(file, 1):
+                named = NAMED_TEST.findall(line)
+                found += [f"{page}:{number}: there is no test {name}" for name in named if name not in written]
+    return sorted(set(found))
 
 
 def cases_of(root, page, head, written):

@@ -63,7 +63,7 @@ class Joining(Case):
     def test_nobody_answers(self):
         joiner = self.peer("--join", "127.0.0.1:1", "--join-timeout", 1)
         self.assertEqual(joiner.end(), 1)
-        self.assertIn("no answer from 127.0.0.1:1 within 1 s", joiner.text())
+        self.assertIn("no answer from 127.0.0.1:1 within 1 s: nobody listens there", joiner.text())
 
 
 class Refusal(Case):

@@ -1,6 +1,8 @@
 #include "tools/capture/commands.h"
 
+#include <cstdint>
 #include <cstdio>
+#include <numeric>
 
 #include "shell/files.h"
 #include "shell/run_main.h"
@@ -29,9 +31,20 @@ void write_text(const std::string& flag, const std::string& file, const std::str
   out.close();
 }
 
-int warn_incomplete(const std::vector<std::string>& troubles) {
-  for (const std::string& t : troubles) std::fprintf(stderr, "padr-capture: incomplete: %s\n", t.c_str());
-  return troubles.empty() ? shell::kExitFine : shell::kExitFailure;
+int warn_unread(const Captures& captures) {
+  const auto& sealed = captures.contents().sealed;
+  const auto all = std::accumulate(sealed.begin(), sealed.end(), std::uint64_t{0});
+  // What a command lacks may be in these. A few that are damaged look so, too.
+  const auto warn = [&](Keyring::Reading how, const char* what) {
+    const std::uint64_t n = sealed[static_cast<std::size_t>(how)];
+    if (10 * n > all)
+      std::fprintf(stderr, "padr-capture: %llu datagrams %s\n", static_cast<unsigned long long>(n), what);
+  };
+  warn(Keyring::Reading::kHidden, "are encrypted, and no --keylog has a key for them");
+  warn(Keyring::Reading::kWrong,
+       "fit no key of their senders: they are damaged or forged, or the --keylog of another peer has that link's keys");
+  for (const std::string& t : captures.troubles()) std::fprintf(stderr, "padr-capture: incomplete: %s\n", t.c_str());
+  return captures.troubles().empty() ? shell::kExitFine : shell::kExitFailure;
 }
 
 Run declare_summary(CLI::App& app) {
@@ -51,7 +64,7 @@ Run declare_summary(CLI::App& app) {
     const Source source{o->files, captures.contents(), captures.troubles()};
     if (o->json != "-") write_text("", "-", summary_text(source, tally));
     if (!o->json.empty()) write_text("--json", o->json, summary_json(source, tally, command));
-    return warn_incomplete(source.troubles);
+    return warn_unread(captures);
   };
 }
 

@@ -9,6 +9,8 @@
 
 namespace padr::capture {
 
+class Captures;
+
 /// A subcommand: declares its flags, and runs if it was asked for. Returns the exit code; throws UserError.
 using Run = std::function<int(const std::vector<std::string>& command)>;
 
@@ -24,7 +26,8 @@ void declare_captures(CLI::App& app, std::vector<std::string>& files, std::vecto
 /// To a file, or standard output if it is "-". `flag` is for messages. Throws UserError, on a full disk
 /// std::system_error.
 void write_text(const std::string& flag, const std::string& file, const std::string& text);
-/// Says on standard error what of the captures could not be read; the exit code: failure if there is any.
-int warn_incomplete(const std::vector<std::string>& troubles);
+/// Says on standard error what of the captures could not be read, and of which datagrams no --keylog has the keys; the
+/// exit code: failure if files are not whole.
+int warn_unread(const Captures& captures);
 
 }  // namespace padr::capture

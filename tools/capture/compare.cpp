@@ -237,6 +237,7 @@ int run_compare(const CompareOptions& o) {
     comparison.add(*d);
     books.take(*d);
   }
+  const int read = warn_unread(captures);
   const std::vector<LinkStory> links = comparison.links();
   const WorldChecks worlds = compare_worlds(books, comparison.traces());
   const bool compared = worlds.not_compared.empty();
@@ -254,7 +255,6 @@ int run_compare(const CompareOptions& o) {
     write_text("", "-", text);
   }
   if (!o.json.empty()) write_text("--json", o.json, as_json(comparison, links, worlds, agree && compared));
-  const int read = warn_incomplete(captures.troubles());
   return agree && compared ? read : shell::kExitFailure;
 }
 

@@ -55,7 +55,7 @@ int run_export(const ExportOptions& o) {
   }
   if (file) file->close();
   std::fflush(stdout);
-  return warn_incomplete(captures.troubles());
+  return warn_unread(captures);
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ int run_follow(const FollowOptions& o) {
     std::this_thread::sleep_for(kLook);
     captures.look_again();
   }
-  return warn_incomplete(captures.troubles());
+  return warn_unread(captures);
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ class Keyring {
     kChecked,    ///< its seal is right
     kUnchecked,  ///< readable, and there is no key of its sender
     kHidden,     ///< encrypted, and there is no key of its sender
-    kWrong,      ///< there are keys of its sender, and none fits: damaged or forged
+    kWrong,      ///< there are keys of its sender, and none fits: damaged, forged, or of another link
   };
   struct Result {
     Reading reading = Reading::kWrong;

@@ -1,6 +1,5 @@
 #include <cstdint>
 #include <cstdio>
-#include <numeric>
 
 #include "shell/run_main.h"
 #include "tools/capture/commands.h"
@@ -30,24 +29,14 @@ struct RebuildOptions {
   std::string json, csv, svg;
 };
 
-// What it lacks may be in these. A few that are damaged look so, too.
-void warn_hidden(const Contents& contents) {
-  const std::uint64_t hidden = contents.sealed[static_cast<std::size_t>(Keyring::Reading::kHidden)];
-  const auto all = std::accumulate(contents.sealed.begin(), contents.sealed.end(), std::uint64_t{0});
-  if (10 * hidden <= all) return;
-  std::fprintf(stderr, "padr-capture: rebuild: %llu datagrams are encrypted, and no --keylog has a key for them\n",
-               static_cast<unsigned long long>(hidden));
-}
-
 int run_rebuild(const RebuildOptions& o, const std::vector<std::string>& command) {
   Captures captures(o.files, o.keylogs);
   Bookkeeper books;
   while (const Datagram* d = captures.next()) books.take(*d);
-  warn_hidden(captures.contents());
+  const int read = warn_unread(captures);
   const SessionLog& session_log = books.choose(o.setting.session());
   if (const std::string why = nothing_to_begin_with(session_log); !why.empty()) {
     std::fprintf(stderr, "padr-capture: rebuild: %s\n", why.c_str());
-    warn_incomplete(captures.troubles());
     return shell::kExitFailure;
   }
   const Setting setting = o.setting.setting(session_log);
@@ -66,7 +55,6 @@ int run_rebuild(const RebuildOptions& o, const std::vector<std::string>& command
   if (o.json != "-") write_text("", "-", rebuilt_text(setting, session_log, r, last_hash));
   if (!o.json.empty()) write_text("--json", o.json, rebuilt_json(setting, session_log, r, last_hash, command));
 
-  const int read = warn_incomplete(captures.troubles());
   bool good = r.got_anywhere() && r.agreeing() == r.hashes.size();
   for (const Stretch& s : r.stretches) good = good && !s.gap;
   return good ? read : shell::kExitFailure;

@@ -69,8 +69,10 @@ void SettingFlags::declare(CLI::App& app, const std::string& group) {
       ->type_name("N")
       ->check(shell::range(1, kMaxPeers))
       ->group(group);
-  app.add_option("--slots", slots_,
-                 "Avatar slots, if the capture has no Welcome; default: the number of the scenario's spawn points")
+  app.add_option(
+         "--slots", slots_,
+         "Avatar slots, if the capture has no Welcome; default: that of padr-peer, 32 or as many spawn points as\n"
+         "the scenario has")
       ->type_name("N")
       ->check(shell::range(1, kMaxPeers))
       ->group(group);
@@ -121,7 +123,7 @@ Setting SettingFlags::setting(const SessionLog& session_log) const {
   }
   const int most = static_cast<int>(s.scene.avatar.spawns.size());
   s.authority = session_log.join ? session_log.join->authority : !avatar_only_;
-  s.slots = session_log.slots > 0 ? session_log.slots : slots_.value_or(most);
+  s.slots = session_log.slots > 0 ? session_log.slots : slots_.value_or(std::min(most, shell::kUsualSlots));
   s.wanted = session_log.wanted > 0 ? session_log.wanted : wait_peers_.value_or(0);
   if (s.slots > most || s.wanted > s.slots)
     throw UserError("--slots: " + std::to_string(s.slots) + " slots and " + std::to_string(s.wanted) +

@@ -40,7 +40,7 @@ std::string contents_text(const Source& s, const Tally& t) {
   add(sealed(Keyring::Reading::kChecked), "sealed and checked");
   add(sealed(Keyring::Reading::kUnchecked), "sealed and not checked");
   add(sealed(Keyring::Reading::kHidden), "encrypted");
-  add(sealed(Keyring::Reading::kWrong), "damaged or forged");
+  add(sealed(Keyring::Reading::kWrong), "that fit no key of their senders");
   add(c.carried, "carried by a third peer");
   add(c.handshakes, "of handshakes");
   add(c.others, "of other UDP");

@@ -44,6 +44,7 @@ int run_timeline(const TimelineOptions& o) {
   Captures captures(o.files, o.keylogs);
   Timeline timeline;
   while (const Datagram* d = captures.next()) timeline.take(*d);
+  const int read = warn_unread(captures);
   const auto all = timeline.events();
   const auto [session, events] = choose(all, o.session);
   const auto in_sessions = all.size() - (all.contains(0) ? 1U : 0U);
@@ -55,7 +56,7 @@ int run_timeline(const TimelineOptions& o) {
   if (!o.json.empty()) write_text("--json", o.json, timeline_json(session, events));
   if (!o.csv.empty()) write_text("--csv", o.csv, timeline_csv(events));
   if (o.csv.empty() && o.svg.empty() && o.json.empty()) write_text("", "-", timeline_csv(events));
-  return warn_incomplete(captures.troubles());
+  return read;
 }
 
 }  // namespace
