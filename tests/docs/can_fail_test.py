@@ -82,6 +82,8 @@ Options:
                               How many|s, with
                               --other
   --names A=B ...             As in docs/idea.md
+  --input SPEC Excludes: --in --stretch
+                              Instead
 
 SPEC is one of these:
   limit N    loss P    rate R
@@ -103,6 +105,7 @@ padr-it [OPTIONS]
 | `-h, --help` | Print this |  |
 | `--count N` | How many\\|s, with `--other` | `3`; 1 to 9 |
 | `--names A=B ...` | As in [docs/idea.md](idea.md) |  |
+| `--input SPEC` | Instead | not with `--in`, `--stretch` |
 
 SPEC is one of these:
 

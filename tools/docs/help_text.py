@@ -110,7 +110,8 @@ def columns(line):
     text = line[2:]
     names = line[2:NAMES_AT].rstrip()
     # A range such as [1 - 600], or what follows "Needs:", may happen to have a space there.
-    whole = names.count("[") == names.count("]") and not names.endswith(":")
+    goes_on = re.search(r" (?:Needs|Excludes):", names) and line[NAMES_AT:].startswith("--")
+    whole = names.count("[") == names.count("]") and not names.endswith(":") and not goes_on
     if text.startswith("-") and whole and line[NAMES_AT - 1 : NAMES_AT] == " " and not WIDE.search(names):
         return names, line[NAMES_AT:]
     parts = WIDE.split(text, maxsplit=1)
