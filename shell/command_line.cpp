@@ -74,9 +74,9 @@ std::size_t letters_apart(const std::string& a, const std::string& b) {
 
 /// "; did you mean --listen?", or nothing if no option is like that.
 std::string guess_for(const CLI::App& app, const std::string& word) {
-  constexpr std::size_t kLike = 2;
+  const std::size_t like = word.size() < 10 ? 1 : 2;
   std::string best;
-  std::size_t least = kLike + 1;
+  std::size_t least = like + 1;
   for (const CLI::Option* o : app.get_options())
     for (const std::string& name : o->get_lnames())
       if (const std::size_t apart = letters_apart("--" + name, word); apart < least) {
@@ -96,24 +96,19 @@ std::string options_for_files(const CLI::App& app) {
 }
 
 /// What to say of the first word of the command line that nobody wants.
-std::string not_expected(const CLI::App& app, int argc, const char* const* argv) {
+std::string not_expected(const CLI::App& app) {
   const auto given = app.get_subcommands();
   const CLI::App& in = given.empty() ? app : *given.front();
   const std::vector<std::string> left = app.remaining(true);
-  for (int i = 1; i < argc; ++i) {
-    const std::string whole = argv[i];
-    const std::string word = whole.starts_with("--") ? whole.substr(0, whole.find('=')) : whole;
-    if (std::find_if(left.begin(), left.end(), [&](const std::string& l) { return l == whole || l == word; }) ==
-        left.end())
-      continue;
-    if (word.starts_with('-')) return "'" + word + "' is no option here" + guess_for(in, word);
-    const std::string for_files = options_for_files(in);
-    std::error_code unreadable;
-    if (!for_files.empty() && std::filesystem::exists(word, unreadable))
-      return "'" + word + "' stands without an option; give a file by " + for_files;
-    return "'" + word + "' is one word too many; put a value that has spaces in quotes";
-  }
-  return "unexpected arguments";
+  if (left.empty()) return "unexpected arguments";
+  const std::string& whole = left.front();
+  const std::string word = whole.starts_with("--") ? whole.substr(0, whole.find('=')) : whole;
+  if (word.starts_with('-')) return "'" + word + "' is no option here" + guess_for(in, word);
+  const std::string for_files = options_for_files(in);
+  std::error_code unreadable;
+  if (!for_files.empty() && std::filesystem::exists(word, unreadable))
+    return "'" + word + "' stands without an option; give a file by " + for_files;
+  return "'" + word + "' is one word too many; put a value that has spaces in quotes";
 }
 
 /// How messages name an option, or what is given without one.
@@ -169,7 +164,7 @@ bool parse(CLI::App& app, int argc, const char* const* argv) {
     app.exit(request);
     return false;
   } catch (const CLI::ExtrasError&) {
-    throw UserError(not_expected(app, argc, argv) + " (see --help)");
+    throw UserError(not_expected(app) + " (see --help)");
   } catch (const CLI::ParseError& e) {
     std::string line = e.what();
     for (char& c : line)

@@ -182,7 +182,8 @@ class Parser {
     const link::Knob k = knob(keyword, "percentage");
     if (k.correlation != 0 && k.chance != 0 && k.chance != link::kAlways) {
       warn(words_[next_ - 1],
-           "correlated random loss does not keep its mean (of 5% 25%, for example, only 0.2% get lost); for bursts use loss gemodel P R");
+           "correlated random loss does not keep its mean (of 5% 25%, for example, only 0.2% get lost); for bursts use "
+           "loss gemodel P R");
     }
     spec_.loss = k;
   }

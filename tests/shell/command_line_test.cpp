@@ -50,6 +50,9 @@ TEST(CommandLine, AWrongValueIsNamedWithWhatIsAllowed) {
       {{"--peers", "2", "--peers", "3"}, "--peers: given 2 times; give it once (see --help)"},
       {{"--peers"}, "--peers: no value; give INT (see --help)"},
       {{"--sed", "1"}, "'--sed' is no option here; did you mean --seed? (see --help)"},
+      {{"--seconds", "2", "--duration", "2"}, "'--duration' is no option here (see --help)"},
+      {{"--pears", "2"}, "'--pears' is no option here; did you mean --peers? (see --help)"},
+      {{"--beds=2"}, "'--beds' is no option here (see --help)"},
   };
   for (const Row& r : rows) EXPECT_EQ(answer_to(r.words), r.answer);
 }
