@@ -77,6 +77,10 @@ bool is_binary(const std::string& path) {
 
 OutputFile::OutputFile(std::string_view flag, std::string path, Readers readers, Content content)
     : path_(std::move(path)) {
+  if (readers == Readers::kAsUsual && content == Content::kText && path_ == "-") {
+    file_.reset(stdout);
+    return;
+  }
   if (content == Content::kText && is_binary(path_))
     throw UserError(std::string(flag) + ": '" + path_ +
                     "' is no text, perhaps a recording, and is not overwritten; name another file");

@@ -27,7 +27,8 @@ enum class Readers : std::uint8_t {
 /// mistake.
 enum class Content : std::uint8_t { kText, kBinary };
 
-/// A file that is written from its beginning. A full disk shows as an exception, at the latest in close().
+/// A file that is written from its beginning, or standard output for a text to "-". A full disk shows as an exception,
+/// at the latest in close().
 class OutputFile {
  public:
   /// Creates or empties the file. Throws UserError, which names the flag, if that cannot be done.
@@ -42,7 +43,9 @@ class OutputFile {
 
  private:
   struct Close {
-    void operator()(std::FILE* f) const { std::fclose(f); }
+    void operator()(std::FILE* f) const {
+      if (f != stdout) std::fclose(f);
+    }
   };
   [[noreturn]] void fail() const;
   std::string path_;

@@ -35,6 +35,8 @@ TEST_F(Program, SaysWhatIsWrongWithTheCommandLine) {
            {"export x", "give one of --json and --csv"},
            {"export x --json --csv", "give one of --json and --csv"},
            {"rebuild x --wait-peers " + std::to_string(kMaxPeers + 1), "--wait-peers"},
+           {"rebuild x --csv x", "CAPTURE and --csv: both name the file 'x'"},
+           {"rebuild x --csv - --svg -", "--csv and --svg: only one of them can be printed"},
            {"compare x", "none of these is one: 'x'"}}) {
     Shell::write("x", "");
     Shell::write("peer.trace", "PADRTRC and more");

@@ -21,11 +21,6 @@ void declare_captures(CLI::App& app, std::vector<std::string>& files, std::vecto
 }
 
 void write_text(const std::string& flag, const std::string& file, const std::string& text) {
-  if (file == "-") {
-    std::fwrite(text.data(), 1, text.size(), stdout);
-    std::fflush(stdout);
-    return;
-  }
   shell::OutputFile out(flag, file);
   out.write(text);
   out.close();

@@ -1,5 +1,3 @@
-#include <cstdio>
-
 #include "common/model/user_error.h"
 #include "shell/files.h"
 #include "tools/capture/commands.h"
@@ -41,20 +39,14 @@ int run_export(const ExportOptions& o) {
     if (f.ends_with(".csv") || f.ends_with(".json"))
       throw UserError("CAPTURE: " + f + " is no capture; the file to write is --out " + f);
   Captures captures(o.files, o.keylogs);
-  std::unique_ptr<shell::OutputFile> file;
-  if (o.out != "-") file = std::make_unique<shell::OutputFile>("--out", o.out);
-  const auto write = [&file](const std::string& text) {
-    if (file) return file->write(text);
-    std::fwrite(text.data(), 1, text.size(), stdout);
-  };
+  shell::OutputFile file("--out", o.out);
   Recorder recorder;
-  if (o.csv) write(csv_head());
+  if (o.csv) file.write(csv_head());
   while (const Datagram* d = captures.next()) {
     const Record r = recorder.record(*d);
-    write((o.json ? r.json() : r.csv(all_fields())) + "\n");
+    file.write((o.json ? r.json() : r.csv(all_fields())) + "\n");
   }
-  if (file) file->close();
-  std::fflush(stdout);
+  file.close();
   return warn_unread(captures);
 }
 

@@ -52,7 +52,8 @@ int run_rebuild(const RebuildOptions& o, const std::vector<std::string>& command
   });
   if (csv) csv->close();
   if (!o.svg.empty()) write_text("--svg", o.svg, picture.svg(setting));
-  if (o.json != "-") write_text("", "-", rebuilt_text(setting, session_log, r, last_hash));
+  const bool prints = o.json == "-" || o.csv == "-" || o.svg == "-";
+  if (!prints) write_text("", "-", rebuilt_text(setting, session_log, r, last_hash));
   if (!o.json.empty()) write_text("--json", o.json, rebuilt_json(setting, session_log, r, last_hash, command));
 
   bool good = r.got_anywhere() && r.agreeing() == r.hashes.size();
@@ -67,8 +68,12 @@ Run declare_rebuild(CLI::App& app) {
   declare_captures(app, o->files, o->keylogs);
   app.footer(kRebuildFooter);
   o->setting.declare(app);
-  app.add_option("--csv", o->csv, "Write the confirmed state of every entity at every tick")->type_name("FILE");
-  app.add_option("--svg", o->svg, "Draw four moments of the world")->type_name("FILE");
+  app.add_option(
+         "--csv", o->csv,
+         "Write the confirmed state of every entity at every tick; - for standard output, in\nplace of the text")
+      ->type_name("FILE|-");
+  app.add_option("--svg", o->svg, "Draw four moments of the world; - for standard output, in place of the text")
+      ->type_name("FILE|-");
   app.add_option("--json", o->json, "The result as JSON; - for standard output, in place of the text")
       ->type_name("FILE|-");
   return [o](const std::vector<std::string>& command) { return run_rebuild(*o, command); };

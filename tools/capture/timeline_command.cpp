@@ -73,7 +73,7 @@ Run declare_timeline(CLI::App& app) {
       ->type_name("N")
       ->transform(session_number());
   app.add_option("--csv", o->csv, "Write one row for each event; - is standard output")->type_name("FILE|-");
-  app.add_option("--svg", o->svg, "Draw the peers and the owners of bodies")->type_name("FILE");
+  app.add_option("--svg", o->svg, "Draw the peers and the owners of bodies; - is standard output")->type_name("FILE|-");
   app.add_option("--json", o->json, "Write the events as JSON; - is standard output")->type_name("FILE|-");
   return [o](const std::vector<std::string>&) { return run_timeline(*o); };
 }
