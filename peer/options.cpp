@@ -4,6 +4,8 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <set>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -230,6 +232,7 @@ void declare_monitor(CLI::App& app, Raw& raw) {
                  "inconsistency), or all (also the predicted and the confirmed world)")
       ->type_name("NAME")
       ->capture_default_str()
+      ->needs(monitor)
       ->group(group);
   app.add_flag("--control", raw.control,
                "Let the monitor drive the avatar, turn knobs, impair and cut links, push bodies and pause the peer.\n"
@@ -421,7 +424,12 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   o.netem = raw.netem.spec(&o.warnings);
   o.netem_text = raw.netem.text();
   o.netem_seed = raw.netem.seed(raw.scenario.seed());
-  for (const std::string& text : raw.netem_to) o.netem_to.push_back(parse_override(text, &o.warnings));
+  std::set<std::string> impaired;
+  for (const std::string& text : raw.netem_to) {
+    o.netem_to.push_back(parse_override(text, &o.warnings));
+    const std::string where = text.substr(0, text.find('='));
+    if (!impaired.insert(where).second) throw UserError("--netem-to: given twice for " + where + "; give it once");
+  }
   take_crowd(app, raw, o);
   if (!o.crowd) {
     o.scenario = raw.scenario.load();

@@ -119,6 +119,8 @@ class Usage(Case):
             (["--netem", "trace mobile rate 1mbit"], "--netem", "not allowed with rate"),
             (["--netem-seed", "x"], "--netem-seed"),
             (["--netem-to", "loss 10%"], "--netem-to", "="),
+            (["--netem-to", "1=loss 5%", "--netem-to", "1=loss 6%"], "--netem-to", "given twice for 1"),
+            (["--monitor-detail", "live"], "--monitor-detail", "--monitor"),
             (["--netem-to", "64=loss 10%"], "--netem-to", "0 to 63"),
             (["--netem-to", "1=loss much"], "--netem-to 1", "much"),
             (["--netem-to", "nowhere=loss 1%"], "--netem-to", "HOST:PORT"),
