@@ -36,8 +36,8 @@ bool Evictions::follows(PeerId from, const wire::Poll& poll, const View& view, T
     const bool asked_about = std::any_of(poll.lost.begin(), poll.lost.end(), [&](const wire::Seat& s) {
       return s.slot == p && s.incarnation == n.incarnation;
     });
-    // A peer that was not held up can judge the silence itself. So can a newcomer that has not been answered yet, in
-    // time: it would follow anybody.
+    // A peer that was not held up can judge the silence itself. Of a peer that has never answered this one, as with a
+    // newcomer, being held up explains nothing: a newcomer would follow anybody.
     const bool held_up = due - view.roster.now >= kHeldUp || view.roster.now - n.excused < kSilence;
     const bool excused = held_up && n.answer_mark >= 0;
     if (!asked_about || !excused || n.answer_mark > due - kHeardLately) return false;
