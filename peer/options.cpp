@@ -232,7 +232,6 @@ void declare_monitor(CLI::App& app, Raw& raw) {
                  "inconsistency), or all (also the predicted and the confirmed world)")
       ->type_name("NAME")
       ->capture_default_str()
-      ->needs(monitor)
       ->group(group);
   app.add_flag("--control", raw.control,
                "Let the monitor drive the avatar, turn knobs, impair and cut links, push bodies and pause the peer.\n"
@@ -420,6 +419,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   take_key(raw, o);
   take_spectator(app, o);
   take_monitor(raw, o);
+  if (!o.monitor && app.count("--monitor-detail") > 0)
+    throw UserError("--monitor-detail: there is no monitor to tell; give --monitor, too");
   o.technique = raw.technique.technique();
   o.netem = raw.netem.spec(&o.warnings);
   o.netem_text = raw.netem.text();

@@ -72,17 +72,18 @@ std::size_t letters_apart(const std::string& a, const std::string& b) {
   return row.back();
 }
 
-/// "; did you mean --listen?", or nothing if no option is like that.
+/// "; did you mean --listen?", or nothing if no option is like that. Few mistake the first letter.
 std::string guess_for(const CLI::App& app, const std::string& word) {
-  const std::size_t like = word.size() < 10 ? 1 : 2;
+  constexpr std::size_t kLike = 2;
   std::string best;
-  std::size_t least = like + 1;
+  std::size_t least = kLike + 1;
   for (const CLI::Option* o : app.get_options())
-    for (const std::string& name : o->get_lnames())
-      if (const std::size_t apart = letters_apart("--" + name, word); apart < least) {
-        least = apart;
-        best = "--" + name;
-      }
+    for (const std::string& name : o->get_lnames()) {
+      const std::size_t apart = letters_apart("--" + name, word);
+      if (apart >= least || !word.starts_with("--" + name.substr(0, 1))) continue;
+      least = apart;
+      best = "--" + name;
+    }
   return best.empty() ? "" : "; did you mean " + best + "?";
 }
 

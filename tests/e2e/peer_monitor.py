@@ -314,7 +314,7 @@ class Usage(unittest.TestCase):
         self.assertIn("--monitor-rate", self.refused("--monitor", "127.0.0.1:1", "--monitor-rate", "0"))
         self.assertIn("--monitor-rate", self.refused("--monitor", "127.0.0.1:1", "--monitor-rate", "61"))
         self.assertIn("shown, live, all", self.refused("--monitor", "127.0.0.1:1", "--monitor-detail", "much"))
-        self.assertIn("--monitor-detail requires --monitor", self.refused("--monitor-detail", "shown"))
+        self.assertIn("--monitor-detail: there is no monitor to tell", self.refused("--monitor-detail", "shown"))
         self.assertIn("nothing proves who sends orders", self.refused("--monitor", "192.0.2.1:9200", "--control"))
 
 
