@@ -111,4 +111,10 @@ void OutputFile::fail() const {
   throw std::system_error(errno, std::generic_category(), "cannot write '" + path_ + "'");
 }
 
+void write_text(std::string_view flag, const std::string& file, std::string_view text) {
+  OutputFile out(flag, file);
+  out.write(text);
+  out.close();
+}
+
 }  // namespace padr::shell

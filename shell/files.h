@@ -52,4 +52,7 @@ class OutputFile {
   std::unique_ptr<std::FILE, Close> file_;
 };
 
+/// The whole text to a file, or to standard output if it is "-". Throws as OutputFile does.
+void write_text(std::string_view flag, const std::string& file, std::string_view text);
+
 }  // namespace padr::shell

@@ -35,8 +35,9 @@ void Membership::inherit(const Membership& before, const PublicKey& let_in_by) {
   merge_.inherit(before.merge_, before.view(), roster().now);
   differed_ = before.differed_;
   differed_until_ = before.differed_until_;
+  if (before.testimony_.misled_by()) return;
   for (const Seat& s : before.roster().seats) {
-    if (!s.differs || !s.at.has_key() || s.at.key != let_in_by || before.testimony_.misled_by()) continue;
+    if (!s.differs || !s.at.has_key() || s.at.key != let_in_by) continue;
     differed_ = let_in_by;
     differed_until_ = roster().now + kDiffered;
   }

@@ -20,12 +20,6 @@ void declare_captures(CLI::App& app, std::vector<std::string>& files, std::vecto
   declare_keylogs(app, keylogs);
 }
 
-void write_text(const std::string& flag, const std::string& file, const std::string& text) {
-  shell::OutputFile out(flag, file);
-  out.write(text);
-  out.close();
-}
-
 int warn_unread(const Captures& captures) {
   const auto& sealed = captures.contents().sealed;
   const auto all = std::accumulate(sealed.begin(), sealed.end(), std::uint64_t{0});
@@ -57,8 +51,8 @@ Run declare_summary(CLI::App& app) {
     Tally tally;
     while (const Datagram* d = captures.next()) tally.take(*d);
     const Source source{o->files, captures.contents(), captures.troubles()};
-    if (o->json != "-") write_text("", "-", summary_text(source, tally));
-    if (!o->json.empty()) write_text("--json", o->json, summary_json(source, tally, command));
+    if (o->json != "-") shell::write_text("", "-", summary_text(source, tally));
+    if (!o->json.empty()) shell::write_text("--json", o->json, summary_json(source, tally, command));
     return warn_unread(captures);
   };
 }

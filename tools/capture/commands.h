@@ -23,9 +23,6 @@ Run declare_follow(CLI::App& app);
 
 /// The captures to read, one or more.
 void declare_captures(CLI::App& app, std::vector<std::string>& files, std::vector<std::string>& keylogs);
-/// To a file, or standard output if it is "-". `flag` is for messages. Throws UserError, on a full disk
-/// std::system_error.
-void write_text(const std::string& flag, const std::string& file, const std::string& text);
 /// Says on standard error what of the captures could not be read, and of which datagrams no --keylog has the keys; the
 /// exit code: failure if files are not whole.
 int warn_unread(const Captures& captures);

@@ -4,6 +4,7 @@
 
 #include "common/model/user_error.h"
 #include "common/scenarios/scenarios.h"
+#include "shell/files.h"
 #include "shell/json.h"
 #include "shell/run_main.h"
 #include "shell/text.h"
@@ -252,9 +253,9 @@ int run_compare(const CompareOptions& o) {
     text += !agree     ? "CAPTURE AND TRACES DISAGREE\n"
             : compared ? "capture and traces agree, except for lost datagrams\n"
                        : "the datagrams agree, except for lost ones; THE WORLDS WERE NOT COMPARED\n";
-    write_text("", "-", text);
+    shell::write_text("", "-", text);
   }
-  if (!o.json.empty()) write_text("--json", o.json, as_json(comparison, links, worlds, agree && compared));
+  if (!o.json.empty()) shell::write_text("--json", o.json, as_json(comparison, links, worlds, agree && compared));
   return agree && compared ? read : shell::kExitFailure;
 }
 

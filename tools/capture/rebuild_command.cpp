@@ -1,6 +1,7 @@
 #include <cstdint>
 #include <cstdio>
 
+#include "shell/files.h"
 #include "shell/run_main.h"
 #include "tools/capture/commands.h"
 #include "tools/capture/rebuild_output.h"
@@ -51,10 +52,10 @@ int run_rebuild(const RebuildOptions& o, const std::vector<std::string>& command
     if (!o.svg.empty()) picture.add(s);
   });
   if (csv) csv->close();
-  if (!o.svg.empty()) write_text("--svg", o.svg, picture.svg(setting));
+  if (!o.svg.empty()) shell::write_text("--svg", o.svg, picture.svg(setting));
   const bool prints = o.json == "-" || o.csv == "-" || o.svg == "-";
-  if (!prints) write_text("", "-", rebuilt_text(setting, session_log, r, last_hash));
-  if (!o.json.empty()) write_text("--json", o.json, rebuilt_json(setting, session_log, r, last_hash, command));
+  if (!prints) shell::write_text("", "-", rebuilt_text(setting, session_log, r, last_hash));
+  if (!o.json.empty()) shell::write_text("--json", o.json, rebuilt_json(setting, session_log, r, last_hash, command));
 
   bool good = r.got_anywhere() && r.agreeing() == r.hashes.size();
   for (const Stretch& s : r.stretches) good = good && !s.gap;

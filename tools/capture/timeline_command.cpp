@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "common/model/user_error.h"
+#include "shell/files.h"
 #include "tools/capture/commands.h"
 #include "tools/capture/setting.h"
 #include "tools/capture/timeline.h"
@@ -52,10 +53,10 @@ int run_timeline(const TimelineOptions& o) {
     std::fprintf(stderr,
                  "padr-capture: timeline: of %zu sessions in the capture this is %d (--session N for another)\n",
                  in_sessions, int{session});
-  if (!o.svg.empty()) write_text("--svg", o.svg, timeline_svg(session, events));
-  if (!o.json.empty()) write_text("--json", o.json, timeline_json(session, events));
-  if (!o.csv.empty()) write_text("--csv", o.csv, timeline_csv(events));
-  if (o.csv.empty() && o.svg.empty() && o.json.empty()) write_text("", "-", timeline_csv(events));
+  if (!o.svg.empty()) shell::write_text("--svg", o.svg, timeline_svg(session, events));
+  if (!o.json.empty()) shell::write_text("--json", o.json, timeline_json(session, events));
+  if (!o.csv.empty()) shell::write_text("--csv", o.csv, timeline_csv(events));
+  if (o.csv.empty() && o.svg.empty() && o.json.empty()) shell::write_text("", "-", timeline_csv(events));
   return read;
 }
 

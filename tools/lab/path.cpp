@@ -107,13 +107,7 @@ int PathCommand::run(const std::vector<std::string>& command) const {
   std::vector<std::string> recipe = command;
   recipe.front() = "padr-lab";  // wherever that is
   const std::string text = "# " + shell::shell_line(recipe) + "\n" + shell::write_path_csv(path);
-  if (out_ == "-") {
-    std::fwrite(text.data(), 1, text.size(), stdout);
-  } else {
-    shell::OutputFile file("--out", out_);
-    file.write(text);
-    file.close();
-  }
+  shell::write_text("--out", out_, text);
   const shell::PathNotes notes = shell::notes_on_path(path, out_, scenario.scene);
   std::fprintf(stderr, "padr-lab: %s\n", notes.summary.c_str());
   for (const std::string& w : notes.warnings) std::fprintf(stderr, "padr-lab: warning: %s\n", w.c_str());

@@ -52,16 +52,6 @@ class Progress {
   WallClock::time_point start_ = WallClock::now();
 };
 
-void write_text(const std::string& flag, const std::string& path, const std::string& text) {
-  if (path == "-") {
-    std::cout << text;
-    return;
-  }
-  shell::OutputFile file(flag, path);
-  file.write(text);
-  file.close();
-}
-
 }  // namespace
 
 void RunCommand::declare(CLI::App& app) {
@@ -171,8 +161,8 @@ int RunCommand::run(const std::vector<std::string>& command) {
   facts.wall_seconds = seconds_since(start);
   simulation.finish();
 
-  if (!series_.empty()) write_text("--csv", series_, csv_series(simulation));
-  if (!json_.empty()) write_text("--json", json_, json_summary(simulation, facts));
+  if (!series_.empty()) shell::write_text("--csv", series_, csv_series(simulation));
+  if (!json_.empty()) shell::write_text("--json", json_, json_summary(simulation, facts));
   if (json_ != "-" && series_ != "-") std::cout << table_summary(simulation, facts);
   return simulation.confirmed_mismatches() == 0 ? shell::kExitFine : shell::kExitFailure;
 }

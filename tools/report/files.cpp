@@ -19,10 +19,4 @@ TraceBytes read_trace(const std::string& file) {
   return t;
 }
 
-void write_file(std::string_view flag, const std::string& file, const std::string& text) {
-  shell::OutputFile out(flag, file);
-  out.write(text);
-  out.close();
-}
-
 }  // namespace padr::report

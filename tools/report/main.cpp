@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "shell/command_line.h"
+#include "shell/files.h"
 #include "shell/run_main.h"
 #include "tools/report/analysis.h"
 #include "tools/report/files.h"
@@ -16,12 +17,8 @@ int run(const Options& o, const std::vector<std::string>& command) {
   std::vector<TraceBytes> traces;
   for (const std::string& file : o.traces) traces.push_back(read_trace(file));
   const Report r = analyse(traces);
-  if (o.json == "-") {
-    std::fputs(json(r, command).c_str(), stdout);
-  } else {
-    std::fputs(table(r).c_str(), stdout);
-  }
-  if (!o.json.empty() && o.json != "-") write_file("--json", o.json, json(r, command));
+  if (o.json != "-") std::fputs(table(r).c_str(), stdout);
+  if (!o.json.empty()) shell::write_text("--json", o.json, json(r, command));
   if (!o.csv.empty()) plot::write_into("--csv", o.csv, csv_files(r));
   if (!o.plots.empty()) {
     plot::write_into("--plots", o.plots, plot_files(r));

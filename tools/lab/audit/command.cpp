@@ -44,12 +44,8 @@ int AuditCommand::run(const std::vector<std::string>& command) const {
   audit::Options options;
   options.pushes = !no_pushes_;
   const audit::Report report = audit::audit(texts, options);
-  std::cout << (json_ == "-" ? audit::json(report, command) : audit::text(report, worst_));
-  if (!json_.empty() && json_ != "-") {
-    shell::OutputFile file("--json", json_);
-    file.write(audit::json(report, command));
-    file.close();
-  }
+  if (json_ != "-") std::cout << audit::text(report, worst_);
+  if (!json_.empty()) shell::write_text("--json", json_, audit::json(report, command));
   return report.findings.empty() ? shell::kExitFine : shell::kExitFailure;
 }
 

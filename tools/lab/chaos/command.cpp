@@ -208,16 +208,8 @@ int ChaosCommand::run(const std::vector<std::string>& command) {
     if (!outcomes[i].violation.empty()) ++bad;
     if (json_ != "-") print(i, outcomes[i], bad <= kMostShrunk && shrink_tries_ > 0);
   }
-  if (json_ == "-") {
-    std::cout << json(command, outcomes);
-  } else {
-    std::cout << summary(outcomes);
-    if (!json_.empty()) {
-      shell::OutputFile file("--json", json_);
-      file.write(json(command, outcomes));
-      file.close();
-    }
-  }
+  if (json_ != "-") std::cout << summary(outcomes);
+  if (!json_.empty()) shell::write_text("--json", json_, json(command, outcomes));
   return bad == 0 ? shell::kExitFine : shell::kExitFailure;
 }
 

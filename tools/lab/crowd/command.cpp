@@ -368,12 +368,7 @@ int CrowdCommand::run(const std::vector<std::string>& command) {
     std::cout << compared << " confirmed hashes compared, " << different << " different\n"
               << split << " of " << confirmed << " ticks of regions confirmed on several sides\n";
   }
-  if (json_ == "-") std::cout << json(command, rows);
-  if (!json_.empty() && json_ != "-") {
-    shell::OutputFile file("--json", json_);
-    file.write(json(command, rows));
-    file.close();
-  }
+  if (!json_.empty()) shell::write_text("--json", json_, json(command, rows));
   return different == 0 ? shell::kExitFine : shell::kExitFailure;
 }
 

@@ -102,12 +102,7 @@ int ExamplesCommand::run(const std::vector<std::string>& command) {
     plot::write_into("--out", out_,
                      {{"path-" + name + ".csv", shell::write_path_csv(path_of(story_by_name(name), 0))}});
   if (json_ != "-") std::cout << table(results, plan);
-  if (json_ == "-") std::cout << summary;
-  if (!json_.empty() && json_ != "-") {
-    shell::OutputFile file("--json", json_);
-    file.write(summary);
-    file.close();
-  }
+  if (!json_.empty()) shell::write_text("--json", json_, summary);
   if (no_pictures_) return shell::kExitFine;
   const std::string wrong = draw_pictures(out_, plan, results);
   if (!wrong.empty()) std::cerr << "padr-lab: " << wrong << '\n';
