@@ -73,8 +73,9 @@ class PartitionMerge {
   static constexpr Tick kMayBeUnknown = kSilence + Evictions::kWithheld;
   /// Time after which a part is believed of which this peer knows no more than where its peers are, ticks.
   static constexpr Tick kStrangers = 10 * kTicksPerSecond;
-  /// The same for a peer that is alone, if it knows but one of that part, or has only been told of that part.
-  static constexpr Tick kAlone = 30 * kTicksPerSecond;
+  /// The same for a peer that is alone, if it knows but one of that part, or has only been told of that part. With the
+  /// time in which it loses the others and that of coming in anew it has to be back within 30 s.
+  static constexpr Tick kAlone = 15 * kTicksPerSecond;
   /// Time after which a peer that is alone yields though its part is not the smaller one, ticks.
   static constexpr Tick kLonely = 3 * kAlone;
   /// Time for which a peer that has others in its part tries to join the winner, and then stays, ticks.

@@ -74,7 +74,8 @@ void SweepCommand::declare(CLI::App& app) {
       ->type_name("COUNTS")
       ->capture_default_str()
       ->group(world);
-  app.add_option("--seeds", grid_.seeds, "Seeds of scenario, network and generated input, such as 1-20")
+  app.add_option("--seeds", grid_.seeds,
+                 "Seeds of scenario, network and generated input, such as 1-20; 20 alone is one seed")
       ->type_name("NUMBERS")
       ->capture_default_str()
       ->group(world);
