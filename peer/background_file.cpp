@@ -15,7 +15,7 @@ BackgroundFile::~BackgroundFile() {
 
 bool BackgroundFile::append(std::span<const std::byte> bytes) {
   const std::lock_guard lock(mutex_);
-  if (bytes.size() > room_) return false;
+  if (failed_ || bytes.size() > room_) return false;
   room_ -= bytes.size();
   waiting_.insert(waiting_.end(), bytes.begin(), bytes.end());
   return true;
@@ -54,6 +54,7 @@ void BackgroundFile::write_on() {
       trouble_ = std::current_exception();  // read once the thread has ended
     }
     const std::lock_guard lock(mutex_);
+    failed_ = trouble_ != nullptr;
     room_ += writing.size();
     writing.clear();
   }

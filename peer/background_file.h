@@ -26,7 +26,7 @@ class BackgroundFile {
   BackgroundFile(const BackgroundFile&) = delete;
   BackgroundFile& operator=(const BackgroundFile&) = delete;
 
-  /// All of it or, if too much waits already, nothing: then false.
+  /// All of it or, if too much waits already or something could not be written, nothing: then false.
   bool append(std::span<const std::byte> bytes);
   /// Writes what is left. Throws std::system_error if anything could not be written.
   void close();
@@ -43,8 +43,9 @@ class BackgroundFile {
   std::vector<std::byte> waiting_;
   std::size_t room_;
   bool closing_ = false;
-  std::exception_ptr trouble_;
-  std::thread thread_;  ///< last: runs on all of the above
+  bool failed_ = false;         ///< nothing more is written
+  std::exception_ptr trouble_;  ///< the thread's alone, while it runs
+  std::thread thread_;          ///< last: runs on all of the above
 };
 
 }  // namespace padr::peer

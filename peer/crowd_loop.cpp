@@ -62,7 +62,7 @@ void CrowdLoop::turn(Micros now) {
   peer_->turn([this](Tick t) { return input_->target(t - std::max(record_.first_tick, 0)); }, now);
   if (peer_->playing() && record_.first_tick < 0) note_playing(now);
   const auto length = static_cast<Tick>(std::llround(options_.duration * kTicksPerSecond));
-  if (length > 0 && record_.first_tick >= 0 && !left_at_ && peer_->now() - record_.first_tick >= length)
+  if (options_.duration > 0 && record_.first_tick >= 0 && !left_at_ && peer_->now() - record_.first_tick >= length)
     leave("the time to play is over", now);
 }
 

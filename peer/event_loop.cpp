@@ -22,7 +22,7 @@ node::SessionConfig session_config(const Options& o, const std::optional<Endpoin
   c.scenario = o.scenario.label + " seed " + std::to_string(o.scenario.seed);
   c.seed = shell::unpredictable();
   c.secret = shell::unpredictable();
-  c.patience = in_micros(o.join_timeout);
+  c.patience = o.join_timeout > 0 ? std::max<Micros>(1, in_micros(o.join_timeout)) : 0;  // 0: for ever
   c.own_addresses = own_addresses(local);
   if (mapping != nullptr && mapping->outside()) c.own_addresses.insert(c.own_addresses.begin(), *mapping->outside());
   if (c.own_addresses.size() > kMostOwnAddresses) c.own_addresses.resize(kMostOwnAddresses);
@@ -66,9 +66,10 @@ void EventLoop::start() {
 
 void EventLoop::finish() {
   player_->finish();
-  recordings_->close();
-  Loop::finish();
-  if (health_) health_->remove();
+  shell::do_all({[this] { recordings_->close(); }, [this] { Loop::finish(); },
+                 [this] {
+                   if (health_) health_->remove();
+                 }});
 }
 
 void EventLoop::receive(const Endpoint& from, std::span<const std::byte> datagram, Micros now) {

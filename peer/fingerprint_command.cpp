@@ -11,6 +11,7 @@
 #include "common/model/hash.h"
 #include "common/model/user_error.h"
 #include "common/world/fingerprint.h"
+#include "shell/files.h"
 #include "shell/run_main.h"
 
 namespace padr::peer {
@@ -52,13 +53,15 @@ int fingerprint_command(int argc, const char* const* argv) {
     throw UserError("fingerprint: '" + std::string(argv[3]) + "' is not expected; give one fingerprint, or nothing");
   const std::uint64_t theirs = other.empty() ? 0 : parsed(other);
   const std::uint64_t ours = world::physics_fingerprint();
-  std::printf("fingerprint: %s\n", hex(ours).c_str());
-  std::printf("computed by: %s, %s%s, Box2D from %s\n", processor().c_str(), kCompiler, __VERSION__, PADR_BOX2D_ORIGIN);
+  std::string text = "fingerprint: " + hex(ours) + "\ncomputed by: " + processor() + ", " + kCompiler + __VERSION__ +
+                     ", Box2D from " + PADR_BOX2D_ORIGIN + "\n";
   const std::string habits = world::habits_text(ours);
-  if (!habits.empty()) std::printf("this program %s\n", habits.c_str());
-  if (other.empty()) return habits.empty() ? shell::kExitFine : shell::kExitFailure;
-  const std::string differs = world::physics_difference(ours, theirs, "this one", "the other one");
-  std::printf("%s\n", differs.empty() ? "the other one's physics is the same" : ("they differ: " + differs).c_str());
+  if (!habits.empty()) text += "this program " + habits + "\n";
+  const std::string differs =
+      other.empty() ? habits : world::physics_difference(ours, theirs, "this one", "the other one");
+  if (!other.empty())
+    text += differs.empty() ? "the other one's physics is the same\n" : "they differ: " + differs + "\n";
+  shell::write_text("fingerprint", "-", text);
   return differs.empty() ? shell::kExitFine : shell::kExitFailure;
 }
 

@@ -15,7 +15,7 @@ constexpr std::array<std::string_view, 4> kSubsystems{"net", "play", "session", 
 }  // namespace
 
 Log::Log(spdlog::level::level_enum level, const std::map<std::string, spdlog::level::level_enum>& levels) {
-  const auto sink = std::make_shared<spdlog::sinks::stderr_sink_st>();
+  const auto sink = std::make_shared<spdlog::sinks::stderr_sink_mt>();  // also of the thread that keeps a port mapped
   sink->set_pattern("%H:%M:%S.%e %^%l%$ %n: %v");
   const auto make = [&](const std::string& name) {
     auto logger = std::make_shared<spdlog::logger>(name, sink);

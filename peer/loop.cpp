@@ -29,6 +29,9 @@ Loop::Loop(const Options& options, Log& log, const shell::Clock& clock)
 void Loop::map_port() {
   const std::string port = std::to_string(local_.port);
   if (local_.is_loopback()) throw UserError("--map-port: --listen is a loopback address; give 0.0.0.0:PORT");
+  const auto& bound = socket_->local().address();
+  if (bound.is_v6() && !bound.is_unspecified())
+    throw UserError("--map-port: routers map ports of IPv4, and --listen is an IPv6 address; give [::]:PORT");
   mapping_ = std::make_unique<PortMapping>(
       local_.port, [this, port] { log_.net->warn("the router no longer renews the mapping of port {}", port); });
   if (const auto& at = mapping_->outside())
@@ -65,8 +68,7 @@ std::vector<std::string> Loop::shape_links() {
 
 void Loop::open_files() {
   if (!options_.pcap.empty()) packets_ = std::make_unique<PacketLog>(options_, *socket_);
-  if (!options_.json.empty() && options_.json != "-")
-    json_ = std::make_unique<shell::OutputFile>("--json", options_.json);
+  if (!options_.json.empty()) json_ = std::make_unique<shell::OutputFile>("--json", options_.json);
 }
 
 void Loop::say_where(const std::vector<std::string>& links) {
@@ -78,8 +80,8 @@ int Loop::run() {
   start();
   wake();
   io_.run();
-  finish();
   log_.session->log(exit_code_ == 0 ? spdlog::level::info : spdlog::level::err, "ended: {}", reason_);
+  finish();
   return exit_code_;
 }
 
@@ -90,12 +92,13 @@ void Loop::start() {
 }
 
 void Loop::finish() {
-  if (packets_) {
+  const auto close_packets = [this] {
+    if (!packets_) return;
     packets_->close();
     if (packets_->dropped() > 0)
       log_.net->error("--pcap: the file lacks {} datagrams, because the disk was too slow", packets_->dropped());
-  }
-  write_summary();
+  };
+  shell::do_all({close_packets, [this] { write_summary(); }});
 }
 
 void Loop::take(const Endpoint& from, std::span<const std::byte> datagram) {
@@ -179,13 +182,7 @@ void Loop::end(int code, const std::string& reason) {
 
 void Loop::write_summary() {
   if (options_.json.empty()) return;
-  const std::string text = summary_text();
-  if (options_.json == "-") {
-    std::fputs(text.c_str(), stdout);
-    std::fflush(stdout);
-    return;
-  }
-  json_->write(text);
+  json_->write(summary_text());
   json_->close();
 }
 

@@ -95,9 +95,9 @@ class Loop {
   boost::asio::signal_set signals_;
   boost::asio::steady_timer timer_;
   std::shared_ptr<shell::HandlerMemory> timer_memory_ = std::make_shared<shell::HandlerMemory>();
-  std::optional<Micros> timer_due_;          ///< what it is set to; nothing: it is not
-  std::unique_ptr<shell::OutputFile> json_;  ///< null for standard output, too
-  std::unique_ptr<PacketLog> packets_;       ///< null: none is kept
+  std::optional<Micros> timer_due_;  ///< what it is set to; nothing: it is not
+  std::unique_ptr<shell::OutputFile> json_;
+  std::unique_ptr<PacketLog> packets_;  ///< null: none is kept
   RateLimit net_limit_;
   Micros next_status_ = -1;            ///< local time; -1: not yet playing
   std::optional<Micros> drain_until_;  ///< set at the end: what still is in the links may go until then

@@ -44,23 +44,33 @@ class NatPmp {
   }
 
   std::optional<in_addr> address() {
-    if (!open_ || sendpublicaddressrequest(&state_) < 0) return std::nullopt;
-    const auto answer = wait();
+    const auto answer = ask([this] { return sendpublicaddressrequest(&state_); }, NATPMP_RESPTYPE_PUBLICADDRESS);
     if (!answer) return std::nullopt;
     return answer->pnu.publicaddress.addr;
   }
   /// The port outside; `lifetime` 0 takes the mapping back.
   std::optional<std::uint16_t> map(std::uint16_t port, std::uint16_t outside, std::uint32_t lifetime) {
-    if (!open_ || sendnewportmappingrequest(&state_, NATPMP_PROTOCOL_UDP, port, outside, lifetime) < 0)
-      return std::nullopt;
-    const auto answer = wait();
-    if (!answer) return std::nullopt;
+    const auto answer =
+        ask([&] { return sendnewportmappingrequest(&state_, NATPMP_PROTOCOL_UDP, port, outside, lifetime); },
+            NATPMP_RESPTYPE_UDPPORTMAPPING);
+    if (!answer || answer->pnu.newportmapping.privateport != port) return std::nullopt;
     return answer->pnu.newportmapping.mappedpublicport;
   }
 
  private:
-  std::optional<natpmpresp_t> wait() {
+  /// libnatpmp repeats a question that is not answered at once, so a slow router's second answer to the one before may
+  /// come first. The question is then asked again.
+  template <typename Question>
+  std::optional<natpmpresp_t> ask(const Question& question, std::uint16_t type) {
     const auto end = Clock::now() + kNatPmpPatience;
+    while (open_ && question() >= 0) {
+      const auto answer = wait(end);
+      if (!answer || answer->type == type) return answer;
+    }
+    return std::nullopt;
+  }
+
+  std::optional<natpmpresp_t> wait(Clock::time_point end) {
     for (;;) {
       natpmpresp_t answer{};
       const int result = readnatpmpresponseorretry(&state_, &answer);

@@ -60,7 +60,7 @@ int keygen(int argc, const char* const* argv) {
   shell::protect_memory();
   std::string text = shell::key_text(unpredictable_key()) + "\n";
   if (file.empty() || file == "-") {
-    std::fputs(text.c_str(), stdout);
+    shell::write_text("keygen", "-", text);
   } else {
     shell::OutputFile out("keygen", file, shell::Readers::kOwnerNew);
     out.write(text);

@@ -7,9 +7,11 @@
 #include <filesystem>
 #include <numeric>
 #include <regex>
+#include <sstream>
 #include <utility>
 
 #include "common/model/user_error.h"
+#include "shell/input_text.h"
 #include "shell/revision.h"
 
 namespace padr::shell {
@@ -128,31 +130,56 @@ bool is_same_file(const std::string& a, const std::string& b) {
   return !std::filesystem::exists(one, error) || std::filesystem::is_regular_file(one, error);
 }
 
+/// A file that an option names.
+struct NamedFile {
+  const CLI::Option* option;
+  std::string file;
+  bool is_read;
+  bool prints;
+};
+
+/// The files that a value of an option names: itself, or those in a specification of an input or of impairments.
+std::vector<NamedFile> files_in(const CLI::Option& o, const std::string& value) {
+  const std::string type = o.get_type_name();
+  if (const auto path = path_text(value)) return {{&o, path->file, true, false}};
+  std::vector<NamedFile> files;
+  if (type.find("SPEC") != std::string::npos) {
+    std::istringstream words(value);
+    for (std::string before, word; words >> word; before = word)
+      if (before == "trace" || before.ends_with("=trace")) files.push_back({&o, word, true, false});
+  } else if (type.find("FILES") != std::string::npos) {
+    std::istringstream list(value);
+    for (std::string file; std::getline(list, file, ',');) files.push_back({&o, file, true, false});
+  } else if (type.find("FILE") != std::string::npos) {
+    files.push_back({&o, value, false, value == "-" && type.find("|-") != std::string::npos});
+  }
+  return files;
+}
+
 /// One of the two would overwrite what the other one reads or writes, or both would be printed into one another.
 void refuse_shared_files(const CLI::App& app) {
-  struct Given {
-    const CLI::Option* option;
-    std::string file;
-    bool prints;
-  };
-  std::vector<Given> all;
+  std::vector<NamedFile> all;
   for (const CLI::Option* o : app.get_options()) {
-    const std::string type = o->get_type_name();
-    if (o->count() == 0 || type.find("FILE") == std::string::npos) continue;
-    for (const std::string& file : o->results())
-      all.push_back({o, file, file == "-" && type.find("|-") != std::string::npos});
+    if (o->count() == 0) continue;
+    for (const std::string& value : o->results())
+      for (NamedFile& named : files_in(*o, value)) all.push_back(std::move(named));
   }
   for (std::size_t i = 0; i < all.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      const Given& a = all[j];
-      const Given& b = all[i];
-      if (a.option == b.option) continue;
+      const NamedFile& a = all[j];
+      const NamedFile& b = all[i];
+      if (a.option == b.option || (a.is_read && b.is_read)) continue;
       const std::string both = name_of(*a.option) + " and " + name_of(*b.option);
       if (a.prints && b.prints) throw UserError(both + ": only one of them can be printed; give a file in place of -");
       if (a.file != "-" && b.file != "-" && is_same_file(a.file, b.file))
         throw UserError(both + ": both name the file '" + b.file + "'; give each its own");
     }
   }
+}
+
+/// CLI11 would take 010 for eight.
+bool seems_octal(const std::string& text) {
+  return text.size() > 1 && text[0] == '0' && text[1] >= '0' && text[1] <= '9';
 }
 
 }  // namespace
@@ -168,6 +195,8 @@ bool parse(CLI::App& app, int argc, const char* const* argv) {
     throw UserError(not_expected(app) + " (see --help)");
   } catch (const CLI::ParseError& e) {
     std::string line = e.what();
+    constexpr std::size_t kMostSaid = 500;  // and far more would be too much for std::regex
+    if (line.size() > kMostSaid) line = line.substr(0, kMostSaid) + "...";
     for (char& c : line)
       if (c == '\n') c = ' ';
     throw UserError(in_our_words(line) + " (see --help)");
@@ -181,7 +210,7 @@ CLI::Validator whole_number() {
   const auto check = [](std::string& text) -> std::string {
     std::uint64_t v = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
-    if (error == std::errc() && end == text.data() + text.size()) return "";
+    if (error == std::errc() && end == text.data() + text.size() && !seems_octal(text)) return "";
     return "'" + text + "' is not allowed; give a whole number from 0 to 18446744073709551615";
   };
   return CLI::Validator(check, "");
@@ -192,7 +221,8 @@ CLI::Validator between(double low, double high, const std::string& unit) {
   const auto check = [low, high, allowed](std::string& text) -> std::string {
     double v = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
-    if (error == std::errc() && end == text.data() + text.size() && v >= low && v <= high) return "";
+    if (error == std::errc() && end == text.data() + text.size() && v >= low && v <= high && !seems_octal(text))
+      return "";
     return "'" + text + "' is not allowed; give " + allowed;
   };
   return CLI::Validator(check, "");

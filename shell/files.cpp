@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
@@ -73,7 +74,24 @@ bool is_binary(const std::string& path) {
   });
 }
 
+void refuse_binary(std::string_view flag, const std::string& path) {
+  if (is_binary(path))
+    throw UserError(std::string(flag) + ": '" + path +
+                    "' is no text, perhaps a recording, and is not overwritten; name another file");
+}
+
 }  // namespace
+
+std::string replaceable(std::string_view flag, const std::string& path) {
+  if (path == "-") throw UserError(std::string(flag) + ": this cannot be printed; name a file in place of -");
+  refuse_binary(flag, path);
+  std::error_code error;
+  if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
+    throw UserError(std::string(flag) + ": '" + path +
+                    "' is no regular file, and cannot be replaced; name another one");
+  const std::filesystem::path place = std::filesystem::weakly_canonical(path, error);
+  return error ? path : place.string();
+}
 
 OutputFile::OutputFile(std::string_view flag, std::string path, Readers readers, Content content)
     : path_(std::move(path)) {
@@ -81,9 +99,7 @@ OutputFile::OutputFile(std::string_view flag, std::string path, Readers readers,
     file_.reset(stdout);
     return;
   }
-  if (content == Content::kText && is_binary(path_))
-    throw UserError(std::string(flag) + ": '" + path_ +
-                    "' is no text, perhaps a recording, and is not overwritten; name another file");
+  if (content == Content::kText) refuse_binary(flag, path_);
   file_.reset(readers == Readers::kAsUsual ? std::fopen(path_.c_str(), "wb")
                                            : open_for_owner(path_, readers == Readers::kOwnerNew));
   if (!file_) throw UserError(std::string(flag) + ": cannot write '" + path_ + "': " + system_reason());
@@ -109,6 +125,18 @@ void OutputFile::close() {
 
 void OutputFile::fail() const {
   throw std::system_error(errno, std::generic_category(), "cannot write '" + path_ + "'");
+}
+
+void do_all(std::initializer_list<std::function<void()>> steps) {
+  std::exception_ptr first;
+  for (const auto& step : steps) {
+    try {
+      step();
+    } catch (...) {
+      if (!first) first = std::current_exception();
+    }
+  }
+  if (first) std::rethrow_exception(first);
 }
 
 void write_text(std::string_view flag, const std::string& file, std::string_view text) {

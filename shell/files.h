@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <span>
 #include <string>
@@ -52,7 +53,14 @@ class OutputFile {
   std::unique_ptr<std::FILE, Close> file_;
 };
 
+/// Where a text may take the place of what the path names: a symbolic link is followed. Throws UserError, which names
+/// the flag, if there is something there that is no text or no file, or the path is "-".
+std::string replaceable(std::string_view flag, const std::string& path);
+
 /// The whole text to a file, or to standard output if it is "-". Throws as OutputFile does.
 void write_text(std::string_view flag, const std::string& file, std::string_view text);
+
+/// Does all steps, even after one that has failed, and then throws what the first that failed has thrown.
+void do_all(std::initializer_list<std::function<void()>> steps);
 
 }  // namespace padr::shell

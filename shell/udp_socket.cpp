@@ -40,6 +40,12 @@ bool is_of_one_family(const Udp::endpoint& at) {
   return at.address().is_v4() || !at.address().is_unspecified();
 }
 
+/// An IPv4 address may be written as one of IPv6.
+Udp::endpoint as_it_is(const Udp::endpoint& e) {
+  if (!e.address().is_v6() || !e.address().to_v6().is_v4_mapped()) return e;
+  return {asio::ip::make_address_v4(asio::ip::v4_mapped, e.address().to_v6()), e.port()};
+}
+
 }  // namespace
 
 Udp::endpoint resolve(asio::io_context& io, const std::string& flag, const shell::HostPort& where,
@@ -51,8 +57,8 @@ Udp::endpoint resolve(asio::io_context& io, const std::string& flag, const shell
     throw UserError(flag + ": cannot resolve '" + where.host + "': " + (error ? error.message() : "no address"));
   const Udp wanted = own != nullptr ? own->protocol() : Udp::v4();
   for (const auto& entry : found)
-    if (entry.endpoint().protocol() == wanted) return entry.endpoint();
-  if (own == nullptr || !is_of_one_family(*own)) return found.begin()->endpoint();
+    if (as_it_is(entry.endpoint()).protocol() == wanted) return as_it_is(entry.endpoint());
+  if (own == nullptr || !is_of_one_family(*own)) return as_it_is(found.begin()->endpoint());
   throw UserError(flag + ": '" + where.host + "' has no " + (wanted == Udp::v4() ? "IPv4" : "IPv6") +
                   " address, and the own address, --listen, is of that kind");
 }

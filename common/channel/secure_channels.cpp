@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <span>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 
@@ -68,19 +69,21 @@ std::optional<SecureChannels::Channel> SecureChannels::channel_to(const PublicKe
   return c;
 }
 
-std::list<SecureChannels::Channel>::iterator SecureChannels::quietest() {
-  return std::min_element(channels_.begin(), channels_.end(), [](const Channel& a, const Channel& b) {
-    return std::pair(a.met, a.heard) < std::pair(b.met, b.heard);
-  });
+// Whoever may be forgotten goes before all others. Once, as long as all had been met, of two that had just been told of
+// the first gave way to the second and the second to the first, and neither was ever heard.
+std::list<SecureChannels::Channel>::iterator SecureChannels::quietest(Micros local) {
+  const auto order = [local](const Channel& c) { return std::tuple(local - c.heard < kForgettable, c.met, c.heard); };
+  return std::min_element(channels_.begin(), channels_.end(),
+                          [&](const Channel& a, const Channel& b) { return order(a) < order(b); });
 }
 
 bool SecureChannels::has_room(Micros local) {
-  return channels_.size() < kMostChannels || local - quietest()->heard >= kForgettable;
+  return channels_.size() < kMostChannels || local - quietest(local)->heard >= kForgettable;
 }
 
 // What the network has kept of a forgotten peer must not pass when the peer is back.
-void SecureChannels::make_room() {
-  const auto out = quietest();
+void SecureChannels::make_room(Micros local) {
+  const auto out = quietest(local);
   const std::uint64_t newest = out->window.newest();
   if (newest > 0 && forgotten_.insert_or_assign(out->key, newest).second) {
     forgotten_order_.push_back(out->key);
@@ -93,7 +96,7 @@ void SecureChannels::make_room() {
 }
 
 SecureChannels::Channel& SecureChannels::keep(const Channel& c) {
-  if (channels_.size() >= kMostChannels) make_room();
+  if (channels_.size() >= kMostChannels) make_room(c.heard);
   tell_keys(c.key, c.keys.first());
   channels_.push_back(c);
   return channels_.back();

@@ -194,10 +194,11 @@ class SecureChannels {
   std::optional<Channel> channel_to(const PublicKey& key, const Endpoint& at, Micros local) const;
   /// Without forgetting anybody who was there a moment ago.
   bool has_room(Micros local);
-  std::list<Channel>::iterator quietest();
+  std::list<Channel>::iterator quietest(Micros local);
   /// Whoever has been quiet for the longest makes room; before anybody else, who never said anything.
+  /// Of a channel that was made just now.
   Channel& keep(const Channel& c);
-  void make_room();
+  void make_room(Micros local);
   void tell_keys(const PublicKey& whose, const wire::PairKeys& keys);
   void greet(const Endpoint& place, std::uint64_t& nonce, Micros& greeted, Micros pace, Micros local);
   void call(const Endpoint& to, PeerId state_to, std::span<const std::byte> datagram, Micros local);

@@ -247,7 +247,9 @@ void OutLink::on_packet(const StatePacket& p, Tick now) {
     acked_beyond_ |= p.have_beyond;
   }
   if (p.seen_seq <= newest_seen_) missed_ = last_were_missed(now);
-  if (p.seen_seq <= newest_seen_ || p.seen_seq > seq_) return;
+  // Nobody has had anything for longer than there has been a session.
+  const bool is_possible = p.mark_tick >= 0 && p.seen_age <= static_cast<std::uint32_t>(p.mark_tick);
+  if (p.seen_seq <= newest_seen_ || p.seen_seq > seq_ || !is_possible) return;
   newest_seen_ = p.seen_seq;
   answered_at_ = now;
   const std::uint32_t back = seq_ - p.seen_seq;

@@ -333,6 +333,28 @@ TEST(SecureChannels, WhoHasSpokenIsNotForgottenForThoseWhoNeverDid) {
   EXPECT_TRUE(g.b.receive(place(1), g.sealed("again"), g.now));
 }
 
+TEST(SecureChannels, WhoHasLongBeenQuietMakesRoomForWhoWasJustToldOf) {
+  TwoPeers g;
+  for (std::uint64_t i = 0; i < SecureChannels::kMostChannels; ++i) meet_another(g.b, 9000 + i, g.now);
+  g.now += 61'000'000;
+  Endpoint gone = place(9);
+  gone.key = wire::public_key(key_of(5000));
+  Endpoint known = place(1);
+  known.key = g.a.key();
+  for (int i = 0; i < 5; ++i) {
+    g.b.send(gone, kNoPeer, words("you"), g.now);
+    g.b.send(known, kNoPeer, words("a member told of it"), g.now);
+    g.say("here");
+    g.carry();
+    g.now += 20'000;
+  }
+  EXPECT_EQ(g.at_b.size(), 5U);
+  const std::uint64_t handshakes = g.b.stats().handshakes;
+  meet_another(g.b, 8000, g.now);
+  EXPECT_EQ(g.dropped_at_b(ChannelDrop::kFull), 0U);
+  EXPECT_GT(g.b.stats().handshakes, handshakes);
+}
+
 TEST(SecureChannels, WhatAForgottenPeerSaidDoesNotPassAgainWhenItIsBack) {
   TwoPeers g;
   g.meet();

@@ -36,6 +36,18 @@ TEST(Digest, ASummaryHasEveryMeasureWithItsInterval) {
   EXPECT_EQ(summary({}), "");
 }
 
+// Student's t for 11 degrees of freedom is 2.20099; values 0 and 1 in turn have a standard deviation of 0.52223.
+TEST(Digest, IntervalsOfTwelveSeedsAreStudents) {
+  StoredRows s;
+  s.heading = stored().heading;
+  for (std::size_t i = 0; i < 12; ++i)
+    s.rows.push_back(
+        {"g", i, 12,
+         "g," + std::to_string(i) + ",12,arena,0," + std::to_string(i) + "," + std::to_string(i % 2) + ",0,0,0,0",
+         i + 2});
+  EXPECT_NE(summary(s).find("arena,0,12,0.5,0.331"), std::string::npos) << summary(s);
+}
+
 TEST(Digest, OfTooManyCombinationsIsANote) {
   EXPECT_EQ(digest(stored(), 1), "2 combinations: too many for a table here\n");
   EXPECT_EQ(digest({}), "");

@@ -118,6 +118,10 @@ TEST(Grid, BadOnesAreRefusedBeforeAnythingRuns) {
       {"knob", [](GridText& t) { knob(t, "--steps") = "30,601"; }, "--steps: '601' is not allowed; give 1 to 600"},
       {"input", [](GridText& t) { t.inputs = {"walk"}; }, "--input: \"walk\" is no input"},
       {"netem", [](GridText& t) { t.netem = "lose 3%"; }, "--netem: word 1 \"lose\""},
+      {"two delays", [](GridText& t) { t.netem = "loss 3% delay 5ms", t.delay = "0,10ms"; },
+       "--netem: 'loss 3% delay 5ms' has a delay, and so has --delay; give"},
+      {"a knob of two", [](GridText& t) { t.techniques = "full,full --steps 20", knob(t, "--steps") = "30"; },
+       "--steps: 'full --steps 20' of --technique sets it, too; give"},
       {"size", [](GridText& t) { t.seeds = "1-1000000", t.peers = "1-16"; }, "the grid has more than 10 million runs"},
   };
   for (const Bad& bad : all) {

@@ -74,6 +74,16 @@ TEST_F(Sweep, GoesOnWhereItWasCut) {
   }
 }
 
+// Once, such a row counted as 0.
+TEST_F(Sweep, AMeasureThatIsNoNumberIsRefused) {
+  const std::string all = whole();
+  const std::size_t row = all.find('\n') + 1;
+  const std::size_t measure = all.find(",0.5,", row) + 5;  // behind the seconds
+  write("damaged", all.substr(0, measure) + "abc" + all.substr(all.find(',', measure)));
+  EXPECT_EQ(error_of([&] { sweep("damaged"); }),
+            "--csv: " + path("damaged") + ":2: 'abc' in column mean_m is no number");
+}
+
 TEST_F(Sweep, RowsInAnyOrderAreTaken) {
   const std::string all = whole();
   const std::size_t heading = all.find('\n') + 1;

@@ -169,5 +169,30 @@ TEST(OrderDesk, ADriveIsRepeatedAndOnlyTheNewestCounts) {
   EXPECT_TRUE(d.sent(kMicrosPerSecond).empty());
 }
 
+// Once, such orders went on for as long as the monitor ran, and the peer went on following them.
+TEST(OrderDesk, NobodyIsDrivenOnWhenAnotherSessionIsShown) {
+  Desk d;
+  d.desk.drive(d.peers[0], {Drive::Kind::kDirection, {1, 0}});
+  ASSERT_EQ(d.sent(0).size(), 1U);
+  d.desk.release_all();
+  const auto release = d.sent(1);
+  ASSERT_EQ(release.size(), 1U);
+  EXPECT_EQ(release[0].what, What(Drive{}));
+  d.desk.heard(11, d.answer(release[0], EventKind::kDriveEnd));
+  EXPECT_TRUE(d.sent(kMicrosPerSecond).empty());
+}
+
+TEST(OrderDesk, WhoseSlotHasGoneToAnotherProcessIsDrivenNoMore) {
+  Desk d;
+  const Drive east{Drive::Kind::kDirection, {1, 0}};
+  d.desk.drive(d.peers[0], east);
+  ASSERT_EQ(d.sent(0).size(), 1U);
+  d.peers[1].origin.slot = 0;
+  d.desk.drive(d.peers[1], east);
+  const auto sent = d.sent(OrderDesk::kDriveAgain);
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_EQ(sent[0].process, 12U);
+}
+
 }  // namespace
 }  // namespace padr::monitor

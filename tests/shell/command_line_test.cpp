@@ -71,6 +71,15 @@ TEST(CommandLine, NoTwoOptionsNameOneFile) {
       {{"a", "--json", "x/../c", "--csv", "c"}, "--json and --csv: both name the file 'c'; give each its own"},
       {{"a", "--json", "-", "--csv", "-"},
        "--json and --csv: only one of them can be printed; give a file in place of -"},
+      {{"a", "--input", "path:b,loop", "--csv", "b"}, "--csv and --input: both name the file 'b'; give each its own"},
+      {{"a", "--input", "wander", "--csv", "wander"}, ""},
+      {{"a", "--netem", "delay 5ms trace b", "--json", "b"},
+       "--json and --netem: both name the file 'b'; give each its own"},
+      {{"a", "--netem-to", "2=trace b", "--json", "b"},
+       "--json and --netem-to: both name the file 'b'; give each its own"},
+      {{"a", "--netem-to", "2=trace b", "--netem", "trace b"}, ""},
+      {{"a", "--scenario", "arena,b", "--json", "b"},
+       "--json and --scenario: both name the file 'b'; give each its own"},
   };
   for (const Row& r : rows) {
     CLI::App app;
@@ -80,6 +89,11 @@ TEST(CommandLine, NoTwoOptionsNameOneFile) {
     app.add_option("TRACE", traces)->type_name("FILE ...");
     app.add_option("--json", json)->type_name("FILE|-");
     app.add_option("--csv", csv)->type_name("FILE|-");
+    std::string read;
+    app.add_option("--input", read)->type_name("SPEC");
+    app.add_option("--netem", read)->type_name("SPEC");
+    app.add_option("--netem-to", read)->type_name("WHERE=SPEC");
+    app.add_option("--scenario", read)->type_name("NAMES|FILES");
     std::vector<const char*> argv{"program"};
     argv.insert(argv.end(), r.words.begin(), r.words.end());
     std::string answer;
@@ -89,6 +103,31 @@ TEST(CommandLine, NoTwoOptionsNameOneFile) {
       answer = e.what();
     }
     EXPECT_EQ(answer, r.answer);
+  }
+}
+
+// CLI11 takes a number that begins with 0 for octal.
+TEST(CommandLine, NoNumberIsTakenForOctal) {
+  for (const CLI::Validator& check : {shell::whole_number(), shell::range(0, 100), shell::between(0, 100, "s")}) {
+    EXPECT_EQ(check("10"), "");
+    EXPECT_EQ(check("0"), "");
+    EXPECT_TRUE(check("010").starts_with("'010' is not allowed; give ")) << check("010");
+  }
+  EXPECT_EQ(shell::range(0, 1)("0.25"), "");
+}
+
+TEST(CommandLine, AWrongValueMayBeOfAnyLength) {
+  CLI::App app;
+  int count = 0;
+  app.add_option("--count", count);
+  const std::string word(1'000'000, 'x');
+  const std::array argv{"program", "--count", word.c_str()};
+  try {
+    shell::parse(app, static_cast<int>(argv.size()), argv.data());
+    FAIL() << "taken";
+  } catch (const UserError& e) {
+    EXPECT_TRUE(std::string(e.what()).starts_with("--count: 'xxx")) << std::string(e.what()).substr(0, 100);
+    EXPECT_LT(std::string(e.what()).size(), 1000U);
   }
 }
 

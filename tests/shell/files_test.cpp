@@ -36,5 +36,51 @@ TEST(Files, NoTextIsWrittenOverWhatIsNone) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(Files, AllStepsAreDoneAndTheFirstFailureIsTold) {
+  std::string done;
+  const auto step = [&done](char c) { return [&done, c] { done += c; }; };
+  const auto failing = [&done](char c) {
+    return [&done, c] {
+      done += c;
+      throw UserError(std::string(1, c));
+    };
+  };
+  do_all({step('a'), step('b')});
+  EXPECT_EQ(done, "ab");
+  try {
+    do_all({failing('c'), step('d'), failing('e')});
+    FAIL() << "nothing thrown";
+  } catch (const UserError& e) {
+    EXPECT_STREQ(e.what(), "c");
+  }
+  EXPECT_EQ(done, "abcde");
+}
+
+// Once, `padr-lab sweep --summary /dev/full` put a file in the place of the device.
+TEST(Files, OnlyTextIsReplacedAndNotTheLinkToIt) {
+  const auto folder = std::filesystem::temp_directory_path() / "padr-replace-test";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder / "kept");
+  const auto place = [&](const std::string& name) { return (folder / name).string(); };
+  const auto refused = [](const std::string& path) {
+    try {
+      replaceable("--csv", path);
+    } catch (const UserError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  write_text(".", place("kept/rows"), "a,b\n");
+  std::filesystem::create_symlink("kept/rows", folder / "link");
+  EXPECT_EQ(replaceable("--csv", place("link")), std::filesystem::weakly_canonical(folder / "kept/rows"));
+  EXPECT_EQ(replaceable("--csv", place("new")), std::filesystem::weakly_canonical(folder / "new"));
+  OutputFile(".", place("trace"), Readers::kAsUsual, Content::kBinary).write(std::string_view("PADRTRC\x09\x01"));
+  EXPECT_TRUE(refused(place("trace")).starts_with("--csv: '" + place("trace") + "' is no text"));
+  EXPECT_TRUE(refused("/dev/null").starts_with("--csv: '/dev/null' is no regular file"));
+  EXPECT_TRUE(refused(place("kept")).starts_with("--csv: '" + place("kept") + "' is no regular file"));
+  EXPECT_TRUE(refused("-").starts_with("--csv: this cannot be printed"));
+  std::filesystem::remove_all(folder);
+}
+
 }  // namespace
 }  // namespace padr::shell

@@ -104,6 +104,18 @@ TEST(Delivery, WhoIsAlwaysBehindTellsWhatHasComeAllTheSame) {
   EXPECT_GE(told, 100 - 2 * kBehind);
 }
 
+// A member may say anything: that it has had a datagram for longer than the session lasts, too.
+TEST(Delivery, AnImpossibleAgeOfAnAcknowledgementIsNone) {
+  Script s;
+  s.update(0);
+  ASSERT_TRUE(s.at(0));
+  s.hear(10, 1, 0, s.link.sent(), 0x80000000U);
+  s.hear(10, 2, 0, s.link.sent(), 11);
+  EXPECT_EQ(s.link.unanswered(10), 10);
+  s.hear(10, 3, 0, s.link.sent(), 10);
+  EXPECT_EQ(s.link.unanswered(10), 0);
+}
+
 TEST(Delivery, NothingToSayIsAMarkFourTimesASecond) {
   Script s;
   ASSERT_TRUE(s.at(0));

@@ -65,6 +65,7 @@ void Live::watch_session() {
   ObservedSession* s = sessions_.shown();
   if (s == known_ || s == nullptr) return;
   known_ = s;
+  orders_.release_all();  // those of the session that was shown before
   drivers_.clear();
   paths_.clear();
   passed_ = 0;

@@ -1,6 +1,7 @@
 #include "tools/monitor/order_desk.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "shell/text.h"
 
@@ -34,7 +35,17 @@ bool OrderDesk::give(const std::vector<const PeerRecord*>& peers, const What& wh
   return true;
 }
 
+void OrderDesk::release_all() {
+  for (auto& [process, lane] : lanes_) {
+    if (!std::exchange(lane.drive, std::nullopt) || lane.waiting.size() >= kWaiting) continue;
+    lane.waiting.push_back({Drive{}, 0});
+  }
+}
+
 void OrderDesk::drive(const PeerRecord& peer, const Drive& drive) {
+  // Another process may have come to its place.
+  for (auto& [process, other] : lanes_)
+    if (process != peer.origin.process && other.whose.slot == peer.origin.slot) other.drive.reset();
   Lane& lane = lane_of(addressee(peer));
   if (drive.kind == Drive::Kind::kRelease) {
     lane.drive.reset();

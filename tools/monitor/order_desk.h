@@ -46,6 +46,8 @@ class OrderDesk {
             Whom whom = Whom::kAll);
   /// From now on, until something else is said. A release is an order like others.
   void drive(const PeerRecord& peer, const Drive& drive);
+  /// Nobody is driven any more: all are told so.
+  void release_all();
   /// The peer has told of this.
   void heard(std::uint64_t process, const Event& event);
   /// Sends what is due. A few dozen times a second.

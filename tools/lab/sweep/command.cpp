@@ -4,6 +4,7 @@
 
 #include "common/model/user_error.h"
 #include "shell/command_line.h"
+#include "shell/files.h"
 #include "shell/run_main.h"
 #include "shell/scenario_flags.h"
 #include "shell/technique_flags.h"
@@ -63,7 +64,7 @@ SweepCommand::SweepCommand() {
 void SweepCommand::declare(CLI::App& app) {
   const std::string world = "World";
   app.add_option("--scenario", grid_.scenarios, "Built-in names or files")
-      ->type_name("NAMES")
+      ->type_name("NAMES|FILES")
       ->capture_default_str()
       ->group(world);
   app.add_option("--bodies", grid_.bodies, "Numbers of bodies, 1 to 5000: change the scenario's scatter or row")
@@ -121,6 +122,7 @@ int SweepCommand::run() {
   if (csv_.empty()) throw UserError("--csv is required: the file for the rows (or give --dry-run)");
   if (!summary_.empty() && shard.count > 1)
     throw UserError("--summary with --shard: a shard does not have all seeds; give --summary to padr-lab merge");
+  if (!summary_.empty()) shell::replaceable("--summary", summary_);  // not only after all runs
   ParallelOptions parallel;
   parallel.threads = jobs_;
   const sweep::SweepResult r = sweep::run_sweep(grid, shard, csv_, parallel);
@@ -133,7 +135,9 @@ int SweepCommand::run() {
 }
 
 void MergeCommand::declare(CLI::App& app) {
-  app.add_option("SHARD", shards_, "The files of all shards of one sweep, in any order")->required();
+  app.add_option("SHARD", shards_, "The files of all shards of one sweep, in any order")
+      ->type_name("FILE ...")
+      ->required();
   app.add_option("--out", out_, "File for the joined rows")->type_name("FILE")->required();
   app.add_option("--summary", summary_, kSummaryHelp)->type_name("FILE");
   app.footer(
@@ -145,6 +149,7 @@ void MergeCommand::declare(CLI::App& app) {
 }
 
 int MergeCommand::run() {
+  if (!summary_.empty()) shell::replaceable("--summary", summary_);
   const std::size_t runs = sweep::merge(shards_, out_);
   std::printf("%zu runs of %zu files in %s\n", runs, shards_.size(), out_.c_str());
   sum_up("--out", out_, summary_);

@@ -42,6 +42,21 @@ std::string netem_text(double delay_ms, double jitter_ms, double loss_percent, c
   return s + more;
 }
 
+/// Rows would be named by the one and played by the other.
+void refuse_two_delays(const GridText& t) {
+  const bool has_delay = (" " + t.netem + " ").find(" delay ") != std::string::npos;
+  if (!has_delay || (t.delay.empty() && t.jitter.empty())) return;
+  throw UserError("--netem: '" + t.netem + "' has a delay, and so " +
+                  (t.delay.empty() ? "has --jitter" : "has --delay") + "; give delays in one of them");
+}
+
+bool sets(const std::string& technique, std::string_view flag) {
+  const std::string words = " " + technique + " ";
+  for (const char end : {' ', '='})
+    if (words.find(" " + std::string(flag) + end) != std::string::npos) return true;
+  return false;
+}
+
 }  // namespace
 
 Grid::Grid(const GridText& t)
@@ -56,6 +71,7 @@ Grid::Grid(const GridText& t)
       seconds_(t.seconds),
       settle_seconds_(t.settle_seconds),
       inputs_(t.inputs.empty() ? std::vector<std::string>{"wander"} : t.inputs) {
+  refuse_two_delays(t);
   const auto fewest = static_cast<int>(*std::min_element(peers_.begin(), peers_.end()));
   if (t.watch && (*t.watch < 0 || *t.watch >= fewest))
     throw UserError("--watch: '" + std::to_string(*t.watch) + "' is not allowed; give 0 to " +
@@ -112,8 +128,13 @@ Point Grid::point(std::size_t index) const {
 void Grid::check_techniques() {
   for (const std::string& name : techniques_) {
     Technique t = shell::technique_of(name);
-    for (std::size_t k = 0; k < knobs_.size(); ++k)
-      for (const std::string& value : knob_values_[k]) shell::knobs()[knobs_[k]].set(t, value);
+    for (std::size_t k = 0; k < knobs_.size(); ++k) {
+      const shell::Knob& knob = shell::knobs()[knobs_[k]];
+      if (sets(name, knob.flag))
+        throw UserError(std::string(knob.flag) + ": '" + name +
+                        "' of --technique sets it, too; give it in one of them");
+      for (const std::string& value : knob_values_[k]) knob.set(t, value);
+    }
   }
   for (const double delay : delay_ms_)
     for (const double jitter : jitter_ms_)

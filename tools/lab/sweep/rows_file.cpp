@@ -32,28 +32,43 @@ std::optional<StoredRow> row_of(std::string_view line, std::size_t fields) {
   return StoredRow{f[0], *run, *of, std::string(line), 0};
 }
 
+/// The columns behind the seed are measures, but for a name and the words of a setting.
+void check_measures(const std::vector<std::string>& names, const std::string& row, const std::string& where) {
+  const std::vector<std::string> fields = fields_of(row);
+  const auto seed = static_cast<std::size_t>(std::find(names.begin(), names.end(), "seed") - names.begin());
+  for (std::size_t c = seed + 1; c < names.size(); ++c) {
+    if (names[c] == "confirmed_hash" || names[c] == "setting") continue;
+    double v = 0;
+    const char* const last = fields[c].data() + fields[c].size();
+    const auto [end, error] = std::from_chars(fields[c].data(), last, v);
+    if (error != std::errc() || end != last)
+      throw UserError(where + ": '" + fields[c] + "' in column " + names[c] + " is no number");
+  }
+}
+
 }  // namespace
 
 StoredRows read_rows(std::string_view flag, const std::string& file) {
   const std::string text = shell::read_file(flag, file, kMostBytes);
   StoredRows stored;
   std::size_t line = 0;
-  std::size_t fields = 0;
+  std::vector<std::string> names;
   std::size_t from = 0;
   for (std::size_t to = text.find('\n'); to != std::string::npos; to = text.find('\n', from)) {
     const std::string_view content = std::string_view(text).substr(from, to - from);
     from = to + 1;
     if (++line == 1) {
       stored.heading = content;
-      fields = fields_of(content).size();
+      names = fields_of(content);
       if (!content.starts_with("grid,run,of,"))
         throw UserError(std::string(flag) + ": " + file +
                         ":1: is not the heading of a sweep, which begins grid,run,of");
       continue;
     }
-    auto row = row_of(content, fields);
-    if (!row)
-      throw UserError(std::string(flag) + ": " + file + ":" + std::to_string(line) + ": is not a row of a sweep");
+    const std::string where = std::string(flag) + ": " + file + ":" + std::to_string(line);
+    auto row = row_of(content, names.size());
+    if (!row) throw UserError(where + ": is not a row of a sweep");
+    check_measures(names, row->text, where);
     row->line = line;
     stored.rows.push_back(std::move(*row));
   }
@@ -93,12 +108,13 @@ void make_folder_of(const std::string& file) {
 }
 
 void replace_file(std::string_view flag, const std::string& file, const std::string& text) {
-  const std::string part = file + ".part";
-  make_folder_of(file);
+  const std::string place = shell::replaceable(flag, file);
+  const std::string part = place + ".part";
+  make_folder_of(place);
   shell::OutputFile out(flag, part);
   out.write(text);
   out.close();
-  std::filesystem::rename(part, file);
+  std::filesystem::rename(part, place);
 }
 
 }  // namespace padr::lab::sweep

@@ -23,7 +23,7 @@ struct StoredRows {
   std::string rest;  ///< what is behind the last newline: if anything, whoever wrote the file was stopped
 };
 
-/// Throws UserError "FLAG: FILE:LINE: ..." for a line that is no row of a sweep.
+/// Throws UserError "FLAG: FILE:LINE: ..." for a line that is no row of a sweep, or has a measure that is no number.
 StoredRows read_rows(std::string_view flag, const std::string& file);
 
 /// The fields of a line, without the quotes that some need (RFC 4180).
@@ -36,7 +36,7 @@ std::string canonical(const std::string& heading, const std::map<std::size_t, st
 void make_folder_of(const std::string& file);
 
 /// Puts `text` in the place of the file's content at once: whoever is stopped meanwhile leaves the old or the new.
-/// Throws UserError.
+/// Throws UserError, also for what shell::replaceable() refuses.
 void replace_file(std::string_view flag, const std::string& file, const std::string& text);
 
 }  // namespace padr::lab::sweep

@@ -59,6 +59,7 @@ Shard shard_of(const std::string& text) {
 
 SweepResult run_missing(const Runs& runs, const Shard& shard, const std::string& file,
                         const ParallelOptions& parallel) {
+  const std::string place = shell::replaceable(runs.flag, file);
   std::map<std::size_t, std::string> rows = rows_done(runs, shard, file);
   std::vector<std::size_t> todo;
   SweepResult result;
@@ -69,12 +70,12 @@ SweepResult run_missing(const Runs& runs, const Shard& shard, const std::string&
   result.done_now = todo.size();
 
   // The file is written anew beside the old one, which stays until the new one has all its rows.
-  const std::string part = file + ".part";
-  make_folder_of(file);
+  const std::string part = place + ".part";
+  make_folder_of(place);
   shell::OutputFile out(runs.flag, part);
   out.write(canonical(runs.heading, rows));
   out.flush();
-  std::filesystem::rename(part, file);
+  std::filesystem::rename(part, place);
   std::mutex mutex;
   run_parallel(
       todo.size(),
