@@ -21,6 +21,11 @@ bool BackgroundFile::append(std::span<const std::byte> bytes) {
   return true;
 }
 
+bool BackgroundFile::has_failed() {
+  const std::lock_guard lock(mutex_);
+  return failed_;
+}
+
 void BackgroundFile::end_thread() {
   {
     const std::lock_guard lock(mutex_);

@@ -28,6 +28,8 @@ class BackgroundFile {
 
   /// All of it or, if too much waits already or something could not be written, nothing: then false.
   bool append(std::span<const std::byte> bytes);
+  /// Whether something could not be written; then nothing more is.
+  bool has_failed();
   /// Writes what is left. Throws std::system_error if anything could not be written.
   void close();
 

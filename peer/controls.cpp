@@ -69,7 +69,9 @@ void Controls::follow(const monitor::Netem& n, std::uint32_t order, Micros now) 
 
 void Controls::follow(const monitor::Cut& c, std::uint32_t order, Micros now) {
   const std::optional<PeerId> peer = other(c.peer);
-  cuts_.cut(peer, peer ? player_.replica().seat(*peer).at : Endpoint{}, now + in_micros(c.seconds), c.ways);
+  std::vector<Endpoint> places;
+  if (peer) places = {player_.replica().seat(*peer).at, player_.place(*peer)};
+  cuts_.cut(peer, std::move(places), now + in_micros(c.seconds), c.ways);
   player_.remark({"cut", c.peer, cut_text(c)});
   say(EventKind::kCut, order, c.peer, cut_text(c));
   update(now);

@@ -25,7 +25,7 @@ std::string to_json(const HealthState& s) {
 
 }  // namespace
 
-Health::Health(std::string file, Log& log) : file_(std::move(file)), log_(log) {
+Health::Health(const std::string& file, Log& log) : file_(shell::replaceable("--health", file)), log_(log) {
   const std::string why = write({});
   if (!why.empty()) throw UserError(why);
 }
@@ -69,6 +69,8 @@ std::string Health::write(const HealthState& s) const {
     out.write(to_json(s));
     out.close();
   } catch (const std::exception& e) {
+    std::error_code ignored;
+    std::filesystem::remove(fresh, ignored);
     return e.what();
   }
   std::error_code error;

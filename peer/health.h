@@ -29,7 +29,7 @@ class Health {
   static constexpr Micros kPatience = 10 * kMicrosPerSecond;
 
   /// Throws UserError if the file cannot be written. `log` must outlive it.
-  Health(std::string file, Log& log);
+  Health(const std::string& file, Log& log);
 
   /// Brings it up to `now`: writes if it is time to. What cannot be written later on is said in the log.
   void update(const Player& player, Micros now);

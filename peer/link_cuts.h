@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/model/endpoint.h"
@@ -15,12 +16,13 @@ namespace padr::peer {
 class LinkCuts {
  public:
   using Ways = monitor::Ways;
-  /// `peer` absent: all. `at`: where that peer is. Until `until`, microseconds; whole again at once if that is past.
-  void cut(std::optional<PeerId> peer, const Endpoint& at, Micros until, Ways ways = Ways::kBoth) {
+  /// `peer` absent: all. `places`: where that peer is, or may be. Until `until`, microseconds; whole again at once if
+  /// that is past.
+  void cut(std::optional<PeerId> peer, std::vector<Endpoint> places, Micros until, Ways ways = Ways::kBoth) {
     if (peer) {
-      by_peer_[*peer] = {at, until, ways};
+      by_peer_[*peer] = {std::move(places), until, ways};
     } else {
-      all_ = {at, until, ways};
+      all_ = {std::move(places), until, ways};
     }
   }
 
@@ -52,14 +54,16 @@ class LinkCuts {
 
  private:
   struct Cut {
-    Endpoint at;
+    std::vector<Endpoint> places;
     Micros until = 0;
     Ways ways = Ways::kBoth;
   };
   bool is_cut(const Endpoint& with, Ways but_for) const {
     if (all_ && all_->ways != but_for) return true;
-    return std::any_of(by_peer_.begin(), by_peer_.end(),
-                       [&](const auto& c) { return c.second.ways != but_for && same_place(c.second.at, with); });
+    const auto is_there = [&with](const Endpoint& place) { return same_place(place, with); };
+    return std::any_of(by_peer_.begin(), by_peer_.end(), [&](const auto& c) {
+      return c.second.ways != but_for && std::any_of(c.second.places.begin(), c.second.places.end(), is_there);
+    });
   }
 
   std::optional<Cut> all_;

@@ -125,6 +125,10 @@ void Loop::wake() {
   if (!ending()) advance(now);
   egress_->pump(now);
   flush();
+  if (packets_ && !packets_failed_ && packets_->has_failed()) {
+    packets_failed_ = true;
+    log_.net->error("--pcap: cannot write '{}': nothing more is captured", options_.pcap);
+  }
   if (ending() && (!egress_->next_due() || now >= *drain_until_)) {
     io_.stop();
     return;

@@ -97,6 +97,7 @@ class Loop {
   std::shared_ptr<shell::HandlerMemory> timer_memory_ = std::make_shared<shell::HandlerMemory>();
   std::optional<Micros> timer_due_;  ///< what it is set to; nothing: it is not
   std::unique_ptr<shell::OutputFile> json_;
+  bool packets_failed_ = false;         ///< and it was said
   std::unique_ptr<PacketLog> packets_;  ///< null: none is kept
   RateLimit net_limit_;
   Micros next_status_ = -1;            ///< local time; -1: not yet playing

@@ -430,6 +430,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
     o.netem_to.push_back(parse_override(text, &o.warnings));
     const std::string where = text.substr(0, text.find('='));
     if (!impaired.insert(where).second) throw UserError("--netem-to: given twice for " + where + "; give it once");
+    o.netem_text += (o.netem_text.empty() ? "to " : "; to ") + where + ": " + text.substr(where.size() + 1);
   }
   take_crowd(app, raw, o);
   if (!o.crowd) {

@@ -64,7 +64,7 @@ struct Options {
   double linger = 3;    ///< s after the end of play, at most
 
   link::NetemSpec netem;
-  std::string netem_text;
+  std::string netem_text;  ///< of all links, and of those of --netem-to
   std::vector<NetemOverride> netem_to;
   std::uint64_t netem_seed = 1;
 

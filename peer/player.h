@@ -99,6 +99,7 @@ class Player {
   /// Null if the session has no key.
   const node::SecureChannels* channels() const { return participant_.channels(); }
   /// The member through which p is reached; kNoPeer: it is reached directly.
+  Endpoint place(PeerId p) const { return participant_.place(p); }
   PeerId carrier(PeerId p) const { return participant_.carrier(p); }
   /// Of the present incarnation; only when playing.
   const node::Replica& replica() const { return participant_.replica(); }

@@ -60,10 +60,22 @@ std::optional<node::RecordedReplica::Recording> Recordings::of(int incarnation) 
   }
   begun_ = true;
   shell::OutputFile* file = files_[n].get();
-  return node::RecordedReplica::Recording{provenance(), [file](std::span<const std::byte> b) { file->write(b); }};
+  return node::RecordedReplica::Recording{provenance(),
+                                          [this, file](std::span<const std::byte> b) { write(*file, b); }};
+}
+
+void Recordings::write(shell::OutputFile& file, std::span<const std::byte> bytes) {
+  if (trouble_) return;
+  try {
+    file.write(bytes);
+  } catch (const std::exception& e) {
+    trouble_ = std::current_exception();
+    log_.play->error("--trace: {}: nothing more is recorded", e.what());
+  }
 }
 
 void Recordings::close() {
+  if (trouble_) std::rethrow_exception(trouble_);
   for (const auto& file : files_)
     if (file) file->close();
 }

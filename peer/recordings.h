@@ -1,7 +1,9 @@
 #pragma once
 
+#include <exception>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "common/replica/recorded_replica.h"
@@ -23,15 +25,17 @@ class Recordings {
   /// Where to record incarnation 0, 1, ...; nothing without --trace, and if a later incarnation's file cannot be
   /// opened, which is said in the log. An incarnation that is begun anew because it got nowhere writes its file anew.
   std::optional<node::RecordedReplica::Recording> of(int incarnation);
-  /// Throws std::system_error if something could not be written.
+  /// Throws std::system_error if something could not be written: then nothing more was since, and play went on.
   void close();
 
  private:
+  void write(shell::OutputFile& file, std::span<const std::byte> bytes);
   trace::Provenance provenance() const;
 
   const Options& options_;
   Log& log_;
   std::vector<std::unique_ptr<shell::OutputFile>> files_;  ///< by incarnation; null where there is none
+  std::exception_ptr trouble_;                             ///< the first failure
   bool begun_ = false;                                     ///< the first file has been written to, or may have been
 };
 

@@ -147,7 +147,7 @@ void put_links(Json& j, const Report& r) {
     const node::Seat& n = p.replica().seat(to);
     const node::LinkState& link = p.replica().link(to);
     if (to == p.self() || !n.at.is_set()) continue;
-    j.begin_object().field("peer", to).field("incarnation", n.incarnation).field("endpoint", to_string(n.at));
+    j.begin_object().field("peer", to).field("incarnation", n.incarnation).field("endpoint", to_string(p.place(to)));
     j.field("left", n.presence == node::Presence::kLeft).field("lost", n.presence == node::Presence::kAbsent);
     put_drops(j, link.dropped);
     j.field("cut_off", link.cut_offs);

@@ -124,7 +124,8 @@ void OutputFile::close() {
 }
 
 void OutputFile::fail() const {
-  throw std::system_error(errno, std::generic_category(), "cannot write '" + path_ + "'");
+  throw std::system_error(errno, std::generic_category(),
+                          path_ == "-" ? "cannot write to standard output" : "cannot write '" + path_ + "'");
 }
 
 void do_all(std::initializer_list<std::function<void()>> steps) {

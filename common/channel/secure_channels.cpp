@@ -226,6 +226,12 @@ SecureChannels::Came SecureChannels::came(const PublicKey& of, Micros local) con
   return {};
 }
 
+Endpoint SecureChannels::place(const PublicKey& of) const {
+  for (const Channel& c : channels_)
+    if (c.key == of) return c.at;
+  return {};
+}
+
 void SecureChannels::transmit(Channel& to, PeerId state_to, std::span<const std::byte> sealed) {
   Channel* by = is_carried(to) ? known(to.carrier) : nullptr;
   if (by == nullptr) return transmit_directly(to, state_to, sealed);

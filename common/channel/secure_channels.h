@@ -111,6 +111,8 @@ class SecureChannels {
     bool carried = false;
   };
   Came came(const PublicKey& of, Micros local) const;
+  /// Where a peer is, by what it sent last; not set if it is not known.
+  Endpoint place(const PublicKey& of) const;
   /// What to send, by place, in order, since the last time; until the next call of anything.
   std::span<const Parcel> take_outgoing() { return outgoing_.take(); }
 

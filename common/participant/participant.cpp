@@ -262,6 +262,12 @@ bool Participant::nobody_to_tell() const {
   return true;
 }
 
+Endpoint Participant::place(PeerId p) const {
+  const Endpoint& told = replica().seat(p).at;
+  const Endpoint found = channels_ && told.has_key() ? channels_->place(told.key) : Endpoint{};
+  return found.is_set() ? found : told.place();
+}
+
 // A newcomer asks through whoever has redirected it until something comes directly. The coordinator answers by the way
 // that the newcomer comes: it may take the one and not the other.
 void Participant::use_introductions() {

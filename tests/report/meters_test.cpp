@@ -128,6 +128,21 @@ TEST(ConfirmedTicks, WhatWasGivenUpIsNotHeldAgainstAnybody) {
   EXPECT_EQ(check.given_up_unlike, 2U);
 }
 
+// Once, the report said that worlds differed where a peer had been stopped, declared gone, and ended by itself.
+TEST(ConfirmedTicks, WhoWasDeclaredGoneWhileItWentOnIsNotHeldAgainstAnybody) {
+  const std::vector<report::Survey> incarnations{incarnation("0", 9), incarnation("1", 9), incarnation("2", 9)};
+  report::ConfirmedTicks c(incarnations);
+  for (Tick t = 0; t <= 5; ++t)
+    for (const std::size_t n : {0U, 1U, 2U}) c.add(n, t, n == 2 && t >= 3 ? 8 : 7);
+  EXPECT_EQ(c.compare().mismatches, 3U);
+  c.give_up(2);
+  const report::ConfirmedCheck check = c.compare();
+  EXPECT_EQ(check.mismatches, 0U);
+  EXPECT_EQ(check.ticks, 6U);
+  EXPECT_EQ(check.given_up, 6U);
+  EXPECT_EQ(check.given_up_unlike, 3U);
+}
+
 TEST(Utf8, OnlyWellFormedSequencesPass) {
   const std::string bad = "\xEF\xBF\xBD";
   const std::vector<std::pair<std::string, std::string>> cases{

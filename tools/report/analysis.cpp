@@ -59,6 +59,7 @@ struct Cursor {
   Peer peer;
   TrafficMeter traffic;
   std::unique_ptr<trace::ShownMeter> shown;  ///< null: the scene is not known
+  std::vector<bool> present;                 ///< entities, as confirmed last
   double threshold_sum = 0;
   Vec2 target;  ///< m, of the last step
   bool ended = false;
@@ -184,6 +185,7 @@ class Analysis {
     c.peer.last_confirmed = t.tick;
     confirmed_.add(c.incarnation, t.tick, t.hash);
     if (c.about.superseded) return;  // others may have agreed on something else meanwhile
+    note_gone(c, t.tick);
     // The first trace to know a tick speaks for all: they are the same, or their hashes say so.
     if (t.tick < next_truth_) return;
     next_truth_ = t.tick + 1;
@@ -195,6 +197,19 @@ class Analysis {
     }
     flips_.owners(t.tick, truth.owner);
     meter_.truth(t.tick, truth);
+  }
+
+  /// Whose avatar is out of the session by this trace, while its own trace goes on.
+  void note_gone(Cursor& c, Tick now) {
+    const std::vector<bool>& present = c.reader.truth().present;
+    for (const auto& other : cursors_) {
+      const Survey& s = other->about;
+      const std::size_t avatar = static_cast<std::size_t>(session_.bodies) + s.header.peer;
+      if (other != cursors_[c.incarnation] && avatar < c.present.size() && c.present[avatar] && !present[avatar] &&
+          s.came < now && now <= s.last_tick)
+        gone_.push_back({other->incarnation, now});
+    }
+    c.present = present;
   }
 
   static void take(Cursor& c, const trace::Retune& r) {
@@ -240,6 +255,10 @@ class Analysis {
   void take(Cursor&, const Other&) {}
 
   Report finish() {
+    for (const auto& [incarnation, out] : gone_) {
+      const Tick left = cursors_[incarnation]->peer.left_at;
+      if (left < 0 || left > out) confirmed_.give_up(incarnation);  // it was declared gone, and has not said goodbye
+    }
     Report r;
     for (const auto& c : cursors_) {
       Peer& p = c->peer;
@@ -297,6 +316,7 @@ class Analysis {
   std::map<std::pair<std::size_t, std::size_t>, LinkMeter> links_;  ///< by incarnations
   std::set<PeerId> heard_;
   ConfirmedTicks confirmed_;
+  std::vector<std::pair<std::size_t, Tick>> gone_;  ///< whose avatar left the session, by some trace, and when
   Tick next_truth_ = 0;
   std::vector<PeerId> owner_;  ///< by body, at next_truth_ - 1
   std::vector<AuthorityChange> authority_;

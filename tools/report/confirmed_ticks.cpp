@@ -32,6 +32,10 @@ void ConfirmedTicks::add(std::size_t incarnation, Tick tick, std::uint64_t hash)
   ticks_[at].push_back({incarnation, hash});
 }
 
+bool ConfirmedTicks::is_given_up(std::size_t incarnation) const {
+  return incarnations_[incarnation].superseded || given_up_.contains(incarnation);
+}
+
 void ConfirmedTicks::judge_given_up(const std::vector<Entry>& given_up, const std::vector<Entry>& others,
                                     ConfirmedCheck& check) const {
   if (others.empty()) return;
@@ -47,13 +51,15 @@ ConfirmedCheck ConfirmedTicks::compare() const {
     const auto t = static_cast<Tick>(i);
     std::vector<Entry> entries;
     std::vector<Entry> given_up;
-    for (const Entry& e : ticks_[i]) (incarnations_[e.incarnation].superseded ? given_up : entries).push_back(e);
+    for (const Entry& e : ticks_[i]) (is_given_up(e.incarnation) ? given_up : entries).push_back(e);
     judge_given_up(given_up, entries, check);
     if (entries.size() < 2) continue;
-    const auto reaching = std::count_if(incarnations_.begin(), incarnations_.end(), [t](const Survey& s) {
-      return !s.superseded && s.confirmed_from >= 0 && t >= s.confirmed_from && t <= s.last_tick;
-    });
-    if (static_cast<std::ptrdiff_t>(entries.size()) >= reaching) ++check.ticks;
+    std::size_t reaching = 0;
+    for (std::size_t n = 0; n < incarnations_.size(); ++n) {
+      const Survey& s = incarnations_[n];
+      if (!is_given_up(n) && s.confirmed_from >= 0 && t >= s.confirmed_from && t <= s.last_tick) ++reaching;
+    }
+    if (entries.size() >= reaching) ++check.ticks;
     if (std::all_of(entries.begin(), entries.end(), [&](const Entry& e) { return e.hash == entries[0].hash; }))
       continue;
     ++check.mismatches;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@ class ConfirmedTicks {
   /// `incarnations` must outlive it.
   explicit ConfirmedTicks(const std::vector<Survey>& incarnations) : incarnations_(incarnations) {}
   void add(std::size_t incarnation, Tick tick, std::uint64_t hash);
+  /// Others declared it gone while it went on: without its last updates, which came too late for them.
+  void give_up(std::size_t incarnation) { given_up_.insert(incarnation); }
   ConfirmedCheck compare() const;
 
  private:
@@ -26,7 +29,10 @@ class ConfirmedTicks {
   void judge_given_up(const std::vector<Entry>& given_up, const std::vector<Entry>& others,
                       ConfirmedCheck& check) const;
 
+  bool is_given_up(std::size_t incarnation) const;
+
   const std::vector<Survey>& incarnations_;
+  std::set<std::size_t> given_up_;
   std::vector<std::vector<Entry>> ticks_;
 };
 
