@@ -29,7 +29,8 @@ constexpr const char* kDescription =
 
 constexpr const char* kFooter =
     "HOST is a name, an IPv4 address, or an IPv6 address in brackets. Peers of a session must have the same scenario,\n"
-    "seed and authority rule (avatar-only or not); each peer may choose all other knobs for itself.\n"
+    "seed (where the scene depends on it) and authority rule (avatar-only or not); each peer may choose all other\n"
+    "knobs for itself.\n"
     "\n"
     "A session needs no particular peer: any peer may join and leave while it runs, and the founder may leave too. A\n"
     "silent peer is declared gone after some seconds. A peer that was declared gone or disconnected joins again by\n"

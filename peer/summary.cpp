@@ -22,7 +22,7 @@ void put_origin(Json& j, const Report& r) {
   j.field("program", "padr-peer").field("version", shell::version()).field("revision", shell::revision());
   j.field("command", shell::shell_line(o.command));
   j.field("scenario", o.scenario.label).field("seed", o.scenario.seed);
-  j.field("technique", shell::describe(o.technique)).field("input", o.input);
+  j.field("technique", shell::describe(r.player.technique())).field("input", o.input);
   j.field("netem", shell::to_string(o.netem)).field("netem_seed", o.netem_seed);
   j.field("exit_code", r.exit_code).field("reason", r.reason);
 }

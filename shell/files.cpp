@@ -83,14 +83,19 @@ void refuse_binary(std::string_view flag, const std::string& path) {
 }  // namespace
 
 std::string replaceable(std::string_view flag, const std::string& path) {
+  constexpr int kMostLinks = 40;  // as Linux follows
   if (path == "-") throw UserError(std::string(flag) + ": this cannot be printed; name a file in place of -");
   refuse_binary(flag, path);
   std::error_code error;
   if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
     throw UserError(std::string(flag) + ": '" + path +
                     "' is no regular file, and cannot be replaced; name another one");
-  const std::filesystem::path place = std::filesystem::weakly_canonical(path, error);
-  return error ? path : place.string();
+  // A link may lead to what is not there yet.
+  std::filesystem::path place = path;
+  for (int links = 0; links < kMostLinks && std::filesystem::is_symlink(place, error); ++links)
+    place = place.parent_path() / std::filesystem::read_symlink(place, error);
+  const std::filesystem::path whole = std::filesystem::weakly_canonical(place, error);
+  return error ? path : whole.string();
 }
 
 OutputFile::OutputFile(std::string_view flag, std::string path, Readers readers, Content content)

@@ -43,6 +43,20 @@ class Health(Case):
         self.assertEqual([p.end() for p in (other, founder)], [0, 0])
         self.assertEqual(os.listdir(self.folder.name), [], "neither the file nor a draft of it is left")
 
+    # Once, such a file was replaced and then removed, as root a device, too.
+    def test_what_is_no_file_is_refused_and_a_link_stays(self):
+        os.mkfifo(self.path("pipe"))
+        for path in (self.path("pipe"), self.folder.name, "-"):
+            code, _, said = run("--wait-peers", 1, "--duration", 1, "--health", path)
+            self.assertEqual(code, 2, said)
+            self.assertIn("--health: ", said)
+        os.symlink("target", self.path("link"))
+        peer = self.peer("--wait-peers", 1, "--health", self.path("link"))
+        self.wait_for(lambda s: s["playing"], self.path("target"))
+        self.assertTrue(os.path.islink(self.path("link")))
+        peer.process.send_signal(signal.SIGINT)
+        self.assertEqual(peer.end(), 0)
+
     def test_confirmed_that_stands_still_shows(self):
         flags = ["--health", self.path()]
         founder = self.peer("--wait-peers", 2, *flags)
@@ -57,12 +71,11 @@ class Health(Case):
         self.assertEqual(founder.end(), 0)
 
     def test_a_file_that_cannot_be_written_is_a_wrong_argument(self):
-        os.mkdir(self.path("folder"))
-        for bad in (self.path("nowhere/peer.health"), self.path("folder")):
-            code, _, said = run("--wait-peers", "1", "--duration", "1", "--health", bad)
-            self.assertEqual(code, 2)
-            self.assertIn(f"--health: cannot write '{bad}", said)
-            self.assertEqual(said.count("\n"), 1)
+        bad = self.path("nowhere/peer.health")
+        code, _, said = run("--wait-peers", "1", "--duration", "1", "--health", bad)
+        self.assertEqual(code, 2)
+        self.assertIn(f"--health: cannot write '{bad}", said)
+        self.assertEqual(said.count("\n"), 1)
 
 
 if __name__ == "__main__":

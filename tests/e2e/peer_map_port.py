@@ -10,7 +10,10 @@ Usage: peer_map_port.py PATH_TO_PADR_PEER [unittest arguments]
 import contextlib
 import os
 import shutil
+import socket
+import struct
 import subprocess
+import threading
 import time
 
 from hosts import main_unless
@@ -122,6 +125,42 @@ class MapPort(Case):
     def test_by_upnp(self):
         with self.daemon("no", "yes"):
             self.check("UPnP")
+
+    @contextlib.contextmanager
+    def slow_router(self, seconds):
+        """Answers NAT-PMP (RFC 6886), each request so long after it came."""
+        with self.internet.inside(self.router):
+            s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        s.bind(("192.168.0.1", 5351))
+        s.settimeout(0.1)
+        ended = threading.Event()
+
+        def answer():
+            waiting = []
+            while not ended.is_set():
+                with contextlib.suppress(TimeoutError):
+                    waiting.append((time.monotonic() + seconds, *s.recvfrom(64)))
+                while waiting and waiting[0][0] <= time.monotonic():
+                    _, request, asker = waiting.pop(0)
+                    head = struct.pack("!BBHI", 0, 128 + request[1], 0, 1)
+                    s.sendto(head + (socket.inet_aton(OUTSIDE) if request[1] == 0 else request[4:12]), asker)
+
+        thread = threading.Thread(target=answer)
+        thread.start()
+        try:
+            yield
+        finally:
+            ended.set()
+            thread.join()
+            s.close()
+
+    # Such a router is asked twice for its address, and its second answer was taken for the mapping.
+    def test_a_router_that_answers_slowly(self):
+        with self.slow_router(0.35):
+            peer = self.start("a", "--listen", "0.0.0.0:7001", "--map-port", "--wait-peers", 1)
+            said = peer.wait_for(r"the router forwards ([\d.]+):(\d+) to this peer, by (\S+)")
+            self.assertEqual((said[1], said[2], said[3]), (OUTSIDE, "7001", "NAT-PMP"))
+            self.assertEqual(peer.end(), 0)
 
     def test_without_a_router_that_maps(self):
         peer = self.start("a", "--listen", "0.0.0.0:7001", "--map-port", "--wait-peers", 1)

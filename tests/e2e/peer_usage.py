@@ -4,9 +4,11 @@
 Usage: peer_usage.py PATH_TO_PADR_PEER [unittest arguments]
 """
 
+import json
 import os
+import subprocess
 
-from peers import Case, main, run
+from peers import PROGRAM, Case, main, run
 
 JOIN = ["--join", "127.0.0.1:9"]
 
@@ -22,6 +24,25 @@ class Usage(Case):
             self.assertTrue(lines[0].startswith("padr-peer: "), err)
             for word in words:
                 self.assertIn(word, lines[0])
+
+    def test_a_full_disk_is_told_and_costs_nothing_else(self):
+        if not os.path.exists("/dev/full"):
+            self.skipTest("there is no /dev/full")
+        played = ["--wait-peers", 1, "--duration", 1, "--json", "-"]
+        with open("/dev/full", "w", encoding="ascii") as full:
+            for arguments in (["keygen"], ["fingerprint"], played):
+                with self.subTest(arguments=arguments):
+                    done = subprocess.run([PROGRAM, *map(str, arguments)], stdout=full, stderr=subprocess.PIPE, text=True)
+                    self.assertEqual(done.returncode, 1)
+                    self.assertIn("padr-peer: cannot write to standard output: No space left on device", done.stderr)
+        for flag in ("--pcap", "--trace"):
+            with self.subTest(flag=flag):
+                code, summary, said = run(*played, flag, "/dev/full", "--health", os.path.join(self.folder.name, "health"))
+                self.assertEqual(code, 1, said)
+                self.assertIn("cannot write '/dev/full'", said)
+                self.assertIn("ended: played to the end", said)
+                self.assertGreater(json.loads(summary)["ticks"], 50)
+                self.assertEqual(os.listdir(self.folder.name), [])
 
     def test_flags(self):
         table = [
@@ -50,6 +71,8 @@ class Usage(Case):
             (["--meeting-point", "--crowd"], "--meeting-point", "--crowd"),
             (["--map-port"], "--map-port", "--listen"),
             (["--map-port", "--listen", "127.0.0.1:0"], "--map-port", "loopback"),
+            (["--map-port", "--listen", "[2001:db8::1]:0"], "--listen", "--insecure"),
+            (["--seed", "010"], "--seed", "'010' is not allowed"),
             (["--duration", "-1"], "--duration"),
             (["--duration", "nan"], "--duration"),
             (["--linger", "1e9"], "--linger"),

@@ -73,6 +73,9 @@ TEST(Files, OnlyTextIsReplacedAndNotTheLinkToIt) {
   write_text(".", place("kept/rows"), "a,b\n");
   std::filesystem::create_symlink("kept/rows", folder / "link");
   EXPECT_EQ(replaceable("--csv", place("link")), std::filesystem::weakly_canonical(folder / "kept/rows"));
+  std::filesystem::create_symlink("not yet", folder / "kept/dangling");
+  std::filesystem::create_symlink("kept/dangling", folder / "twice");
+  EXPECT_EQ(replaceable("--csv", place("twice")), std::filesystem::weakly_canonical(folder / "kept/not yet"));
   EXPECT_EQ(replaceable("--csv", place("new")), std::filesystem::weakly_canonical(folder / "new"));
   OutputFile(".", place("trace"), Readers::kAsUsual, Content::kBinary).write(std::string_view("PADRTRC\x09\x01"));
   EXPECT_TRUE(refused(place("trace")).starts_with("--csv: '" + place("trace") + "' is no text"));

@@ -73,7 +73,9 @@ void RunCommand::declare(CLI::App& app) {
                  "Measure fidelity and physics-consistency-cost (docs/metrics.md defines them): on or off")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
-  app.add_option("--watch", watch_, "Measure only the view of this peer, and only while there is input")
+  app.add_option(
+         "--watch", watch_,
+         "Inconsistency in the view of this peer alone, and only while there is input; all else over the whole run")
       ->type_name("PEER")
       ->check(shell::range(0, kMaxPeers - 1));
   app.add_option("--json", json_, "Write the summary as JSON to a file, or - for standard output in place of the table")
@@ -160,6 +162,12 @@ int RunCommand::run(const std::vector<std::string>& command) {
   }
   facts.wall_seconds = seconds_since(start);
   simulation.finish();
+  if (Simulation::is_little(simulation.measured_share(), all))
+    std::fprintf(
+        stderr,
+        "padr-lab: warning: inconsistency was measured at the first %.0f %% of ticks only: the others were not "
+        "confirmed in time; --settle plays on without input\n",
+        100 * simulation.measured_share());
 
   if (!series_.empty()) shell::write_text("--csv", series_, csv_series(simulation));
   if (!json_.empty()) shell::write_text("--json", json_, json_summary(simulation, facts));

@@ -145,6 +145,10 @@ void Simulation::compare_confirmed() {
   }
 }
 
+double Simulation::measured_share() const {
+  return static_cast<double>(hashes_[0].size()) / static_cast<double>(std::max(1, now_));
+}
+
 void Simulation::finish() {
   for (const auto& n : nodes_) n->finish();
 }

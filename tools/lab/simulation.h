@@ -71,6 +71,12 @@ class Simulation {
 
   /// Confirmed ticks that every peer has reached and whose hashes have been compared.
   std::uint64_t confirmed_ticks() const { return compared_; }
+  /// Of the ticks played so far, those at which inconsistency was measured, 0 to 1: peer 0 has confirmed them.
+  double measured_share() const;
+  /// Whether such a share of so many ticks is worth a warning: inconsistency is then that of the beginning.
+  static bool is_little(double measured_share, Tick ticks) {
+    return measured_share < 0.9 && (1 - measured_share) * ticks > 2 * kTicksPerSecond;
+  }
   /// Hash of the last of them.
   std::uint64_t last_confirmed_hash() const { return hashes_[0][compared_ - 1]; }
   /// Those among them at which not all hashes were the same.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <string_view>
 
 #include "shell/path_csv.h"
 #include "shell/scenario_flags.h"
@@ -21,6 +22,16 @@ std::string file_name_of(const std::string& trace) {
   for (const char c : trace.substr(trace.rfind('/') + 1))
     name += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '.' ? c : '_';
   return name.ends_with(".link") ? name : name + ".link";
+}
+
+/// That name, or with a number if another text has it.
+std::string free_name(const std::string& name, const std::string& text, const std::vector<plot::NamedText>& taken) {
+  const std::string stem = name.substr(0, name.size() - std::string_view(".link").size());
+  std::string free = name;
+  const auto is_taken = [&](const plot::NamedText& t) { return t.name == free && t.text != text; };
+  for (int n = 2; std::any_of(taken.begin(), taken.end(), is_taken); ++n)
+    free = stem + "-" + std::to_string(n) + ".link";
+  return free;
 }
 
 }  // namespace
@@ -45,7 +56,7 @@ void write_material(const compare::Plan& plan, const std::string& dir) {
     if (!trace.opportunities) continue;
     std::string text;
     for (const std::uint32_t ms : *trace.opportunities) text += std::to_string(ms) + "\n";
-    links.push_back({file_name_of(trace.name), std::move(text)});
+    links.push_back({free_name(file_name_of(trace.name), text, links), std::move(text)});
   }
   if (!links.empty()) plot::write_into("--out", dir + "/links", links);
 }

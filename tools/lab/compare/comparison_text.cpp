@@ -45,7 +45,8 @@ std::string line_of(const Row& row, const std::vector<Row>& rows, int width) {
   if (delay > 0)
     then = fmt::sprintf("%7.3f %6.0f", mean([](const Score& s) { return s.delayed_mean_m; }), delay * 1000);
   std::string against = "      -     -";
-  if (const Row* full = full_of(rows, row.network); full != nullptr && full != &row)
+  if (const Row* full = full_of(rows, row.network);
+      full != nullptr && full != &row && full->mean_m() > 0 && full->kbps() > 0)
     against = fmt::sprintf("%6.2f%s %5.2f", row.mean_m() / full->mean_m(), is_told_apart(row, *full) ? " " : "~",
                            row.kbps() / full->kbps());
   return fmt::sprintf("  %-*s %7.3f %6.3f %8.3f %7.3f %6.2f %6.2f %7.2f %8.3f %s %7.1f %6.1f  %s\n", width,

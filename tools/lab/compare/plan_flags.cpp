@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iostream>
 
+#include "common/model/user_error.h"
 #include "shell/command_line.h"
 #include "shell/netem_flags.h"
 #include "shell/scenario_flags.h"
@@ -10,6 +11,14 @@
 
 namespace padr::lab::compare {
 namespace {
+
+/// Rows of two with one name could not be told apart.
+template <typename All, typename NameOf>
+void refuse_second(const std::string& flag, const std::string& text, const All& all, const NameOf& name_of) {
+  for (std::size_t i = 0; i + 1 < all.size(); ++i)
+    if (name_of(all[i]) == name_of(all.back()))
+      throw UserError(flag + ": '" + text + "' is played already; give every one once");
+}
 
 constexpr double kMaxSeconds = 24 * 3600;
 
@@ -57,10 +66,14 @@ void PlanFlags::declare(CLI::App& app) {
 Plan PlanFlags::plan() const {
   Plan p;
   p.contestants = chosen_contestants(techniques_);
-  for (const std::string& text : added_) p.contestants.push_back(added_contestant(text));
+  for (const std::string& text : added_) {
+    p.contestants.push_back(added_contestant(text));
+    refuse_second("--add", text, p.contestants, [](const Contestant& c) { return c.id; });
+  }
   for (const std::string& text : netem_.empty() ? usual_.networks : netem_) {
     std::vector<std::string> warnings;
     p.networks.push_back({text, shell::parse_netem_flag("--netem", text, &warnings)});
+    refuse_second("--netem", text, p.networks, [](const Network& n) { return n.text; });
     for (const std::string& w : warnings) std::cerr << "padr-lab: warning: " << w << '\n';
   }
   p.setting.scenario = scenario_;

@@ -86,6 +86,7 @@ Score run_technique(const Technique& technique, const Network& network, const Se
   score.kbps = rates.kbps;
   score.datagrams = rates.datagrams;
   score.updates = rates.updates;
+  score.measured_share = s.measured_share();
   score.mismatches = s.confirmed_mismatches();
   return score;
 }

@@ -48,7 +48,9 @@ struct Score {
   double jump_m = 0;             ///< of those, the mean
   std::optional<double> processor_steps;  ///< of a peer in a tick, in steps of a bare world; if it was measured
   std::uint64_t largest = 0;              ///< bytes of the largest datagram, without IP and UDP; 0: not measured
-  std::uint64_t mismatches = 0;           ///< confirmed ticks at which worlds differed; 0 where nothing is confirmed
+  /// Of all ticks, those at which `off` was measured: those that were confirmed in time, where things are confirmed.
+  double measured_share = 1;
+  std::uint64_t mismatches = 0;  ///< confirmed ticks at which worlds differed; 0 where nothing is confirmed
 };
 
 /// One run; the same arguments give the same score to the bit, but for processor time. `seed` is that of scenario,

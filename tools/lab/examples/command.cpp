@@ -1,5 +1,6 @@
 #include "tools/lab/examples/command.h"
 
+#include <algorithm>
 #include <iostream>
 #include <sstream>
 
@@ -82,7 +83,11 @@ int ExamplesCommand::run(const std::vector<std::string>& command) {
   Plan plan;
   plan.stories = split(stories_);
   if (plan.stories.empty()) throw UserError("--stories: '' is not allowed; give some of ball, dominoes, van, ...");
-  for (const std::string& s : plan.stories) story_by_name(s);
+  for (const std::string& s : plan.stories) {
+    story_by_name(s);
+    if (std::count(plan.stories.begin(), plan.stories.end(), s) > 1)
+      throw UserError("--stories: '" + s + "' is there twice; give every one once");
+  }
   plan.takes = takes_;
   std::vector<std::string> warnings;
   plan.netem = shell::parse_netem_flag("--netem", netem_, &warnings);

@@ -91,7 +91,9 @@ void SweepCommand::declare(CLI::App& app) {
   app.add_option("--settle", grid_.settle_seconds, "Virtual seconds without input after that")
       ->check(shell::between(0, kMaxSeconds, "seconds"))
       ->capture_default_str();
-  app.add_option("--watch", grid_.watch, "Measure only the view of this peer, and only while there is input")
+  app.add_option(
+         "--watch", grid_.watch,
+         "Inconsistency in the view of this peer alone, and only while there is input; all else over the whole run")
       ->type_name("PEER");
   app.add_option("--csv", csv_, "File for the rows; runs that have a row there already are skipped")->type_name("FILE");
   app.add_option("--summary", summary_, kSummaryHelp)->type_name("FILE");

@@ -21,6 +21,7 @@ export class Knobs {
     this.session = session;
     this.orders = orders;
     this.touched = new Map();
+    this.differing = new Set(); // sliders of knobs that differ from peer to peer
     const $ = (name) => panel.querySelector(`[name="${name}"]`);
     this.inputs = Object.fromEntries(
       ["peer", "technique", "high", "low", "body", "replay", "model", "predictor", "convergence", "other", "value",
@@ -129,7 +130,9 @@ export class Knobs {
     if (side === "low" && Number(low.value) > Number(high.value)) high.value = low.value;
     for (const input of [high, low, body]) {
       const off = input === body && Number(input.value) === 0;
-      input.nextElementSibling.textContent = off ? "off" : distance(Number(input.value));
+      if (side) this.differing.delete(input);
+      const differs = this.differing.has(input);
+      input.nextElementSibling.textContent = differs ? "they differ" : off ? "off" : distance(Number(input.value));
     }
   }
 
@@ -173,7 +176,15 @@ export class Knobs {
     const common = (name) => same(chosen.map((p) => p.knobs?.[name]));
     const { inputs } = this;
     const set = (input, value) => {
-      if (value !== undefined && !this.busy(input) && input.value !== value) input.value = value;
+      if (this.busy(input)) return;
+      if (value !== undefined && input.value !== value) input.value = value;
+      // A list that stood at its first entry would show what nobody has.
+      if (value === undefined && chosen.length > 1 && input.tagName === "SELECT") input.selectedIndex = -1;
+    };
+    const differ = (value, ...sliders) => {
+      for (const input of sliders)
+        if (value === undefined && chosen.length > 1 && !this.busy(input)) this.differing.add(input);
+        else this.differing.delete(input);
     };
     set(inputs.technique, same(chosen.map((p) => p.technique)));
     // All have to agree on authority when the session begins: it cannot change.
@@ -184,11 +195,13 @@ export class Knobs {
     if (replay !== undefined && !this.busy(inputs.replay)) inputs.replay.checked = replay === "on";
     inputs.replay.indeterminate = replay === undefined && chosen.length > 1;
     const thresholds = common("threshold")?.split(":");
+    differ(thresholds, inputs.high, inputs.low);
     if (thresholds) {
       set(inputs.high, thresholds[0]);
       set(inputs.low, thresholds[1] ?? thresholds[0]);
     }
     const body = common("body-threshold");
+    differ(body, inputs.body);
     if (body !== undefined) set(inputs.body, body === "off" ? "0" : body);
     this.slide();
     const [from, to] = [number(inputs.from.value), number(inputs.to.value)];
