@@ -197,8 +197,8 @@ class SecureChannels {
   /// Without forgetting anybody who was there a moment ago.
   bool has_room(Micros local);
   std::list<Channel>::iterator quietest(Micros local);
-  /// Whoever has been quiet for the longest makes room; before anybody else, who never said anything.
-  /// Of a channel that was made just now.
+  /// A channel that was made just now. Room makes whoever may be forgotten, else who never said anything, else who has
+  /// been quiet for the longest.
   Channel& keep(const Channel& c);
   void make_room(Micros local);
   void tell_keys(const PublicKey& whose, const wire::PairKeys& keys);

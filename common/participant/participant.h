@@ -108,9 +108,9 @@ class Participant {
   /// Whether somebody at this address is a member, or was one and is looked for.
   bool knows(const Endpoint& at) const { return current_.membership && current_.membership->knows(at); }
   PeerId coordinator() const { return current_.membership->coordinator(); }
-  /// The member through which p is reached; kNoPeer: it is reached directly, as far as is known.
   /// Where the peer in a slot is: with a key, by what it sent last, which need not be where the session has it.
   Endpoint place(PeerId p) const;
+  /// The member through which p is reached; kNoPeer: it is reached directly, as far as is known.
   PeerId carrier(PeerId p) const { return current_.membership ? current_.membership->carrier(p) : kNoPeer; }
   /// Null if the session has no key.
   const SecureChannels* channels() const { return channels_ ? &*channels_ : nullptr; }

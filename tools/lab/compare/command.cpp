@@ -22,8 +22,7 @@ void warn_of_unmeasured(const std::vector<compare::Row>& rows, Tick ticks) {
     if (Simulation::is_little(share, ticks))
       std::cerr << fmt::format(
           "padr-lab: warning: {}, netem '{}': inconsistency was measured at the first {:.0f} % of ticks only: the "
-          "others "
-          "were not confirmed in time\n",
+          "others were not confirmed in time\n",
           r.who.id, r.network, 100 * share);
   }
 }
