@@ -1,12 +1,51 @@
 """padr-peer and a monitor: what it tells, that it obeys, and that nobody else can make it."""
 
+import contextlib
 import os
+import threading
 
 from monitor_wire import PREAMBLE, Monitor, fields, number, put, real
 from peers import PATIENCE, PLAYING, Case, main, run, signal, socket, time, unittest
 
 RELEASE, POINT, DIRECTION = 0, 1, 2
 QUIET = ["--status-interval", "0"]
+
+
+class Relay:
+    """Passes datagrams on between one client and a port, so that the port knows the client by an address of ours."""
+
+    def __init__(self, port):
+        self.inner, self.outer = (socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2))
+        for s in (self.inner, self.outer):
+            s.bind(("127.0.0.1", 0))
+            s.settimeout(0.05)
+        self.client, self.target = None, ("127.0.0.1", port)
+        self.ending = False
+        self.threads = [threading.Thread(target=work) for work in (self.go, self.come)]
+        for t in self.threads:
+            t.start()
+
+    def port(self):
+        return self.inner.getsockname()[1]
+
+    def go(self):
+        while not self.ending:
+            with contextlib.suppress(TimeoutError):
+                datagram, self.client = self.inner.recvfrom(2000)
+                self.outer.sendto(datagram, self.target)
+
+    def come(self):
+        while not self.ending:
+            with contextlib.suppress(TimeoutError):
+                datagram, _ = self.outer.recvfrom(2000)
+                self.inner.sendto(datagram, self.client)
+
+    def close(self):
+        self.ending = True
+        for t in self.threads:
+            t.join()
+        self.inner.close()
+        self.outer.close()
 
 
 class MonitorCase(Case):
@@ -198,6 +237,25 @@ class Obeying(MonitorCase):
         self.assertEqual([p.end() for p in peers], [0, 0, 0])
         self.check_agreement(peers, 4)
         self.assertEqual(len(peers[2].summary()["lives"]), 1, "two seconds are no reason to be declared gone")
+
+    # The session has it at the relay, and it was cut there only.
+    def test_a_cut_holds_where_a_peer_with_a_key_really_is(self):
+        m = self.monitor()
+        env = {**os.environ, "PADR_KEY": "22" * 32}
+        flags = [*QUIET, "--monitor", f"127.0.0.1:{m.port()}", "--control", "--duration", 25]
+        founder = self.peer("--wait-peers", 3, *flags, env=env)
+        relay = Relay(founder.port())
+        self.addCleanup(relay.close)
+        behind = self.peer("--join", f"127.0.0.1:{relay.port()}", *flags, env=env)
+        behind.wait_for("welcomed|this is peer")
+        other = self.peer("--join", f"127.0.0.1:{founder.port()}", *flags, env=env)
+        t = m.slot(2, 40)
+        self.assertEqual(m.answer(t, m.cut(t, 1 + 1, 30))["kind"], "cut")  # 0 is everybody
+        other.wait_for("peer 1 is reached through peer 0: the link to it does not work")
+        other.process.send_signal(signal.SIGINT)
+        self.assertEqual(other.end(), 0)
+        link = next(x for x in other.summary()["links"] if x["peer"] == 1)
+        self.assertEqual(link["endpoint"], f"127.0.0.1:{behind.port()}", "where it is, not where the relay is")
 
     def test_a_pause_ends_and_all_agree_again(self):
         m, peers = self.told(2, "--duration", 9, "--control")
