@@ -228,6 +228,10 @@ class Controlling(MonitorCase):
         finally:
             played[1].process.send_signal(signal.SIGCONT)
         self.assertEqual((answer["ok"], answer["text"]), (False, "peer 1: does not answer"))
+        self.peer("--join", f"127.0.0.1:{played[0].port()}", *CALM, "--spectate", "--control", "--monitor", m.heard_at())
+        page.wait("peers", lambda t: len(t["peers"]) == 3 and t["peers"][2]["controllable"])
+        self.assertIn("spectator", page.ask(type="drive", peer=2, direction=[1, 0])["text"])
+        self.assertEqual(m.get("/api/path?peer=2")[0], 404)
         closed = self.monitor()
         self.watched(closed, 2, *CALM)
         other = self.page(closed)

@@ -173,6 +173,8 @@ void Live::act(ViewerId viewer, const Asked& asked) {
 }
 
 void Live::drive(ViewerId viewer, const Asked& asked, PeerId slot, const Drive& drive) {
+  if (sessions_.shown()->peer(slot)->hello->input == "none")
+    return answer(viewer, asked, false, "peer " + std::to_string(slot) + " is a spectator and has no avatar");
   if (drive.kind == Drive::Kind::kRelease) {
     if (!drivers_.release(slot, viewer)) return answer(viewer, asked, false, "you do not drive it");
     release({slot});
