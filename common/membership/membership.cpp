@@ -272,7 +272,10 @@ void Membership::count_present() {
   for (PeerId p = 0; p < session_.slots; ++p) {
     if (p != session_.self && !roster().seats[p].there()) continue;
     ++present;
-    if (!region && replica.agreed().predicted_state().spectates(p)) ++spectators;
+    // This peer counts as one also once it has said goodbye.
+    const bool watches =
+        p == session_.self ? session_.config.spectates : replica.agreed().predicted_state().spectates(p);
+    if (!region && watches) ++spectators;
   }
   commands_.count_present(present, spectators);
 }

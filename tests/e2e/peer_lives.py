@@ -56,6 +56,11 @@ class Lives(Case):
         for p in peers:
             self.assertEqual(p.summary()["others"]["came"], 1)
 
+    def test_a_spectator_that_is_alone_does_not_stay_for_players(self):
+        watches = self.peer("--spectate", "--wait-peers", 1, "--duration", 6, "--linger", 300)
+        player = self.newcomer(watches, "--duration", 1)
+        self.assertEqual([p.end() for p in (player, watches)], [0, 0])
+
     def test_killed_peer_and_then_the_founder(self):
         peers = self.running(4)
         victim, founder = peers[2], peers[0]
