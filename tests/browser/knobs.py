@@ -70,6 +70,23 @@ class Knobs(Case):
         b.script(slide, "high", 0.2)
         wait(lambda: all(b.script(threshold, p) < 0.21 for p in range(PEERS)), "the threshold of all")
 
+    # Once, it then showed the first technique of the list, and the thresholds that the page begins with.
+    def test_where_peers_differ_nothing_is_shown_that_nobody_has(self):
+        b = self.browser
+        self.choose("peer", 1)
+        self.choose("technique", "fixed")
+        techniques = "return padr.session.present().map((p) => p.technique)"
+        wait(lambda: sorted(set(b.script(techniques))) == ["fixed", "full"], "one to play otherwise")
+        self.choose("peer", "all")
+        chosen = "return document.querySelector('[name=technique]').selectedIndex"
+        wait(lambda: b.script(chosen) == -1, "no technique to be chosen")
+        beside = "return [...document.querySelectorAll('[name=high], [name=low], [name=body]')].map((i) => i.nextElementSibling.textContent)"
+        wait(lambda: b.script(beside) == ["they differ"] * 3, "thresholds that differ")
+        b.picture("they-differ")
+        self.choose("technique", "full")
+        wait(lambda: b.script(techniques) == ["full"] * PEERS, "all to be full")
+        wait(lambda: "they differ" not in b.script(beside), "the thresholds of all")
+
     def test_a_technique_for_all(self):
         b = self.browser
         for name in ("adaptive", "full"):
