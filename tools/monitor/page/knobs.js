@@ -132,7 +132,7 @@ export class Knobs {
       const off = input === body && Number(input.value) === 0;
       if (side) this.differing.delete(input);
       const differs = this.differing.has(input);
-      input.nextElementSibling.textContent = differs ? "they differ" : off ? "off" : distance(Number(input.value));
+      input.nextElementSibling.textContent = differs ? "differ" : off ? "off" : distance(Number(input.value));
     }
   }
 
