@@ -202,6 +202,7 @@ class Analysis {
   /// Whose avatar is out of the session by this trace, while its own trace goes on.
   void note_gone(Cursor& c, Tick now) {
     const std::vector<bool>& present = c.reader.truth().present;
+    if (present == c.present) return;
     for (const auto& other : cursors_) {
       const Survey& s = other->about;
       const std::size_t avatar = static_cast<std::size_t>(session_.bodies) + s.header.peer;

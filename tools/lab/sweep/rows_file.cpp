@@ -23,8 +23,7 @@ std::optional<std::size_t> number_of(std::string_view text) {
   return v;
 }
 
-std::optional<StoredRow> row_of(std::string_view line, std::size_t fields) {
-  const std::vector<std::string> f = fields_of(line);
+std::optional<StoredRow> row_of(std::string_view line, const std::vector<std::string>& f, std::size_t fields) {
   if (f.size() != fields) return std::nullopt;
   const auto run = number_of(f[1]);
   const auto of = number_of(f[2]);
@@ -33,8 +32,8 @@ std::optional<StoredRow> row_of(std::string_view line, std::size_t fields) {
 }
 
 /// The columns behind the seed are measures, but for a name and the words of a setting.
-void check_measures(const std::vector<std::string>& names, const std::string& row, const std::string& where) {
-  const std::vector<std::string> fields = fields_of(row);
+void check_measures(const std::vector<std::string>& names, const std::vector<std::string>& fields,
+                    const std::string& where) {
   const auto seed = static_cast<std::size_t>(std::find(names.begin(), names.end(), "seed") - names.begin());
   for (std::size_t c = seed + 1; c < names.size(); ++c) {
     if (names[c] == "confirmed_hash" || names[c] == "setting") continue;
@@ -66,9 +65,10 @@ StoredRows read_rows(std::string_view flag, const std::string& file) {
       continue;
     }
     const std::string where = std::string(flag) + ": " + file + ":" + std::to_string(line);
-    auto row = row_of(content, names.size());
+    const std::vector<std::string> fields = fields_of(content);
+    auto row = row_of(content, fields, names.size());
     if (!row) throw UserError(where + ": is not a row of a sweep");
-    check_measures(names, row->text, where);
+    check_measures(names, fields, where);
     row->line = line;
     stored.rows.push_back(std::move(*row));
   }
