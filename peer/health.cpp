@@ -63,22 +63,12 @@ HealthState Health::state(const Player& player, Micros now) {
 }
 
 std::string Health::write(const HealthState& s) const {
-  const std::string fresh = file_ + ".new";
   try {
-    shell::OutputFile out("--health", fresh);
-    out.write(to_json(s));
-    out.close();
+    shell::replace_text("--health", file_, to_json(s));
+    return {};
   } catch (const std::exception& e) {
-    std::error_code ignored;
-    std::filesystem::remove(fresh, ignored);
     return e.what();
   }
-  std::error_code error;
-  std::filesystem::rename(fresh, file_, error);
-  if (!error) return {};
-  std::string why = "--health: cannot write '" + file_ + "': " + error.message();
-  std::filesystem::remove(fresh, error);
-  return why;
 }
 
 }  // namespace padr::peer

@@ -151,4 +151,19 @@ void write_text(std::string_view flag, const std::string& file, std::string_view
   out.close();
 }
 
+void replace_text(std::string_view flag, const std::string& file, std::string_view text) {
+  const std::string place = replaceable(flag, file);
+  const std::string part = place + ".part";
+  OutputFile out(flag, part);
+  try {
+    out.write(text);
+    out.close();
+    std::filesystem::rename(part, place);
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(part, ignored);
+    throw;
+  }
+}
+
 }  // namespace padr::shell

@@ -60,6 +60,10 @@ std::string replaceable(std::string_view flag, const std::string& path);
 /// The whole text to a file, or to standard output if it is "-". Throws as OutputFile does.
 void write_text(std::string_view flag, const std::string& file, std::string_view text);
 
+/// Puts `text` in the place of the file's content at once: whoever is stopped meanwhile, or reads, has the old or the
+/// new. Throws UserError, for what replaceable() refuses, too, or std::system_error.
+void replace_text(std::string_view flag, const std::string& file, std::string_view text);
+
 /// Does all steps, even after one that has failed, and then throws what the first that failed has thrown.
 void do_all(std::initializer_list<std::function<void()>> steps);
 

@@ -85,5 +85,21 @@ TEST(Files, OnlyTextIsReplacedAndNotTheLinkToIt) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(Files, ATextTakesTheOldOnesPlaceOrLeavesIt) {
+  const auto folder = std::filesystem::temp_directory_path() / "padr-replace-whole-test";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  const std::string file = folder / "rows";
+  write_text(".", file, "old\n");
+  std::filesystem::create_directories(folder / "rows.part");  // in the way
+  EXPECT_THROW(replace_text("--csv", file, "new\n"), UserError);
+  EXPECT_EQ(read_file(".", file), "old\n");
+  std::filesystem::remove_all(folder / "rows.part");
+  replace_text("--csv", file, "new\n");
+  EXPECT_EQ(read_file(".", file), "new\n");
+  EXPECT_FALSE(std::filesystem::exists(folder / "rows.part"));
+  std::filesystem::remove_all(folder);
+}
+
 }  // namespace
 }  // namespace padr::shell

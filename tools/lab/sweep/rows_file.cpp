@@ -108,13 +108,8 @@ void make_folder_of(const std::string& file) {
 }
 
 void replace_file(std::string_view flag, const std::string& file, const std::string& text) {
-  const std::string place = shell::replaceable(flag, file);
-  const std::string part = place + ".part";
-  make_folder_of(place);
-  shell::OutputFile out(flag, part);
-  out.write(text);
-  out.close();
-  std::filesystem::rename(part, place);
+  make_folder_of(file);
+  shell::replace_text(flag, file, text);
 }
 
 }  // namespace padr::lab::sweep

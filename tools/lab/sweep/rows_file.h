@@ -35,8 +35,7 @@ std::string canonical(const std::string& heading, const std::map<std::size_t, st
 /// Makes the folder that the file is to be in, if there is none.
 void make_folder_of(const std::string& file);
 
-/// Puts `text` in the place of the file's content at once: whoever is stopped meanwhile leaves the old or the new.
-/// Throws UserError, also for what shell::replaceable() refuses.
+/// As shell::replace_text() does, in a folder that is made if there is none.
 void replace_file(std::string_view flag, const std::string& file, const std::string& text);
 
 }  // namespace padr::lab::sweep
