@@ -70,6 +70,24 @@ struct Scene {
   std::optional<RegionDef> region;
 };
 
+/// A rectangle, m.
+struct Area {
+  Vec2 lower, upper;
+};
+
+/// The play area and `margin` metres around it. What is bound for a region of a crowd may have rolled, or been pushed,
+/// to the far side of the region that it comes from before anybody was in both: around a region it is two sides more.
+inline Area around(const Scene& scene, float margin) {
+  const float out = margin + (scene.region ? 2 * (scene.upper.x - scene.lower.x) : 0);
+  return {scene.lower - Vec2{out, out}, scene.upper + Vec2{out, out}};
+}
+
+/// Nothing gets further out of the play area than this, m: there World stops it. What others say is believed a little
+/// further, as they round it.
+inline constexpr float kMostOutside = 19;
+/// An angle beyond this, rad, has whole turns taken off.
+inline constexpr float kMostAngle = 5.0e4F;
+
 /// Hash over every field that influences physics; peers of a session must agree on it.
 std::uint64_t scene_hash(const Scene& scene);
 

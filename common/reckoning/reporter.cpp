@@ -130,6 +130,7 @@ const BodyUpdate* Reporter::collected(EntityId b) const {
 void Reporter::tell_state(const Situation& s, EntityId b, Cause cause) {
   BodyUpdate& u = entry(b, cause);
   const Authority& a = s.predicted->authority[b];
+  if (cause == Cause::kAtRest) u.cause = cause;  // whatever else there was to tell of it
   if (!u.has_state) {
     u.epoch = a.epoch;
     u.claimed = a.claimed;

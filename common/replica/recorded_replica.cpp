@@ -78,8 +78,7 @@ sync::DropReason RecordedReplica::receive(std::span<const std::byte> datagram, M
 }
 
 sync::DropReason RecordedReplica::record(std::span<const std::byte> datagram, Micros now, sync::DropReason why) {
-  const bool judged = why == sync::DropReason::kSignature || why == sync::DropReason::kRight;
-  if (writer_ && !judged) writer_->received(now, datagram);
+  if (writer_ && !replica_.judge_objected()) writer_->received(now, datagram);
   return why;
 }
 

@@ -102,6 +102,8 @@ class Replica {
   sync::DropReason receive(std::span<const std::byte> datagram, Micros now);
   /// The judge is asked before anything of a datagram is taken in. A datagram that it rejects changes only counters.
   void set_judge(Judge judge) { judge_ = std::move(judge); }
+  /// Whether it has rejected the last datagram.
+  bool judge_objected() const { return objected_; }
   /// Counts a datagram of p that was dropped unread.
   void count_drop(PeerId p, sync::DropReason why);
   /// Counts that datagrams of p are ignored from now on, for good or for a while.
@@ -224,6 +226,8 @@ class Replica {
 
   ConfirmedSink check_and(ConfirmedSink sink);
   sync::DropReason take(const wire::Opened& opened, Micros now);
+  /// Why the packet is to be dropped; kNone: it is not. Only `objected_` changes.
+  sync::DropReason examine(const sync::StatePacket& packet, PeerId from);
   void note_time();
   Tick came_at(Micros now) const;
   sync::DropReason check_claims(const sync::StatePacket& packet, PeerId from) const;
@@ -273,7 +277,8 @@ class Replica {
   Scene scene_;
   ReplicaConfig config_;
   Judge judge_;
-  HashChecks checks_;  ///< at check ticks; filled by agreed_ from its construction on
+  bool objected_ = false;  ///< the judge, to the last datagram
+  HashChecks checks_;      ///< at check ticks; filled by agreed_ from its construction on
   sync::AgreedWorld agreed_;
   sync::LiveWorld live_;
   sync::Reporter reporter_;

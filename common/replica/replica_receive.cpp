@@ -20,6 +20,7 @@ DropReason Replica::receive(std::span<const std::byte> datagram, Micros now) {
   wire::SealError refused{};
   const auto opened = wire::open(datagram, refused);
   if (opened) return receive(*opened, now);
+  objected_ = false;
   ++stats_.datagrams_received;
   ++stats_.dropped[static_cast<std::size_t>(DropReason::kSeal)];
   return DropReason::kSeal;
@@ -27,6 +28,7 @@ DropReason Replica::receive(std::span<const std::byte> datagram, Micros now) {
 
 DropReason Replica::receive(const wire::Opened& opened, Micros now) {
   ++stats_.datagrams_received;
+  objected_ = false;
   const wire::Header& h = opened.header;
   const bool somebodys = h.kind == wire::Kind::kState && h.session == config_.session && h.sender < config_.slots &&
                          h.sender != config_.self;
@@ -56,15 +58,12 @@ DropReason Replica::take(const wire::Opened& opened, Micros now) {
     link.answered_seq = std::max(link.answered_seq, packet->seen_seq);
     return DropReason::kForeign;
   }
+  const DropReason why = examine(*packet, h.sender);
+  if (objected_) return why;
   // Also from datagrams that are ahead of our time: by what it is told of them, a peer with a wrong clock learns so.
   link.clock.sample(packet->mark_tick, now);
   if (packet->transit != 0) link.clock.told(packet->transit);
-  const DropReason why = sync::admit(*packet, scene_, config_.slots, this->now());
   if (why != DropReason::kNone) return why;
-  if (const DropReason wrong = check_claims(*packet, h.sender); wrong != DropReason::kNone) return wrong;
-  if (!link.window.would_pass(packet->seq)) return DropReason::kDuplicate;
-  if (judge_)
-    if (const DropReason objection = judge_(*packet, kNoPeer); objection != DropReason::kNone) return objection;
   link.window.pass(packet->seq);
   link.repeats |= repeats(*packet, h.sender);
   const DropReason filed = file_updates(*packet, h.sender);
@@ -83,6 +82,16 @@ DropReason Replica::take(const wire::Opened& opened, Micros now) {
   link.arrivals.sample(packet->mark_tick, now);
   take_check(*packet, h.sender);
   return DropReason::kNone;
+}
+
+DropReason Replica::examine(const sync::StatePacket& packet, PeerId from) {
+  const DropReason why = sync::admit(packet, scene_, config_.slots, now());
+  if (why != DropReason::kNone) return why;
+  if (const DropReason wrong = check_claims(packet, from); wrong != DropReason::kNone) return wrong;
+  if (!links_[from].window.would_pass(packet.seq)) return DropReason::kDuplicate;
+  const DropReason objection = judge_ ? judge_(packet, kNoPeer) : DropReason::kNone;
+  objected_ = objection != DropReason::kNone;
+  return objection;
 }
 
 // By the session clock. While this peer stands still, its tick does, too, and by that what has waited would have been

@@ -33,7 +33,8 @@ void move_on(Bundle& b, Tick age, const AvatarDef& avatar) {
 }  // namespace
 
 Arrivals::Arrivals(int slots, int bodies)
-    : newest_avatar_(static_cast<std::size_t>(slots), -1),
+    : first_(static_cast<std::size_t>(slots), 0),
+      newest_avatar_(static_cast<std::size_t>(slots), -1),
       newest_body_(static_cast<std::size_t>(slots), std::vector<Tick>(static_cast<std::size_t>(bodies), -1)) {}
 
 void Arrivals::take_back(PeerId peer, std::uint32_t from) {
@@ -42,10 +43,12 @@ void Arrivals::take_back(PeerId peer, std::uint32_t from) {
 
 void Arrivals::apply_to(Fold& fold, bool time_stamps) {
   for (Bundle& b : waiting_) {
+    if (b.index < first_[b.peer]) continue;
     keep_newest(b);
-    if (time_stamps) move_on(b, std::clamp(fold.tick() - b.tick, 0, kOldest), fold.world().scene().avatar);
+    const Tick told = b.tick;
+    if (time_stamps) move_on(b, std::clamp(fold.tick() - told, 0, kOldest), fold.world().scene().avatar);
     if (!b.admission) b.tick = fold.tick();  // from an admission's own tick the begin of play is counted
-    fold.apply(b);
+    fold.apply(b, told);
   }
   waiting_.clear();
 }
@@ -54,6 +57,7 @@ void Arrivals::apply_to(Fold& fold, bool time_stamps) {
 void Arrivals::keep_newest(Bundle& b) {
   if (b.leave || b.spectates) newest_avatar_[b.peer] = std::numeric_limits<Tick>::max();
   if (b.admission) {
+    first_[b.admission->slot] = b.admission->first;
     newest_avatar_[b.admission->slot] = -1;
     newest_body_[b.admission->slot].assign(newest_body_[b.admission->slot].size(), -1);
   }

@@ -29,6 +29,7 @@ class Arrivals {
   void keep_newest(Bundle& b);
 
   std::vector<Bundle> waiting_;
+  std::vector<std::uint32_t> first_;            ///< by peer: what is numbered lower is of a former occupant of its slot
   std::vector<Tick> newest_avatar_;             ///< by peer
   std::vector<std::vector<Tick>> newest_body_;  ///< by peer, then body
 };

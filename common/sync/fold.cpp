@@ -23,7 +23,7 @@ Fold::Fold(const Scene& scene, int slots, int peers, bool authority, int wanted)
   for (PeerId p = 0; p < slots; ++p) world_.set_free(p, true);
 }
 
-void Fold::apply(const Bundle& bundle) {
+void Fold::apply(const Bundle& bundle, Tick told) {
   if (!members_[bundle.peer].present) return;
   if (bundle.leave) return remove(bundle.peer);
   if (bundle.spectates) return remove_avatar(bundle.peer);
@@ -35,7 +35,7 @@ void Fold::apply(const Bundle& bundle) {
   const bool spectates = !avatars_[bundle.peer].present && !world_.scene().region;
   if (spectates) return;
   if (bundle.avatar) apply_avatar(bundle.peer, *bundle.avatar, bundle.tick);
-  for (const BodyUpdate& u : bundle.bodies) apply_body(bundle.peer, u, bundle.tick);
+  for (const BodyUpdate& u : bundle.bodies) apply_body(bundle.peer, u, told);
 }
 
 void Fold::apply_avatar(PeerId p, const AvatarUpdate& u, Tick tick) {

@@ -68,7 +68,9 @@ class Fold {
 
   /// Overwrites with what the bundle says, as of now, whatever tick it bears; nothing if its peer is no member.
   /// What it says of a body is refused if that authority has been superseded.
-  void apply(const Bundle& bundle);
+  void apply(const Bundle& bundle) { apply(bundle, bundle.tick); }
+  /// The same for an update of the tick `told` that counts as one of another tick.
+  void apply(const Bundle& bundle, Tick told);
   /// Advances one tick. Before play begins nothing moves.
   void step();
 

@@ -11,12 +11,9 @@ struct Checker {
   int slots;
   const AdmitLimits& limits;
 
-  // What is bound for a region of a crowd may have rolled, or been pushed, to the far side of the region that it comes
-  // from before anybody was in both.
   bool place(Vec2 p) const {
-    const float margin = limits.margin + (scene.region ? 2 * (scene.upper.x - scene.lower.x) : 0);
-    return is_finite(p) && p.x >= scene.lower.x - margin && p.x <= scene.upper.x + margin &&
-           p.y >= scene.lower.y - margin && p.y <= scene.upper.y + margin;
+    const auto [lower, upper] = around(scene, limits.margin);
+    return is_finite(p) && p.x >= lower.x && p.x <= upper.x && p.y >= lower.y && p.y <= upper.y;
   }
   bool speed(Vec2 v) const { return is_finite(v) && length(v) <= std::min(limits.max_speed, scene.max_speed); }
 

@@ -33,9 +33,10 @@ inline constexpr std::array<std::string_view, kDropReasons> kDropNames{"none",  
 /// Incarnations and numbers of updates are below this: counted one by one, they take years to get there.
 inline constexpr std::uint32_t kEndOfNumbers = 1U << 30U;
 
-/// Limits of what is believed: Box2D asserts, and so aborts, on what is not finite, and loses precision far out.
+/// Limits of what is believed: Box2D asserts, and so aborts, on what is not finite, and loses precision far out. World
+/// keeps all that is within them there, so whatever an honest peer can come to is believed.
 struct AdmitLimits {
-  float margin = 20;           ///< m beyond the scene's corners; in a region of a crowd two of its sides more
+  float margin = 20;           ///< m around the play area, kMostOutside and more: see around()
   float max_speed = 121;       ///< m/s; the scene may say less
   float max_spin = 95;         ///< rad/s, likewise
   float max_angle = 1.0e5F;    ///< rad

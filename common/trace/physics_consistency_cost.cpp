@@ -84,10 +84,12 @@ void PccMeter::add(EntityId body, std::span<const PlayerView> views) {
 void PccMeter::tick(Tick now, std::span<const PlayerView> views, const Doers& doers) {
   list_.clear();
   for (EntityId b = 0; b < bodies_; ++b) {
-    if (is_off(b, views))
+    if (is_off(b, views)) {
       list_.push_back(b);
-    else
+    } else {
       off_[b] = 0;
+      disturber_[b] = Doers::kNobody;
+    }
   }
   attribute(views, doers);
   sums_.assign(viewers_.size(), {now, 0, 0});

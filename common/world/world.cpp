@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 
 #include "common/world/body_list.h"
 #include "common/world/box2d_access.h"
@@ -24,6 +25,7 @@ bool is_kept(const std::vector<bool>& keep, std::uint32_t key) {
 }
 
 constexpr std::size_t kFewContacts = 32;
+constexpr float kTurn = 6.2831853F;  // rad
 
 }  // namespace
 
@@ -103,6 +105,7 @@ World::World(const Scene& scene, int slots)
   assert(slots >= 0 && slots <= kMaxPeers && static_cast<std::size_t>(slots) <= scene.avatar.spawns.size());
   bodies_ = static_cast<int>(scene.bodies.size());
   slots_ = slots;
+  reach_ = around(scene, kMostOutside);
   Box2d& w = *impl_;
   w.n_bodies = scene.bodies.size();
   const std::size_t total = w.n_bodies + static_cast<std::size_t>(slots) + scene.statics.size();
@@ -214,7 +217,22 @@ void World::step() {
   w.world.Step(kTickSeconds, scene_->velocity_iterations, scene_->position_iterations);
   w.look_after_step();
   for (const std::uint32_t e : w.list.listed()) w.changed(e);
+  for (const std::uint32_t e : w.list.listed()) keep_in_reach(static_cast<EntityId>(e));
   w.contacts_known = false;
+}
+
+// A scene need not have walls all round. What fell for ever would be refused by whoever is told of it, and nobody could
+// take over a world that it is in.
+void World::keep_in_reach(EntityId e) {
+  BodyState s = state(e);
+  const Vec2 place{std::clamp(s.position.x, reach_.lower.x, reach_.upper.x),
+                   std::clamp(s.position.y, reach_.lower.y, reach_.upper.y)};
+  if (place == s.position && std::abs(s.angle) <= kMostAngle) return;
+  if (place.x != s.position.x) s.velocity.x = 0;
+  if (place.y != s.position.y) s.velocity.y = 0;
+  s.position = place;
+  if (std::abs(s.angle) > kMostAngle) s.angle -= kTurn * static_cast<float>(static_cast<int>(s.angle / kTurn));
+  set_state(e, s);
 }
 
 // New contacts come with the question whether they may be; without any the order still holds.

@@ -57,7 +57,7 @@ class World {
   /// N, at the centre, for the next step; wakes the entity.
   void apply_force(EntityId e, Vec2 force);
 
-  /// Advances one tick.
+  /// Advances one tick. Nothing gets further than kMostOutside out of the play area: there it stops.
   void step();
   /// Entities that touch, sorted, as of the last step.
   const std::vector<Contact>& contacts() const;
@@ -79,7 +79,11 @@ class World {
  private:
   struct Box2d;
   std::unique_ptr<Box2d> impl_;
+  /// Puts it back where the scene's surroundings end, if it has got further.
+  void keep_in_reach(EntityId e);
+
   std::unique_ptr<Scene> scene_;
+  Area reach_;
   const Kinematics* seen_ = nullptr;  ///< by entity id
   int bodies_ = 0;
   int slots_ = 0;

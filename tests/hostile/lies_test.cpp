@@ -240,6 +240,24 @@ TEST(Lying, WhoIsToldAWrongTimeLearnsItFromTheOthers) {
   EXPECT_EQ(t.party().net().peer(joiner).incarnation(), 1) << t.party().story();
 }
 
+// Once, nobody could join any more, nor after the liar had left, as a world with something so far out was refused.
+TEST(Lying, WhoLeavesTheWorldClosesItToNobody) {
+  Trial t(4, 2, wire::SealMode::kAuth, 777);
+  t.liar().begin([](sync::StatePacket& p, PeerId self) {
+    sync::AvatarUpdate& away = say(p, self).avatar.emplace();
+    away.model = Model::kFirst;
+    away.position = {39.5F, 7.5F};
+    away.velocity = {100, 0};
+  });
+  t.party().run(5);
+  const int newcomer = t.party().net().start(0);
+  const auto took = t.party().run_until(5, [&] { return t.party().net().peer(newcomer).playing(); });
+  ASSERT_TRUE(took.has_value()) << t.party().story();
+  const world::Snapshot& world = t.replica(0).agreed().confirmed().world;
+  const std::size_t avatar = world.entities.size() - t.replica(0).roster().seats.size() + 2;
+  EXPECT_GT(world.entities[avatar].position.x, 38) << "or there was no lie";
+}
+
 // Nothing prevents it, as each signs what it says; but it shows, and whoever has been told otherwise than the
 // coordinator begins anew.
 TEST(Lying, WhoIsToldOtherThingsThanTheRestNoticesAndIsMended) {

@@ -214,6 +214,23 @@ TEST(Joining, ClocksThatDriftAreSteered) {
   EXPECT_GT(std::abs(party.net().rate(0) - party.net().rate(1)), 500e-6) << "or nothing was steered";
 }
 
+// Once, what all of them said from out there was refused by all, and so was a newcomer's transfer.
+TEST(Joining, WhoWalksOutOfASceneWithoutWallsIsHeardThere) {
+  lab::VirtualNetworkConfig config = party_config(3, "delay 30ms 5ms", 5);
+  config.scene.statics.clear();
+  Party party(std::move(config));
+  for (int i = 0; i < 12; ++i) {
+    party.net().attract(Vec2{60.0F + static_cast<float>(i % 3) * 3, 5});
+    party.run(1);
+  }
+  const node::Replica& n = party.replica(0);
+  EXPECT_GT(n.live().world().position(n.live().avatar()).x, n.live().world().scene().upper.x + 18);
+  EXPECT_EQ(n.stats().dropped[static_cast<std::size_t>(sync::DropReason::kValue)], 0U);
+  party.net().start(0);
+  EXPECT_TRUE(party.run_until(5, [&] { return party.united(); }).has_value()) << party.story();
+  EXPECT_EQ(party.judge().violation(), "");
+}
+
 TEST(Joining, TheFounderMayLeave) {
   Party party(3, "delay 30ms 5ms loss 1%", 17);
   party.run(5);

@@ -177,6 +177,68 @@ TEST(AgreedWorld, AStallBeyondWhatIsKeptChangesNothing) {
   }
 }
 
+/// A world of peers of whom this is slot 0.
+AgreedWorld small_world(const Scene& scene, int peers, bool replay) {
+  AgreedConfig c;
+  c.slots = c.peers = peers;
+  c.replay = replay;
+  return {scene, c, {}};
+}
+
+// Once, without replay, a claim that came more than 2 s late was refused, and so was all that its owner said of the
+// body from then on.
+TEST(AgreedWorld, AClaimThatComesLateIsTakenWithAndWithoutReplay) {
+  const Scene scene = test::busy_scene(2, 3);
+  for (const bool replay : {true, false})
+    for (const Tick late : {60, 125, 300}) {
+      AgreedWorld w = small_world(scene, 2, replay);
+      while (w.now() < 100 + late) w.step();
+      BodyUpdate u;
+      u.body = 0;
+      u.has_state = true;
+      u.epoch = 1;
+      u.claimed = 100;
+      u.state.position = {5, 4};
+      Bundle b;
+      b.peer = 1;
+      b.tick = 100;
+      b.bodies = {u};
+      w.insert(b);
+      w.catch_up();
+      w.step();
+      EXPECT_EQ(w.predicted_state().authority[0].holder(), 1) << replay << ", late by " << late;
+    }
+}
+
+// Once, without replay, it took the avatar of whoever had the slot by then out of the predicted world.
+TEST(AgreedWorld, WhatAFormerOccupantSaidLastIsNotTheNextOnes) {
+  const Scene scene = test::busy_scene(2, 3);
+  for (const bool replay : {true, false}) {
+    AgreedWorld w = small_world(scene, 3, replay);
+    while (w.now() < 100) w.step();
+    Bundle leave;
+    leave.peer = 2;
+    leave.tick = 90;
+    leave.leave = true;
+    Bundle by;
+    by.peer = 1;
+    by.tick = 99;
+    by.admission = sync::Admission{};
+    by.admission->slot = 2;
+    by.admission->incarnation = 5;
+    by.admission->first = 1;
+    by.admission->have = {0, 0, 1};
+    w.insert(by);
+    w.close(2, 1);
+    w.open(2, 99);
+    for (int i = 0; i < 5; ++i) w.step();
+    w.insert(leave);
+    for (int i = 0; i < 5; ++i) w.step();
+    EXPECT_TRUE(w.predicted_state().members[2].present) << replay;
+    EXPECT_TRUE(w.predicted_state().avatars[2].present) << replay;
+  }
+}
+
 TEST(AgreedWorld, ReplayCanBeTurnedOffInTheMiddleOfOne) {
   const Scene scene = test::busy_scene(9, 25);
   std::vector<std::vector<std::uint64_t>> hashes(2);

@@ -4,6 +4,7 @@
 
 #include "common/sync/agreed_world.h"
 #include "common/world/avatar_control.h"
+#include "tests/seed.h"
 #include "tests/world/test_scene.h"
 
 namespace padr::sync {
@@ -184,6 +185,26 @@ TEST(Reporter, BodiesStayWithinTheirThresholdAndComeToRestExactly) {
     EXPECT_EQ(peer.live.world().position(b), p.world.entities[b].position);
   }
   EXPECT_FALSE(p.avatars[0].present && p.world.entities[2].awake) << "the avatar rests too";
+}
+
+// Once, a body at rest was released awake if there was something else to tell of it in that tick.
+TEST(Reporter, WhatIsReleasedWithAStateIsAtRest) {
+  for (const char* technique : {"full", "adaptive"}) {
+    Alone peer(technique_by_name(technique), test::busy_scene(3, 25));
+    Rng rng(test::seed());
+    int rests = 0;
+    Vec2 target{2, 4};
+    for (int t = 0; t < 200 * kTicksPerSecond; ++t) {
+      if (rng.chance(0.01))
+        target = {static_cast<float>(rng.uniform(0.5, 9.5)), static_cast<float>(rng.uniform(0.5, 7.5))};
+      for (const BodyUpdate& u : peer.tick(target).bodies) {
+        if (!u.release || !u.has_state) continue;
+        ++rests;
+        EXPECT_TRUE(!u.state.awake && u.state.velocity == Vec2{} && u.state.spin == 0) << technique << ", tick " << t;
+      }
+    }
+    EXPECT_GT(rests, 50) << technique;
+  }
 }
 
 TEST(Reporter, WhatAnotherAvatarHoldsIsTouchedButNotClaimed) {

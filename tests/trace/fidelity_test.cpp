@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -9,6 +10,7 @@
 #include <utility>
 
 #include "common/scenarios/scenarios.h"
+#include "common/trace/physics_consistency_cost.h"
 #include "common/trace/undisturbed.h"
 #include "common/world/avatar_control.h"
 #include "shell/input_text.h"
@@ -146,6 +148,36 @@ TEST(Fidelity, AModelThatTouchesWhatItsAvatarNeverTouchedIsItsAvatarsCost) {
   EXPECT_EQ(s.pcc(1).cost_m, 0);
   EXPECT_FLOAT_EQ(s.point(1).nobody_m, 2.2F) << "nobody did it";
   EXPECT_EQ(s.point(0).error_m(), 0);
+}
+
+// Once, a body that two players touch was on account of whoever had disturbed it the last time.
+TEST(Fidelity, ADisturberIsForgottenOnceTheViewsAgree) {
+  Scene scene = test::corridor();
+  scene.avatar.spawns = {{1, 1}, {2, 1}, {3, 1}};
+  const auto bodies = static_cast<EntityId>(scene.bodies.size());
+  trace::PccMeter meter(scene, 3, {0, 1, 2});
+  Doers doers(bodies, 4);
+  const auto costs = [&](Tick t, std::array<float, 3> x) {
+    std::array<std::vector<BodyState>, 3> live;
+    std::vector<trace::PlayerView> views;
+    for (std::size_t v = 0; v < 3; ++v) {
+      live[v].resize(bodies + 3U);
+      live[v][0].position = {x[v], 10};
+      for (std::size_t p = 0; p < 3; ++p) live[v][bodies + p].position = scene.avatar.spawns[p];
+      views.push_back({true, live[v], {}});
+    }
+    doers.judge(t);
+    meter.tick(t, views, doers);
+    return std::array{meter.series(0).back().cost_m, meter.series(1).back().cost_m, meter.series(2).back().cost_m};
+  };
+  doers.touched(0, 2, 1);
+  EXPECT_GT(costs(1, {10, 10, 10.5F})[2], 0);
+  EXPECT_EQ(costs(2, {10, 10, 10}), (std::array{0.0F, 0.0F, 0.0F}));
+  for (Tick t = 600; t < 603; ++t) {
+    doers.touched(0, 0, t);
+    doers.touched(0, 1, t);
+    EXPECT_EQ(costs(t, {10.4F, 10, 10})[2], 0);
+  }
 }
 
 TEST(Fidelity, WhatSomebodyPushesFromOutsideIsLeftOut) {

@@ -51,6 +51,25 @@ TEST(Replay, LeavingIsPartOfIt) {
   EXPECT_EQ(run.nodes[0]->replica().seat(1).presence, node::Presence::kLeft);
 }
 
+// Once, what a judge rejected for another reason than a signature was taken in by the replay, and what it did reject
+// had set the clock.
+TEST(Replay, WhatAJudgeRejectsChangesNothing) {
+  for (const auto why : {sync::DropReason::kCutOff, sync::DropReason::kRight, sync::DropReason::kValue}) {
+    RunConfig c;
+    c.netem = "delay 100ms 80ms";
+    int asked = 0;
+    c.before_step = [&](Tick t, const auto& nodes) {
+      if (t > 1) return;
+      nodes[0]->set_judge([&, why](const sync::StatePacket& /*packet*/, PeerId /*by*/) {
+        return ++asked % 5 == 0 ? why : sync::DropReason::kNone;
+      });
+    };
+    const RecordedRun run(c);
+    EXPECT_GT(asked, 50);
+    EXPECT_EQ(replay(run.traces[0]).difference, "") << static_cast<int>(why);
+  }
+}
+
 TEST(Replay, ATraceThatBreaksOffIsReplayedAsFarAsItGoes) {
   RunConfig c;
   c.ticks = 120;

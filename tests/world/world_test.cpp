@@ -53,6 +53,29 @@ TEST(World, FreeAvatarCollidesWithEverything) {
   EXPECT_GT(w.position(0).x, 5.5F);
 }
 
+// Once, what fell out of a scene without a floor fell for ever, and nobody could join any more.
+TEST(World, NothingGetsFarOutOfTheScene) {
+  Scene scene = test::busy_scene(3, 12, false, -9.81F);
+  scene.statics.clear();
+  World w(scene, 1);
+  w.set_present(w.avatar(0), true);
+  w.set_state(0, {{4, 4}, 9.9e4F, {3, 3}, 90, true});
+  Vec2 least, most;
+  for (int t = 0; t < 60 * kTicksPerSecond; ++t) {
+    drive_avatar(w, 0, {500, -500});
+    w.step();
+    for (EntityId e = 0; e < w.entities(); ++e) {
+      least = {std::min(least.x, w.position(e).x), std::min(least.y, w.position(e).y)};
+      most = {std::max(most.x, w.position(e).x), std::max(most.y, w.position(e).y)};
+      ASSERT_LE(std::abs(w.state(e).angle), kMostAngle);
+    }
+  }
+  EXPECT_EQ(least.y, scene.lower.y - kMostOutside);
+  EXPECT_EQ(most.x, scene.upper.x + kMostOutside);
+  EXPECT_GE(least.x, scene.lower.x - kMostOutside);
+  EXPECT_EQ(w.velocity(w.avatar(0)).x, 0);
+}
+
 TEST(World, AbsentAvatarTouchesNothingAndStays) {
   World w(test::corridor(), 1);
   BodyState thrown = w.state(0);

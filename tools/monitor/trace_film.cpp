@@ -99,7 +99,7 @@ class Actor {
   /// What its player has at a tick up to which it has been advanced.
   trace::PlayerView view(Tick tick) {
     live_.clear();
-    if (over_ || at_ != tick || outside_) return {};
+    if (over_ || at_ != tick || outside_ || replay_->replica()->config().spectates) return {};
     const world::View& w = replay_->replica()->live().world();
     for (EntityId e = 0; e < w.entities(); ++e) live_.push_back(w.state(e));
     return {true, live_, target_};

@@ -120,7 +120,7 @@ class Analysis {
       trace::PlayerView& v = views_[c->incarnation];
       v = {!c->ended && c->peer.last_tick == t && t >= c->about.came && c->peer.left_at < 0, c->reader.live().states,
            c->target};
-      v.there = v.there && trace::can_be_stepped(v);
+      v.there = v.there && !c->reader.header().spectates && trace::can_be_stepped(v);
     }
     fidelity_->tick(t, views_);
   }
