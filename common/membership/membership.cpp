@@ -51,6 +51,10 @@ bool Membership::bars(const PublicKey& key) const {
   return testimony_.convicts(key) || misbehaviour_.bars(key, view());
 }
 
+bool Membership::bars_for_good(const PublicKey& key) const {
+  return testimony_.convicts(key) || misbehaviour_.bars_for_good(key);
+}
+
 void Membership::on_join(const Endpoint& from, const wire::Join& join, Micros local) {
   const View view = this->view();
   const PeerId c = coordinator();
@@ -67,7 +71,9 @@ void Membership::receive(const Endpoint& from, const wire::Header& header, const
                          std::size_t bytes, Micros local) {
   const View view = this->view();
   if (const auto* probe = std::get_if<wire::Probe>(&message)) {
-    if (!bars(from.key)) merge_.on_probe(from, header.sender, *probe, bytes, view, local, commands_);
+    // A ban that ends protects those who are with this peer; if nobody is, it may only keep it alone.
+    const bool barred = bars(from.key) && (!merge_.is_alone(view) || bars_for_good(from.key));
+    if (!barred) merge_.on_probe(from, header.sender, *probe, bytes, view, local, commands_);
     if (!testimony_.proofs().empty()) testimony_.tell(from, merge_.gone(), view, commands_);
     return;
   }

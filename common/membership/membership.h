@@ -77,6 +77,7 @@ class Membership {
   bool convicts(const PublicKey& key) const { return testimony_.convicts(key); }
   /// Whether the peer with this key is barred: it may not join.
   bool bars(const PublicKey& key) const;
+  bool bars_for_good(const PublicKey& key) const;
   /// Bans, proofs and places that this peer's former incarnation knew. `let_in_by`: key of who has let this peer in
   /// anew, if anybody has.
   void inherit(const Membership& before, const PublicKey& let_in_by);

@@ -55,6 +55,8 @@ class PartitionMerge {
   /// Sends Probes to this evicted peer, too, from now on.
   void remember(const sync::Transfer::Gone& gone, Tick now);
   std::vector<sync::Transfer::Gone> gone() const;
+  /// Whether this peer has had nobody else in its part for a while.
+  bool is_alone(const View& view) const { return is_lonely(kGrace, view); }
   /// Whether the address is another member's, or an evicted peer's that Probes are sent to.
   bool knows(const Endpoint& at, const View& view) const;
   /// Tick at which the peer in slot p was first admitted to the session, in whatever slot.
