@@ -12,7 +12,8 @@ the scenario is about, waits for the report, copies all that was recorded, and r
 
   --duration S   seconds to play, 10 to 3600; in churn and partition from 30   (default 30)
   --seed N       of the world, the inputs and the network                      (default 1)
-  --out DIR      where traces, captures and the report go; emptied first       (default out/scenario/NAME)
+  --out DIR      where traces, captures and the report go: a new folder, an empty one, or that of an earlier run, which is
+                 emptied                                                       (default out/scenario/NAME)
   --no-build     take the images as they are
   --keep         leave containers, network and volume, for a look inside
   --list         names of the scenarios, and what each is
@@ -34,6 +35,7 @@ name=
 duration=30
 seed=1
 out=
+mark=.made-by-tools-scenario # only a folder with this file is emptied
 build=yes
 keep=no
 while (($# > 0)); do
@@ -50,7 +52,9 @@ while (($# > 0)); do
       case $1 in
         --duration) duration=$2 ;;
         --seed) seed=$2 ;;
-        --out) out=$2 ;;
+        --out)
+          if [[ -z $2 ]]; then fail_usage "--out must not be empty"; fi
+          out=$(realpath -m -- "$2") ;;
       esac
       shift 2 ;;
     -*) fail_usage "unknown argument '$1'" ;;
@@ -80,6 +84,13 @@ duration=$((10#$duration)) seed=$((10#$seed))
 cd "$here/.."
 if [[ -z $out ]]; then out=out/scenario/$name; fi
 if [[ -e $out && ! -d $out ]]; then fail_usage "--out '$out' is no directory"; fi
+if [[ -d $out && ! -e $out/$mark && -n $(ls -A -- "$out") ]]; then
+  fail_usage "--out '$out' has files that no scenario put there; name another folder"
+fi
+make_out() {
+  mkdir -p "$out"
+  : >"$out/$mark"
+}
 
 fail() { echo "scenario.sh: $1" >&2; exit 1; }
 if ! docker info >/dev/null 2>&1; then fail "no container engine answers 'docker info'"; fi
@@ -116,7 +127,7 @@ stopped() {
   local status=$?
   trap - EXIT
   if ((status != 0 && status != 2)) && [[ -n $(containers) ]]; then
-    mkdir -p "$out"
+    make_out
     compose logs --no-color >"$out/containers.log" 2>&1 || true
     echo "scenario.sh: what the containers said is in $out/containers.log" >&2
   fi
@@ -208,7 +219,7 @@ if [[ $name =~ ^(nat|no-direct)$ && -z ${PADR_KEY:-} ]]; then
   export PADR_KEY
 fi
 rm -rf "$out"
-mkdir -p "$out"
+make_out
 echo "== $name: ${#peers[@]} peers for $duration s"
 quietly compose up --detach --no-build
 wait_healthy 60 "${peers[@]}"

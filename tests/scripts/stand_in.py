@@ -27,10 +27,10 @@ class Case(unittest.TestCase):
             f.write(text)
         os.chmod(self.path(name), 0o755)
 
-    def borrow(self, name):
-        """The repository's file of that name, at the same place below the folder."""
+    def borrow(self, name, file=None):
+        """The repository's file of that name, or another one, at that place below the folder."""
         os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
-        os.symlink(os.path.join(REPOSITORY, name), self.path(name))
+        os.symlink(os.path.join(REPOSITORY, file or name), self.path(name))
 
     def text(self, name):
         with open(self.path(name), encoding="utf-8") as f:
