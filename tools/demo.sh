@@ -42,7 +42,8 @@ usage() {
                     predictor: the same before dominoes, with a predictor that sees what the model is about to do
                     proxy: the avatar of peer 0 pushes one thing into another and that into a third
   --seed N          seed of the scenario, the inputs and the network   (default 1)
-  --out DIR         where traces, logs, plots and tables go  (default out/demo)
+  --out DIR         where traces, logs, plots and tables go: a new folder, an empty one, or that of an earlier demo,
+                    whose recording gives way  (default out/demo)
 TEXT
   if [[ $installed == yes ]]; then echo "  --version         version of the programs"; fi
   cat <<'TEXT'
@@ -165,6 +166,18 @@ if [[ -z $out ]]; then fail_usage "--out must not be empty"; fi
 if [[ -e $scenario ]]; then scenario=$(realpath -- "$scenario"); fi
 out=$(realpath -m -- "$out")
 if [[ -e $out && ! -d $out ]]; then fail_usage "--out '$out' is no directory"; fi
+# Only a folder with this file is written to, and by one demo at a time: traces of two would be reported as one session.
+mark=$out/.padr-demo
+if [[ -d $out && ! -e $mark && -n $(ls -A -- "$out") ]]; then
+  fail_usage "--out '$out' has files, and no .padr-demo, so that they are no demo's; name another folder"
+fi
+if ! mkdir -p -- "$out" || ! { exec 9>>"$mark"; }; then
+  echo "$me: cannot write to $out: choose another folder with --out" >&2
+  exit 1
+fi
+if ! flock --nonblock 9; then
+  fail_usage "--out '$out': another demo is writing there; name another folder, or wait until it has ended"
+fi
 
 # --- set up and build: the same build folder and objects as tools/test.sh; tests only if they were asked for before. What the
 # page needs comes first. The report is built while the peers play, with what processor time they leave.
@@ -179,7 +192,6 @@ build_programs() {
   echo "== looking for packages that are missing (on a bare system they take about a minute)"
   # What only the report draws with can wait, unless somebody has to be asked for a password.
   if ((EUID == 0)); then tools/deps.sh build; else tools/deps.sh build run; fi
-  mkdir -p "$out"
   build_log=$out/build.log
   if [[ ! -e build/release/CMakeCache.txt ]]; then without_tests=(-DPADR_TESTS=OFF); fi
   echo "== configuring build/release"
@@ -194,7 +206,7 @@ build_programs() {
   # In a session of its own, as peers are: Ctrl-C ends the play and not this.
   # shellcheck disable=SC2016  # it is the inner shell that expands
   setsid nice -n 19 bash -c 'tools/deps.sh build run && cmake --build build/release --parallel "$1" --target padr-report' \
-    bash "$jobs" >"$build_log" 2>&1 </dev/null &
+    bash "$jobs" >"$build_log" 2>&1 </dev/null 9>&- &
   building=$!
 }
 # From nothing it takes about 280 s of one processor.
@@ -221,7 +233,6 @@ if [[ $installed == no ]]; then
 else
   bin=$here
   monitor_command=padr-monitor
-  mkdir -p -- "$out" || { echo "$me: cannot write to $out: choose another folder with --out" >&2; exit 1; }
 fi
 if [[ $out == "$PWD"/* ]]; then shown=${out#"$PWD"/}; else shown=$out; fi
 

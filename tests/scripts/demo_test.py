@@ -4,6 +4,7 @@
 Usage: demo_test.py REPOSITORY [unittest arguments]
 """
 
+import fcntl
 import os
 import pty
 import re
@@ -161,6 +162,7 @@ class Demo(Case):
         self.assertEqual(refused.stderr, "padr-demo: --peers '1': must be a whole number from 2 to 64 (see --help)\n")
 
     def test_what_a_peer_refuses_leaves_the_older_recording(self):
+        self.put("out/demo/.padr-demo", "")
         self.put("out/demo/peer0.trace", "older")
         done = self.demo("--netem", "dely 50ms")
         self.assertEqual(done.returncode, 2)
@@ -169,6 +171,30 @@ class Demo(Case):
         done = self.demo()
         self.assertIn("the recording in out/demo gives way to a new one", done.stdout)
         self.assertFalse(os.path.exists(self.path("out/demo/peer0.trace")))
+
+    def test_a_folder_with_files_of_others_is_refused(self):
+        for n, name in enumerate(("csv/letter.csv", "plots/photo.png", "report.json", "page", "path.csv", "peer0.trace")):
+            self.put(f"{n}/{name}", "mine")
+            done = self.demo("--out", str(n))
+            self.assertEqual(done.returncode, 2, name)
+            self.assertEqual(done.stderr, f"demo.sh: --out '{os.path.realpath(self.path(str(n)))}' has files, and no .padr-demo, so "
+                             "that they are no demo's; name another folder (see --help)\n")  # fmt: skip
+            self.assertEqual(self.text(f"{n}/{name}"), "mine")
+        os.mkdir(self.path("empty"))
+        self.assertEqual(self.demo("--page", "off", "--out", "empty").returncode, 0)
+        self.assertEqual(self.demo("--page", "off", "--out", "empty").returncode, 0, "it is a demo's now")
+
+    # The first one's report was about the traces of both.
+    def test_one_demo_at_a_time_writes_to_a_folder(self):
+        self.put("out/demo/.padr-demo", "")
+        with open(self.path("out/demo/.padr-demo"), "w", encoding="utf-8") as first:
+            fcntl.flock(first, fcntl.LOCK_EX)
+            done = self.demo()
+        self.assertEqual(done.returncode, 2)
+        self.assertEqual(done.stderr, f"demo.sh: --out '{os.path.realpath(self.path('out/demo'))}': another demo is writing there; "
+                         "name another folder, or wait until it has ended (see --help)\n")  # fmt: skip
+        self.put("build/release/bin/padr-report", "#!/bin/sh\nflock --nonblock out/demo/.padr-demo echo free || echo held\n")
+        self.assertIn("\nheld\n", self.demo("--page", "off").stdout)
 
     def test_reports_of_whoever_has_come_back_too(self):
         self.put("build/release/bin/padr-peer", PEER.replace("exec", ": >out/demo/peer0.trace; : >out/demo/peer0.2.trace; exec"))
