@@ -163,7 +163,6 @@ if [[ -n $scene && ! -e $path ]]; then
 fi
 if [[ -z $scenario ]]; then fail_usage "--scenario must not be empty"; fi
 if [[ -z $out ]]; then fail_usage "--out must not be empty"; fi
-if [[ -e $scenario ]]; then scenario=$(realpath -- "$scenario"); fi
 out=$(realpath -m -- "$out")
 if [[ -e $out && ! -d $out ]]; then fail_usage "--out '$out' is no directory"; fi
 # Only a folder with this file is written to, and by one demo at a time: traces of two would be reported as one session.
@@ -225,16 +224,19 @@ await_report() {
   building=
 }
 
+as_shown() { if [[ $1 == "$PWD"/* ]]; then echo "${1#"$PWD"/}"; else echo "$1"; fi; } # PATH: as a user here would write it
 if [[ $installed == no ]]; then
   cd "$here/.."
   build_programs
   bin=$PWD/build/release/bin
-  monitor_command=build/release/bin/padr-monitor
+  # The programs find a scenario as they do without this script: by its name, and then as a file from the caller's folder.
+  cd "$OLDPWD"
+  monitor_command=$(as_shown "$bin/padr-monitor")
 else
   bin=$here
   monitor_command=padr-monitor
 fi
-if [[ $out == "$PWD"/* ]]; then shown=${out#"$PWD"/}; else shown=$out; fi
+shown=$(as_shown "$out")
 
 # What only the programs can judge, scenario and network, is tried before an older recording gives way.
 shaped=()

@@ -110,6 +110,19 @@ class Demo(Case):
             self.assertEqual(done.returncode, 2)
             self.assertEqual(done.stderr, f"demo.sh: --technique '{name}': must be one of: {' '.join(names)} (see --help)\n")
 
+    # A folder of that name was taken for the scenario.
+    def test_the_programs_find_a_scenario_as_without_the_script(self):
+        os.mkdir(self.path("arena"))
+        self.assertEqual(self.demo("--page", "off").returncode, 0)
+        self.assertIn("--scenario arena --seed", self.text("seen"))
+        self.put("below/own.json", "{}")
+        self.put("build/release/bin/padr-peer", PEER.replace('echo "$@"', "pwd"))
+        done = self.run_script("sh", "-c", "cd below && ../tools/demo.sh --duration 1 --page off --scenario own.json",
+                               SEEN=self.path("seen"))  # fmt: skip
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertTrue(self.text("seen").endswith("/below\n"))
+        self.assertIn("\ntraces: out/demo/peer*.trace\n", done.stdout)
+
     def test_scenes_are_the_papers_stories(self):
         for name in ("ball", "dominoes", "van", "proxy"):
             self.borrow(f"common/scenarios/paths/{name}.csv")
