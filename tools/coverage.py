@@ -13,7 +13,7 @@ For example, what the fast suites reach of the wire:
   ctest --preset coverage && tools/coverage.py --missing common/wire
 
 A line counts once, whatever number of programs it is in. Needs gcov of the compiler that built.
-Exit status: 0; 1 if nothing has been run; 2 for wrong arguments.
+Exit status: 0; 1 if nothing has been run or gcov fails; 2 for wrong arguments.
 """
 
 import argparse
@@ -26,14 +26,23 @@ import sys
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
 
+class Failed(Exception):
+    pass
+
+
 def notes(build):
     return [os.path.join(folder, name) for folder, _, names in os.walk(build) for name in names if name.endswith(".gcda")]
 
 
 def lines_of(data):
     """What one object file's run says: (file, line, how often) of every line of the repository."""
-    done = subprocess.run(["gcov", "--json-format", "--stdout", data], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          cwd=os.path.dirname(data))  # fmt: skip
+    try:
+        done = subprocess.run(["gcov", "--json-format", "--stdout", data], capture_output=True, text=True, check=False,
+                              cwd=os.path.dirname(data))  # fmt: skip
+    except FileNotFoundError:
+        raise Failed("there is no gcov here; it comes with the compiler") from None
+    if done.returncode != 0:
+        raise Failed(f"gcov failed on {data}: {done.stderr.strip()}")
     found = []
     for text in done.stdout.splitlines():
         report = json.loads(text)
@@ -66,24 +75,30 @@ def main():
     if a.help:
         print(__doc__)
         return 0
-    for place in a.places:
-        if not os.path.exists(os.path.join(ROOT, place)):
+    build = os.path.abspath(a.build)
+    places = [os.path.relpath(os.path.join(ROOT, place), ROOT) for place in a.places]
+    for place in places:
+        if place.startswith("..") or not os.path.exists(os.path.join(ROOT, place)):
             print(f"coverage.py: there is no {place} in the repository (see --help)", file=sys.stderr)
             return 2
-    data = notes(a.build)
+    data = notes(build)
     if not data:
         print(f"coverage.py: nothing built with the preset `coverage` has been run in {a.build}", file=sys.stderr)
         return 1
     runs = {}
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for found in pool.map(lines_of, data):
-            for path, line, count in found:
-                of = runs.setdefault(path, {})
-                of[line] = of.get(line, 0) + count
+        try:
+            for found in pool.map(lines_of, data):
+                for path, line, count in found:
+                    of = runs.setdefault(path, {})
+                    of[line] = of.get(line, 0) + count
+        except Failed as e:
+            pool.shutdown(cancel_futures=True)
+            print(f"coverage.py: {e}", file=sys.stderr)
+            return 1
     print(f"{'lines':>7} {'run':>7} {'':>7}")
-    for place in a.places:
-        place = place.rstrip("/")
-        files = sorted(f for f in runs if f == place or f.startswith(place + "/"))
+    for place in places:
+        files = sorted(f for f in runs if place in (".", f) or f.startswith(place + "/"))
         for name, of in [(place, files)] + [(f, [f]) for f in files if f != place]:
             every = sum(len(runs[f]) for f in of)
             run = sum(1 for f in of for count in runs[f].values() if count)
