@@ -119,14 +119,14 @@ std::string name_of(const CLI::Option& o) {
   return o.get_lnames().empty() ? o.get_name() : "--" + o.get_lnames().front();
 }
 
-/// Whether the two name one file that can be lost, or that will be made.
+/// Whether the two name one file that can be lost, also by hard links, or that will be made.
 bool is_same_file(const std::string& a, const std::string& b) {
   std::error_code error;
   const auto place = [&](const std::string& file) {
     return std::filesystem::weakly_canonical(std::filesystem::absolute(file, error), error);
   };
   const std::filesystem::path one = place(a);
-  if (one.empty() || one != place(b)) return false;
+  if (one.empty() || (one != place(b) && !std::filesystem::equivalent(a, b, error))) return false;
   return !std::filesystem::exists(one, error) || std::filesystem::is_regular_file(one, error);
 }
 

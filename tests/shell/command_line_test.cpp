@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -104,6 +106,35 @@ TEST(CommandLine, NoTwoOptionsNameOneFile) {
     }
     EXPECT_EQ(answer, r.answer);
   }
+}
+
+// Once, only paths were compared, and a result replaced what was to be read.
+TEST(CommandLine, TwoHardLinksAreOneFile) {
+  const auto folder = std::filesystem::temp_directory_path() / "padr-hard-links-test";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  const auto path = [&folder](const char* name) { return (folder / name).string(); };
+  for (const char* name : {"trace", "copy"}) std::ofstream(path(name)) << "x";
+  std::filesystem::create_hard_link(path("trace"), path("link"));
+  CLI::App app;
+  std::string trace;
+  std::string json;
+  app.add_option("TRACE", trace)->type_name("FILE");
+  app.add_option("--json", json)->type_name("FILE|-");
+  const auto answer = [&](const std::string& read, const std::string& written) {
+    const std::array argv{"program", read.c_str(), "--json", written.c_str()};
+    try {
+      shell::parse(app, static_cast<int>(argv.size()), argv.data());
+    } catch (const UserError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(answer(path("trace"), path("link")),
+            "TRACE and --json: both name the file '" + path("link") + "'; give each its own");
+  EXPECT_EQ(answer(path("trace"), path("copy")), "");
+  EXPECT_EQ(answer(path("trace"), path("new")), "");
+  std::filesystem::remove_all(folder);
 }
 
 // CLI11 takes a number that begins with 0 for octal.
