@@ -73,7 +73,8 @@ if [ -n "$member" ]; then
 else
   set -- --wait-peers "${PADR_PEERS:-4}"
 fi
-netem=${PADR_NETEM_OWN:-${PADR_NETEM:-}}
+# An empty one of its own is none.
+netem=$(printenv "PADR_NETEM_$number") || netem=${PADR_NETEM:-}
 if [ -n "$netem" ]; then set -- "$@" --netem "$netem"; fi
 
 if [ -n "${PADR_MONITOR:-}" ]; then set -- "$@" --monitor "$PADR_MONITOR" --control; fi
