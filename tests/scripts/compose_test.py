@@ -46,6 +46,15 @@ class Compose(Case):
         self.assertIsNone(self.netem(3, PADR_NETEM=""))
         self.assertIsNone(self.netem(3))
 
+    # Captures of who had come back stayed, and were held against the traces of another session.
+    def test_a_new_session_begins_without_files_of_an_older_one(self):
+        others = {"peer10.trace", "peer2.json", "peer1.pcap", "report"}
+        for name in {"peer1.trace", "peer1.back1.trace", "peer1.json", "peer1.back1.json", "peer1.pcapng", "peer1.back2.pcapng",
+                     "peer1.health"} | others:  # fmt: skip
+            self.put(f"data/{name}", "")
+        self.peer(1)
+        self.assertEqual(set(os.listdir(self.path("data"))), others)
+
     @unittest.skipUnless(yaml and shutil.which("docker-compose"), "no docker-compose and yaml")
     def test_compose_hands_on_what_is_set_and_nothing_else(self):
         for files, number, outside, wanted in [

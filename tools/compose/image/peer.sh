@@ -50,7 +50,7 @@ if [ -n "$member" ]; then
     times=$((times + 1))
   done
 else
-  rm -f "$file".trace "$file".*.trace "$file".json "$file".*.json "$file".pcapng "$file".health
+  rm -f "$file".trace "$file".*.trace "$file".json "$file".*.json "$file".pcapng "$file".*.pcapng "$file".health
   if [ "$number" -ne 1 ]; then member=peer1; fi
 fi
 
