@@ -27,14 +27,19 @@ TEXT
 fail_usage() { echo "bench.sh: $1 (see --help)" >&2; exit 2; }
 
 json=
+set_json() { # FILE
+  if [[ -z $1 ]]; then fail_usage "--json must not be empty"; fi
+  json=$(realpath -m -- "$1")
+  if [[ -d $json ]]; then fail_usage "--json '$1' is a directory; name a file"; fi
+}
 list=no
 filter=
 while (($# > 0)); do
   case $1 in
     --help | -h) usage; exit 0 ;;
     --list) list=yes ;;
-    --json=*) json=$(realpath -m -- "${1#*=}") ;;
-    --json) (($# > 1)) || fail_usage "--json needs a file"; json=$(realpath -m -- "$2"); shift ;;
+    --json=*) set_json "${1#*=}" ;;
+    --json) (($# > 1)) || fail_usage "--json needs a file"; set_json "$2"; shift ;;
     -*) fail_usage "unknown option '$1'" ;;
     *) [[ -z $filter ]] || fail_usage "one FILTER, not '$filter' and '$1'"; filter=$1 ;;
   esac

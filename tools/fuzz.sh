@@ -25,7 +25,7 @@ TEXT
 fail_usage() { echo "fuzz.sh: $1 (see --help)" >&2; exit 2; }
 
 minutes=10
-out=out/fuzz
+out=
 list=no
 targets=()
 while (($# > 0)); do
@@ -35,7 +35,10 @@ while (($# > 0)); do
     --minutes=* | --out=*) set -- "${1%%=*}" "${1#*=}" "${@:2}"; continue ;;
     --minutes | --out)
       (($# > 1)) || fail_usage "$1 needs a value"
-      if [[ $1 == --minutes ]]; then minutes=$2; else out=$2; fi
+      if [[ $1 == --minutes ]]; then minutes=$2; shift 2; continue; fi
+      if [[ -z $2 ]]; then fail_usage "--out must not be empty"; fi
+      out=$(realpath -m -- "$2")
+      if [[ -e $out && ! -d $out ]]; then fail_usage "--out '$2' is no directory"; fi
       shift ;;
     -*) fail_usage "unknown option '$1'" ;;
     *) targets+=("$1") ;;
@@ -47,6 +50,7 @@ if [[ ! $minutes =~ ^[1-9][0-9]{0,4}$ ]] || ((minutes > 10000)); then
 fi
 
 cd "$(dirname "$0")/.."
+out=${out:-out/fuzz}
 mapfile -t all < <(sed -n 's/^padr_fuzz(\([a-z_]*\).*/\1/p' tests/fuzz/CMakeLists.txt)
 if [[ $list == yes ]]; then printf '%s\n' "${all[@]}"; exit 0; fi
 if ((${#targets[@]} == 0)); then targets=("${all[@]}"); fi
