@@ -66,7 +66,8 @@ def ranges(numbers):
 
 
 def main():
-    parser = argparse.ArgumentParser(usage=__doc__, add_help=False)
+    parser = argparse.ArgumentParser(add_help=False)
+    parser.error = lambda message: parser.exit(2, f"{parser.prog}: {message} (see --help)\n")
     parser.add_argument("--help", "-h", action="store_true")
     parser.add_argument("--build", default=os.path.join(ROOT, "build", "coverage"))
     parser.add_argument("--missing", action="store_true")

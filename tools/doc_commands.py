@@ -117,9 +117,16 @@ def run_steps(steps, folder, programs, say):
     return came
 
 
-def run_page(page, programs, say=lambda _: None):
+def read(page):
     with open(page, encoding="utf-8") as file:
-        steps = steps_of(file.read())
+        try:
+            return file.read()
+        except UnicodeDecodeError as e:
+            raise Wrong(f"this is no UTF-8: {e.reason}") from None
+
+
+def run_page(page, programs, say=lambda _: None):
+    steps = steps_of(read(page))
     with tempfile.TemporaryDirectory(prefix="padr-page-") as folder:
         fresh_folder(folder, programs)
         return run_steps(steps, folder, programs, say)
@@ -147,8 +154,7 @@ def write_page(page, programs):
     exact, shape.tolerance_of = shape.tolerance_of, lambda *_: shape.Tolerance()
     came = run_page(page, programs)
     shape.tolerance_of = exact
-    with open(page, encoding="utf-8") as file:
-        lines = file.read().split("\n")
+    lines = read(page).split("\n")
     changed = 0
     for step, text in came:
         rest = text.split("\n")
@@ -176,8 +182,7 @@ def text_of(page):
 
 def check_page(page, programs):
     """What is wrong with a page without running it."""
-    with open(page, encoding="utf-8") as file:
-        text = file.read()
+    text = read(page)
     blocks = blocks_and_stops(text)
     found = []
     for block in blocks:
@@ -213,7 +218,8 @@ def check(pages, programs):
 
 
 def main():
-    parser = argparse.ArgumentParser(usage=__doc__.split("\n\n", 1)[1], add_help=False)
+    parser = argparse.ArgumentParser(add_help=False)
+    parser.error = lambda message: parser.exit(2, f"{parser.prog}: {message} (see --help)\n")
     parser.add_argument("--help", "-h", action="store_true")
     parser.add_argument("--bin", default=os.path.join(ROOT, "build", "release", "bin"))
     parser.add_argument("--patience", type=float, default=shells.patience)

@@ -144,13 +144,20 @@ def draw_agreed_world():
     return picture(780, 330, "The agreed world: confirmed where all updates are known, predicted up to now, live for the own avatar", parts)
 
 
-def main():
-    folder = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "docs")
+def main(arguments):
+    if arguments in (["--help"], ["-h"]):
+        print(__doc__.strip())
+        return 0
+    folder = arguments[0] if arguments else os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "docs")
+    if len(arguments) > 1 or not os.path.isdir(folder):
+        print(f"drawings.py: '{arguments[-1]}' is not allowed; give one folder that exists (see --help)", file=sys.stderr)
+        return 2
     drawings = {"paper-dead-reckoning": draw_dead_reckoning, "paper-loop": draw_loop, "agreed-world": draw_agreed_world}
     for name, draw in drawings.items():
         with open(os.path.join(folder, f"{name}.svg"), "w", encoding="utf-8") as f:
             f.write(draw())
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main(sys.argv[1:]))

@@ -39,10 +39,14 @@ def revision(programs):
 
 
 def read_kept(path):
+    """By name, what is kept of each figure. OSError or ValueError if it cannot be read."""
     if not os.path.exists(path):
         return {}
     with open(path, encoding="utf-8") as file:
-        return json.load(file)
+        kept = json.load(file)
+    if not isinstance(kept, dict) or not all(isinstance(v, dict) and {"short_form", "revision"} <= v.keys() for v in kept.values()):
+        raise ValueError("not what `make` writes")
+    return kept
 
 
 def keep(all_of_them, path):
@@ -109,7 +113,8 @@ def check(figures, programs, kept):
 
 
 def main():
-    parser = argparse.ArgumentParser(usage=__doc__.split("\n\n", 1)[1], add_help=False)
+    parser = argparse.ArgumentParser(add_help=False)
+    parser.error = lambda message: parser.exit(2, f"{parser.prog}: {message} (see --help)\n")
     parser.add_argument("--help", "-h", action="store_true")
     parser.add_argument("--bin", default=os.path.join(ROOT, "build", "release", "bin"))
     parser.add_argument("--kept", default=os.path.join(ROOT, "docs", "figures.json"))
@@ -133,6 +138,11 @@ def main():
         return 0
     if not os.access(os.path.join(args.bin, "padr-lab"), os.X_OK):
         print(f"figures.py: there is no padr-lab in {args.bin}; build it, or name its folder with --bin", file=sys.stderr)
+        return 2
+    try:
+        read_kept(args.kept)
+    except (OSError, ValueError) as e:
+        print(f"figures.py: --kept: cannot read '{args.kept}': {e} (see --help)", file=sys.stderr)
         return 2
     try:
         return (make if args.what == "make" else check)(figures, os.path.abspath(args.bin), args.kept)

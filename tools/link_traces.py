@@ -82,12 +82,19 @@ def opportunities(rates):
     return times
 
 
-def main():
-    folder = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(__file__), "..", "shell", "link_traces")
+def main(arguments):
+    if arguments in (["--help"], ["-h"]):
+        print(__doc__.strip())
+        return 0
+    folder = arguments[0] if arguments else os.path.join(os.path.dirname(__file__), "..", "shell", "link_traces")
+    if len(arguments) > 1 or not os.path.isdir(folder):
+        print(f"link_traces.py: '{arguments[-1]}' is not allowed; give one folder that exists (see --help)", file=sys.stderr)
+        return 2
     for recipe in (mobile, satellite, uplink):
         with open(os.path.join(folder, recipe.__name__ + ".link"), "w", encoding="ascii", newline="\n") as file:
             file.writelines(f"{ms}\n" for ms in opportunities(recipe()))
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main(sys.argv[1:]))

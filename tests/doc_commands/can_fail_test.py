@@ -21,7 +21,7 @@ def said_of(what, page):
     """Exit status and words of the runner."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "tutorial-sample.md")
-        with open(path, "w", encoding="utf-8") as file:
+        with open(path, "w", encoding="utf-8", errors="surrogateescape") as file:
             file.write(page)
         done = subprocess.run([*DOCUMENTS, "--patience", "5", what, path], capture_output=True, text=True, timeout=100, check=False)
         return done.returncode, done.stdout + done.stderr
@@ -107,6 +107,17 @@ class Check(unittest.TestCase):
         self.fails(block("tools/test.sh --speed"), "tools/test.sh has no option --speed")
         self.fails("<!-- not run: too long for a test -->\n\n" + block("padr-lab merge --csvv x"), "padr-lab merge has no option --csvv")
         self.fails("Give `padr-peer --quick` a try.\n", "in `padr-peer --quick`: padr-peer has no option --quick")
+
+    def test_a_page_that_is_no_text(self):
+        self.fails("caf\udce9\n", "tutorial-sample.md: this is no UTF-8: ")
+        status, said = said_of("run", "caf\udce9\n")
+        self.assertEqual(status, 1, said)
+        self.assertIn("tutorial-sample.md, this is no UTF-8: ", said)
+
+    def test_wrong_arguments(self):
+        status, said = said_of("walk", "")
+        self.assertEqual(status, 2)
+        self.assertRegex(said, r"^doc_commands\.py: .*'walk'.* \(see --help\)\n$")
 
     def test_tutorials_are_short_and_show_their_figures(self):
         self.fails("word " * 701, "701 words")

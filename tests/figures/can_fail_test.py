@@ -39,6 +39,17 @@ status, said = check(kept)
 expect("what has never been made must be named", status == 1 and f"stale: {NAME} (docs/lab.md) has never" in said, said)
 done = subprocess.run([*sys.argv[1:], "check", "no-such-table"], stderr=subprocess.PIPE, check=False)
 expect("an unknown name is a wrong argument", done.returncode == 2, done.stderr.decode())
+done = subprocess.run([*sys.argv[1:], "fake"], stderr=subprocess.PIPE, check=False)
+said = done.stderr.decode()
+expect("wrong arguments are told of in a line", done.returncode == 2 and said.startswith("figures.py: ") and said.count("\n") == 1, said)
+for broken in ("{", "[]", '{"a": 1}', "\udcff"):
+    with tempfile.NamedTemporaryFile("w", encoding="utf-8", errors="surrogateescape") as file:
+        file.write(broken)
+        file.flush()
+        done = subprocess.run([*sys.argv[1:], "--kept", file.name, "check", NAME], stderr=subprocess.PIPE, check=False)
+        said = done.stderr.decode()
+        begin = f"figures.py: --kept: cannot read '{file.name}': "
+        expect("a broken file is a wrong argument", done.returncode == 2 and said.startswith(begin) and said.count("\n") == 1, said)
 with tempfile.TemporaryDirectory() as folder:
     lab = os.path.join(folder, "padr-lab")
     with open(lab, "w", encoding="utf-8") as file:

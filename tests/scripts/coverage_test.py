@@ -46,6 +46,10 @@ class Coverage(Case):
             self.assertEqual(done.stdout.splitlines()[1].split()[:2], ["4", "3"], place)
         self.assertEqual(self.coverage("..").returncode, 2)
 
+    def test_wrong_arguments_are_told_of_in_a_line(self):
+        done = self.coverage("--speed")
+        self.assertEqual((done.returncode, done.stderr), (2, "coverage.py: unrecognized arguments: --speed (see --help)\n"))
+
     def test_says_why_gcov_fails(self):
         os.rename(self.path("build/coverage/a.gcno"), self.path("build/coverage/b.gcno"))
         done = self.coverage("common")

@@ -27,6 +27,17 @@ class Drawings(unittest.TestCase):
                 xml.etree.ElementTree.fromstring(drawn)
                 self.assertIn("prefers-color-scheme: dark", drawn)
 
+    def test_says_what_it_does_and_what_it_wants(self):
+        def said(*arguments):
+            return subprocess.run([sys.executable, "-B", os.path.join(REPOSITORY, "tools/drawings.py"), *arguments],
+                                  capture_output=True, text=True, check=False)  # fmt: skip
+
+        self.assertIn("Usage: tools/drawings.py [FOLDER]", said("--help").stdout)
+        for arguments in (["/no such folder"], ["/", "--fast"]):
+            done = said(*arguments)
+            self.assertEqual(done.returncode, 2)
+            self.assertEqual(done.stderr, f"drawings.py: '{arguments[-1]}' is not allowed; give one folder that exists (see --help)\n")
+
 
 if __name__ == "__main__":
     unittest.main()

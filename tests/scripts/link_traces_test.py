@@ -25,6 +25,17 @@ class LinkTraces(unittest.TestCase):
                     self.assertEqual(made, old.read(), f"tools/link_traces.py makes {name} anew")
                 self.assertLess(len(made), 65536)
 
+    def test_says_what_it_does_and_what_it_wants(self):
+        def said(*arguments):
+            return subprocess.run([sys.executable, "-B", os.path.join(REPOSITORY, "tools/link_traces.py"), *arguments],
+                                  capture_output=True, text=True, check=False)  # fmt: skip
+
+        self.assertIn("Usage: tools/link_traces.py [FOLDER]", said("--help").stdout)
+        for arguments in (["/no such folder"], ["/", "--fast"]):
+            done = said(*arguments)
+            self.assertEqual(done.returncode, 2)
+            self.assertEqual(done.stderr, f"link_traces.py: '{arguments[-1]}' is not allowed; give one folder that exists (see --help)\n")
+
 
 if __name__ == "__main__":
     unittest.main()
