@@ -90,6 +90,11 @@ function seal.load(path)
   if path == "" then return end
   local file, why = io.open(path)
   if not file then return why end
+  local _, unreadable = file:read(0) -- a folder can be opened
+  if unreadable then
+    file:close()
+    return path .. ": " .. unreadable
+  end
   local number, wrong = 0, nil
   for line in file:lines() do
     number = number + 1
