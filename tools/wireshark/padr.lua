@@ -227,7 +227,7 @@ function dissect(tvb, pinfo, root, data, envelope, carried)
     history.note(pinfo.number, from, to, envelope, said)
   end
   local found = history.of(pinfo.number)
-  found.to = found.to or history.number_of(to)
+  found.to = history.receiver(pinfo.number, to)
 
   local tree = root:add(padr, tvb())
   local show = Show.new(f, labels, experts, tvb, found)

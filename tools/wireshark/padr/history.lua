@@ -4,6 +4,7 @@
 local history = {}
 
 local noted -- by frame number: what was found out about it
+local receivers -- by frame number and place: the slot, or false
 local addresses -- Wireshark's objects
 local by_text -- by what an address was shown as: its index in them
 local numbers -- by place: the slot of whose datagrams last came from there
@@ -14,7 +15,7 @@ local transfers -- by link and nonce: the pieces of one transfer
 
 -- To be called when a capture is opened, or dissected anew.
 function history.reset()
-  noted, addresses, by_text, numbers, links, claims, checks, transfers = {}, {}, {}, {}, {}, {}, {}, {}
+  noted, receivers, addresses, by_text, numbers, links, claims, checks, transfers = {}, {}, {}, {}, {}, {}, {}, {}, {}
 end
 history.reset()
 
@@ -179,7 +180,6 @@ function history.note(frame, from, to, envelope, said)
   noted[frame] = found
   if envelope.peer ~= 255 then numbers[from] = envelope.peer end
   if said.name == "welcome" then numbers[to] = said.message.peer.v end
-  found.to = numbers[to]
   if said.name == "state" then
     note_state(found, envelope, from, to, said, frame)
   elseif said.name == "piece" then
@@ -192,9 +192,11 @@ function history.of(frame)
   return noted[frame] or { resend = {}, superseded = {} }
 end
 
--- The slot of whoever last sent from that place, if anybody has.
-function history.number_of(place)
-  return numbers[place]
+-- The slot of whoever had last sent from that place when the frame was seen first, if anybody had. To be asked after note().
+function history.receiver(frame, place)
+  local of_frame = entry(receivers, frame, table_of_none)
+  if of_frame[place] == nil then of_frame[place] = numbers[place] or false end
+  return of_frame[place] or nil
 end
 
 return history
