@@ -175,6 +175,9 @@ class Participant {
   int begun_ = 0;
   Micros began_;
   Tick steered_ = 0;
+  /// What links show of clocks goes back no further than this.
+  static constexpr Tick kClocksShowOf = 7 * kTicksPerSecond;
+  Tick skipped_ = -kClocksShowOf;  ///< when the clock was last set right at once
   std::optional<Micros> left_at_;  ///< local time of leave()
   std::optional<Tick> farewell_;   ///< tick at which to leave; absent: done, or not planned yet
   bool stays_ = false;

@@ -106,6 +106,8 @@ class Session {
   Micros local_at(Micros session) const { return session_.clock.local_at(session); }
   /// Corrects our lead of `lead` us over the peer whose clock counts; see SessionClock.
   void steer(Micros local, Micros lead) { session_.clock.steer(local, lead); }
+  /// The clock has stood still for so long: sets it right at once.
+  void skip(Micros local, Micros by) { session_.clock.skip(local, by); }
   const SessionClock& clock() const { return session_.clock; }
 
  private:

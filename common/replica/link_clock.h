@@ -34,6 +34,8 @@ class LinkClock {
   Micros lead() const { return measured() && heard_ ? (least() - theirs_) / 2 : 0; }
   /// By how much it leads theirs at least, whatever the delays are; negative or 0 if that is not known.
   Micros least_lead() const { return heard_ ? -theirs_ : 0; }
+  /// By how much it is behind theirs at least, likewise: a datagram has come before it was sent.
+  Micros least_lag() const { return measured() ? -least() : 0; }
 
  private:
   static constexpr Micros kNone = std::numeric_limits<Micros>::max();

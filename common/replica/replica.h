@@ -208,8 +208,12 @@ class Replica {
   /// By how much it leads those of more than half of the other members at least, in microseconds, whatever the delays
   /// are; 0 if not, or if there is only one other.
   Micros least_clock_lead() const;
+  /// By how much it is behind theirs, likewise.
+  Micros least_clock_lag() const;
   /// Lead from which on this peer has been told a wrong time, us: the others drop what it sends from 2 s on.
   static constexpr Micros kFarAhead = kMicrosPerSecond;
+  /// Lag from which on this peer's clock has stood still for a while, as that of a suspended machine does, us.
+  static constexpr Micros kFarBehind = kMicrosPerSecond / 4;
   /// Sum over own entities of the distance between the live and the predicted world (m): the error that the others are
   /// believed to see.
   float own_error() const;
@@ -224,6 +228,8 @@ class Replica {
   Replica(const Scene& scene, const ReplicaConfig& config, const sync::Transfer& start, ConfirmedSink on_confirmed,
           Later);
 
+  /// What more than half of the other members show at least, us; 0 if that is negative, or there is only one other.
+  Micros as_most_others_show(Micros (LinkClock::*what)() const) const;
   ConfirmedSink check_and(ConfirmedSink sink);
   sync::DropReason take(const wire::Opened& opened, Micros now);
   /// Why the packet is to be dropped; kNone: it is not. Only `objected_` changes.

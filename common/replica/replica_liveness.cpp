@@ -66,13 +66,21 @@ Micros Replica::clock_lead() const {
 }
 
 Micros Replica::least_clock_lead() const {
-  std::array<Micros, kMaxPeers> leads;
+  return as_most_others_show(&LinkClock::least_lead);
+}
+
+Micros Replica::least_clock_lag() const {
+  return as_most_others_show(&LinkClock::least_lag);
+}
+
+Micros Replica::as_most_others_show(Micros (LinkClock::*what)() const) const {
+  std::array<Micros, kMaxPeers> shown;
   std::size_t others = 0;
   for (PeerId p = 0; p < config_.slots; ++p)
-    if (p != config_.self && seat(p).there()) leads[others++] = links_[p].clock.least_lead();
+    if (p != config_.self && seat(p).there()) shown[others++] = (links_[p].clock.*what)();
   if (others < 2) return 0;
-  const auto middle = leads.begin() + static_cast<std::ptrdiff_t>(others / 2);
-  std::nth_element(leads.begin(), middle, leads.begin() + static_cast<std::ptrdiff_t>(others), std::greater<>());
+  const auto middle = shown.begin() + static_cast<std::ptrdiff_t>(others / 2);
+  std::nth_element(shown.begin(), middle, shown.begin() + static_cast<std::ptrdiff_t>(others), std::greater<>());
   return std::max<Micros>(0, *middle);
 }
 

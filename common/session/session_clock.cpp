@@ -46,6 +46,11 @@ void SessionClock::steer(Micros local, Micros lead) {
   slew_ = std::clamp(-static_cast<double>(lead) / static_cast<double>(kMicrosPerSecond) * kGain, -kMaxSlew, kMaxSlew);
 }
 
+void SessionClock::skip(Micros local, Micros by) {
+  base_session_ = now(local) + by;
+  base_local_ = std::max(local, base_local_);
+}
+
 Micros SessionClock::now(Micros local) const {
   const Micros passed = slew_ == 0 ? local - base_local_ : std::max<Micros>(0, local - base_local_);
   return base_session_ + passed + static_cast<Micros>(std::floor(static_cast<double>(passed) * slew_));

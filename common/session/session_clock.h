@@ -39,7 +39,7 @@ class OffsetEstimator {
 };
 
 /// The session's time as a function of a local monotonic clock. It runs at the local rate plus a correction, which is
-/// so slow that time never jumps and never goes back.
+/// so slow that time never jumps, but for skip(), and never goes back.
 class SessionClock {
  public:
   /// Session time is local + offset from now on. Steps the clock: only before play begins.
@@ -47,6 +47,8 @@ class SessionClock {
   /// Corrects our lead over the clock to follow, `lead` us as far as is known at `local`: by kGain of it a second, at
   /// most by kMaxSlew.
   void steer(Micros local, Micros lead);
+  /// Sets the clock ahead by so many us, at once.
+  void skip(Micros local, Micros by);
   /// Session time, us. It never decreases if `local` does not.
   Micros now(Micros local) const;
   /// The local time at which now() reaches `session`, to a microsecond or so; never too early.

@@ -231,6 +231,26 @@ TEST(Joining, WhoWalksOutOfASceneWithoutWallsIsHeardThere) {
   EXPECT_EQ(party.judge().violation(), "");
 }
 
+// Once, it was 1.5 s behind for five minutes, and so was every confirmed world.
+TEST(Joining, AClockThatHasStoodStillIsSetRightAtOnce) {
+  for (const int person : {0, 2}) {
+    Party party(4, "delay 30ms 5ms loss 1%", 23);
+    party.run(8);
+    party.net().pause(person, true);
+    party.run(1.5);
+    party.net().stand_still(person, seconds(1.5));
+    party.net().pause(person, false);
+    party.run(6);
+    const int another = 3;
+    EXPECT_LT(std::abs(party.net().session_now(person) - party.net().session_now(another)), kMicrosPerSecond / 5);
+    EXPECT_EQ(party.story().find("is lost"), std::string::npos) << party.story();
+    EXPECT_EQ(party.story().find("joining anew"), std::string::npos) << party.story();
+    party.run(20);
+    EXPECT_LT(std::abs(party.net().session_now(person) - party.net().session_now(another)), kMicrosPerSecond / 20);
+    EXPECT_EQ(party.judge().violation(), "");
+  }
+}
+
 TEST(Joining, TheFounderMayLeave) {
   Party party(3, "delay 30ms 5ms loss 1%", 17);
   party.run(5);

@@ -104,6 +104,10 @@ void VirtualNetwork::pause(int person, bool paused) {
   persons_[at(person)].paused = paused;
 }
 
+void VirtualNetwork::stand_still(int person, Micros duration) {
+  persons_[at(person)].offset -= duration;
+}
+
 void VirtualNetwork::move(int person, const Endpoint& place) {
   Person& p = persons_[at(person)];
   by_place_.erase(p.place);

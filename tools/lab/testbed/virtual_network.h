@@ -51,6 +51,8 @@ class VirtualNetwork {
   void leave(int person);
   void kill(int person);
   void pause(int person, bool paused);
+  /// While it was paused, its clock stood still for so long, us, as a suspended machine's does.
+  void stand_still(int person, Micros duration);
   /// A person's user pushes a body.
   void push(int person, EntityId body, Vec2 velocity) { persons_[at(person)].peer->push(body, velocity); }
   /// Datagrams between persons of different sides vanish; by person, who are not named are on side 0.
