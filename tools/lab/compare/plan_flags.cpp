@@ -83,7 +83,10 @@ Plan PlanFlags::plan() const {
     p.setting.inputs = inputs_;
     shell::tell_of_paths("padr-lab", inputs_, shell::load_scenario(scenario_, 1).scene);
   }
-  for (int s = 1; s <= seeds_; ++s) p.seeds.push_back(static_cast<std::uint64_t>(s));
+  for (int s = 1; s <= seeds_; ++s) {
+    p.seeds.push_back(static_cast<std::uint64_t>(s));
+    check_setting(p.setting, p.seeds.back());  // before any file is touched, and in a dry run
+  }
   p.parallel.threads = jobs_;
   return p;
 }

@@ -20,7 +20,7 @@ class PlanFlags {
   explicit PlanFlags(Usual usual) : usual_(std::move(usual)), seeds_(usual_.seeds), techniques_(usual_.techniques) {}
 
   void declare(CLI::App& app);
-  /// After parsing. Throws UserError.
+  /// After parsing. Throws UserError for all that the runs would refuse, too.
   Plan plan() const;
 
  private:

@@ -23,6 +23,15 @@ Inputs load_inputs(const Setting& setting, const Scene& scene, std::uint64_t see
   return inputs;
 }
 
+shell::LoadedScenario load_with_room(const Setting& setting, std::uint64_t seed) {
+  shell::LoadedScenario scenario = shell::load_scenario(setting.scenario, seed);
+  const auto room = scenario.scene.avatar.spawns.size();
+  if (static_cast<std::size_t>(setting.peers) > room)
+    throw UserError("--peers: " + std::to_string(setting.peers) + " is too many for scenario " + setting.scenario +
+                    ", which has room for " + std::to_string(room));
+  return scenario;
+}
+
 void take_jumps(Score& score, const std::vector<const JumpMeter*>& meters, Tick ticks) {
   std::uint64_t jumps = 0;
   double metres = 0;
@@ -134,12 +143,12 @@ Score run_alternative(const alternatives::Spec& spec, const Network& network, co
 
 }  // namespace
 
+void check_setting(const Setting& setting, std::uint64_t seed) {
+  load_inputs(setting, load_with_room(setting, seed).scene, seed);
+}
+
 Score run_trial(const Contestant& contestant, const Network& network, const Setting& setting, std::uint64_t seed) {
-  const shell::LoadedScenario scenario = shell::load_scenario(setting.scenario, seed);
-  const auto room = scenario.scene.avatar.spawns.size();
-  if (static_cast<std::size_t>(setting.peers) > room)
-    throw UserError("--peers: " + std::to_string(setting.peers) + " is too many for scenario " + setting.scenario +
-                    ", which has room for " + std::to_string(room));
+  const shell::LoadedScenario scenario = load_with_room(setting, seed);
   if (const auto* spec = std::get_if<alternatives::Spec>(&contestant.how))
     return run_alternative(*spec, network, setting, scenario.scene, seed);
   return run_technique(std::get<Technique>(contestant.how), network, setting, scenario.scene, seed);

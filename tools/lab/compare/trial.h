@@ -53,6 +53,9 @@ struct Score {
   std::uint64_t mismatches = 0;  ///< confirmed ticks at which worlds differed; 0 where nothing is confirmed
 };
 
+/// Throws UserError for what run_trial() would refuse: a scenario or an input that does not work, or too many peers.
+void check_setting(const Setting& setting, std::uint64_t seed);
+
 /// One run; the same arguments give the same score to the bit, but for processor time. `seed` is that of scenario,
 /// generated input and network. Throws UserError for a scenario or an input that does not work.
 Score run_trial(const Contestant& contestant, const Network& network, const Setting& setting, std::uint64_t seed);

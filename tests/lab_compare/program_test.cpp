@@ -1,0 +1,36 @@
+// padr-lab compare and benchmark as a user meets them.
+#include "tests/shell.h"
+
+namespace padr {
+namespace {
+
+class CompareProgram : public test::Shell {
+ protected:
+  test::Outcome lab(const std::string& words) const { return shell(std::string("'") + PADR_LAB + "' " + words); }
+  void refused(const std::string& words, const std::string& begin) const {
+    const auto r = lab(words);
+    EXPECT_EQ(r.status, 2) << words;
+    EXPECT_TRUE(r.err.starts_with("padr-lab: " + begin)) << words << ": " << r.err;
+  }
+};
+
+TEST_F(CompareProgram, ARefusedCommandLineTouchesNoFile) {
+  write("old.json", "{}");
+  write("old.csv", "a,b\n");
+  const std::string files = " --json old.json --csv old.csv";
+  refused("compare --scenario nowhere" + files, "--scenario: 'nowhere' is neither a file nor one of ");
+  refused("compare --scenario ball --peers 60" + files, "--peers: 60 is too many for scenario ball");
+  refused("compare --input path:nowhere.csv" + files, "--input: ");
+  refused("compare --input sleep" + files, "--input: ");
+  EXPECT_EQ(read("old.json"), "{}");
+  EXPECT_EQ(read("old.csv"), "a,b\n");
+}
+
+TEST_F(CompareProgram, ADryBenchmarkRefusesWhatTheRunRefuses) {
+  for (const char* dry : {"", " --dry-run"})
+    refused(std::string("benchmark --scenario ball --peers 60 --out results") + dry, "--peers: 60 is too many");
+  EXPECT_FALSE(std::filesystem::exists(path("results")));
+}
+
+}  // namespace
+}  // namespace padr
