@@ -134,6 +134,24 @@ TEST_F(Sweep, MergeRefusesWhatIsNoWhole) {
   EXPECT_NE(refused({"part1", "part2"}).find("part2:10: is not a row of a sweep"), std::string::npos);
 }
 
+// Once, the rows of one of the two were gone.
+TEST_F(Sweep, TwoAtOnceDoNotWriteOneFile) {
+  std::string second;
+  Runs runs{"id", 2, "grid,run,of,seed", [](std::size_t run) { return Row{"id," + std::to_string(run) + ",2,1"}; }};
+  Runs first = runs;
+  first.row = [&](std::size_t run) {
+    second = error_of([&] { run_missing(runs, {2, 2}, path("file"), {.quiet = true}); });
+    return runs.row(run);
+  };
+  run_missing(first, {1, 2}, path("file"), {.quiet = true});
+  EXPECT_EQ(second,
+            "--csv: " + path("file") + ": another padr-lab is writing it; wait for its end, or give another file");
+  EXPECT_EQ(read("file"), "grid,run,of,seed\nid,0,2,1\n");
+  EXPECT_FALSE(std::filesystem::exists(path("file.lock")));
+  write("file.lock", "");  // left behind
+  EXPECT_EQ(run_missing(runs, {1, 2}, path("file"), {.quiet = true}).done_now, 0U);
+}
+
 TEST_F(Sweep, RowsOfOthersAreNotTouched) {
   sweep("file");
   const std::string before = read("file");

@@ -1,6 +1,12 @@
 #include "tools/lab/sweep/rows_file.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <filesystem>
 #include <optional>
@@ -105,6 +111,33 @@ void make_folder_of(const std::string& file) {
   std::error_code why;  // if it cannot be made, opening the file says so
   if (const auto folder = std::filesystem::path(file).parent_path(); !folder.empty())
     std::filesystem::create_directories(folder, why);
+}
+
+// The rows' file itself cannot carry the lock, as another one takes its place.
+FileLock::FileLock(std::string_view flag, const std::string& file) : path_(file + ".lock") {
+  do {
+    if (fd_ >= 0) ::close(fd_);
+    fd_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, S_IRUSR | S_IWUSR);
+    if (fd_ < 0)
+      throw UserError(std::string(flag) + ": cannot write '" + path_ + "': " + std::generic_category().message(errno));
+    // A file system without locks gives another reason, and the run goes on.
+    if (::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      ::close(fd_);
+      throw UserError(std::string(flag) + ": " + file +
+                      ": another padr-lab is writing it; wait for its end, or give another file");
+    }
+  } while (!is_in_place());
+}
+
+FileLock::~FileLock() {
+  ::unlink(path_.c_str());  // while it is held: whoever has opened it meanwhile sees that it is gone
+  ::close(fd_);
+}
+
+bool FileLock::is_in_place() const {
+  struct stat ours {};
+  struct stat there {};
+  return ::fstat(fd_, &ours) == 0 && ::stat(path_.c_str(), &there) == 0 && ours.st_ino == there.st_ino;
 }
 
 void replace_file(std::string_view flag, const std::string& file, const std::string& text) {

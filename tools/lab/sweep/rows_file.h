@@ -35,6 +35,22 @@ std::string canonical(const std::string& heading, const std::map<std::size_t, st
 /// Makes the folder that the file is to be in, if there is none.
 void make_folder_of(const std::string& file);
 
+/// FILE.lock, which says to other processes that the file is being written; it goes with this object. A killed process
+/// may leave one behind, which holds up nobody.
+class FileLock {
+ public:
+  /// Throws UserError, which names the flag, if another one has the lock.
+  FileLock(std::string_view flag, const std::string& file);
+  ~FileLock();
+  FileLock(const FileLock&) = delete;
+  FileLock& operator=(const FileLock&) = delete;
+
+ private:
+  bool is_in_place() const;
+  std::string path_;
+  int fd_ = -1;
+};
+
 /// As shell::replace_text() does, in a folder that is made if there is none.
 void replace_file(std::string_view flag, const std::string& file, const std::string& text);
 

@@ -60,6 +60,8 @@ Shard shard_of(const std::string& text) {
 SweepResult run_missing(const Runs& runs, const Shard& shard, const std::string& file,
                         const ParallelOptions& parallel) {
   const std::string place = shell::replaceable(runs.flag, file);
+  make_folder_of(place);
+  const FileLock lock(runs.flag, place);
   std::map<std::size_t, std::string> rows = rows_done(runs, shard, file);
   std::vector<std::size_t> todo;
   SweepResult result;
@@ -71,7 +73,6 @@ SweepResult run_missing(const Runs& runs, const Shard& shard, const std::string&
 
   // The file is written anew beside the old one, which stays until the new one has all its rows.
   const std::string part = place + ".part";
-  make_folder_of(place);
   shell::OutputFile out(runs.flag, part);
   out.write(canonical(runs.heading, rows));
   out.flush();
@@ -81,7 +82,7 @@ SweepResult run_missing(const Runs& runs, const Shard& shard, const std::string&
       todo.size(),
       [&](std::size_t i) {
         Row row = runs.row(todo[i]);
-        const std::lock_guard lock(mutex);
+        const std::lock_guard guard(mutex);
         out.write(row.text + "\n");
         out.flush();
         result.agreed = result.agreed && row.agreed;

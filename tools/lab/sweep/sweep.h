@@ -37,7 +37,8 @@ struct Runs {
 };
 
 /// Runs what the file does not have yet of the shard's runs. Rows are added as they are done; in the end the file is in
-/// canonical form, whatever was done when. Throws UserError, which names the flag, if the file has rows of other runs.
+/// canonical form, whatever was done when. Throws UserError, which names the flag, if the file has rows of other runs,
+/// or another process is writing it.
 SweepResult run_missing(const Runs& runs, const Shard& shard, const std::string& file, const ParallelOptions& parallel);
 
 /// The same of a grid, whose file is the same to the byte each time.
