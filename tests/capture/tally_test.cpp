@@ -1,6 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "common/model/rng.h"
 #include "common/wire/codec.h"
+#include "tests/seed.h"
 #include "tools/capture/record.h"
 #include "tools/capture/tally.h"
 
@@ -78,6 +84,41 @@ TEST(Gaps, PercentilesAreWithinThreePercent) {
   Gaps huge;
   huge.add(std::int64_t{1} << 60U);
   EXPECT_GT(huge.percentile_us(0.5), 5e11) << "all that is longer than a week counts as that";
+}
+
+/// Percentiles against those of the values in order. A value is in the middle of its step.
+void expect_exact(std::vector<std::int64_t> us, double within_us) {
+  Delays d;
+  for (const std::int64_t v : us) d.add(v);
+  std::sort(us.begin(), us.end());
+  for (const double share : {0.01, 0.5, 0.95, 0.99, 1.0}) {
+    const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(us.size())));
+    EXPECT_NEAR(d.percentile_us(share), static_cast<double>(us[rank - 1]), within_us) << share;
+  }
+  EXPECT_EQ(d.least_us(), us.front());
+}
+
+// Once, what was more than 0.5 s below the first delay counted as that.
+TEST(Delays, OfALinkWhoseFirstDatagramsWaitInAQueue) {
+  std::vector<std::int64_t> us;
+  for (int i = 0; i < 100; ++i) us.push_back(1'700'000'000'000'000 + 4'000'000 - 40'000 * i);
+  for (int i = 0; i < 10'000; ++i) us.push_back(1'700'000'000'000'000 + 50'000 + 7 * (i * 37 % 10'000));
+  expect_exact(us, 125);
+}
+
+TEST(Delays, AreExactToAThousandthOfTheirSpread) {
+  Rng rng(test::seed(1));
+  std::vector<std::int64_t> us(30'000);
+  for (std::int64_t& v : us) v = std::llround(rng.uniform(100'000, 2'900'000));  // delay 1500ms 1400ms
+  expect_exact(us, 500);
+  for (std::int64_t& v : us) v -= 1'500'000;
+  expect_exact(us, 500);
+}
+
+TEST(Delays, AnOutlierCostsNoPrecision) {
+  std::vector<std::int64_t> us{-3'600'000'000};
+  for (int i = 0; i < 4000; ++i) us.push_back(i * 50);
+  expect_exact(us, 125);
 }
 
 /// One peer's datagrams to another, as a capture has them.

@@ -7,15 +7,9 @@
 namespace padr::capture {
 namespace {
 
-/// The bin in which the value of that rank lies.
-std::size_t bin_of_rank(const std::vector<std::uint32_t>& bins, std::uint64_t count, double share) {
-  const auto rank = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(count)));
-  std::uint64_t below = 0;
-  for (std::size_t i = 0; i < bins.size(); ++i) {
-    below += bins[i];
-    if (below >= std::max<std::uint64_t>(rank, 1)) return i;
-  }
-  return 0;
+/// Of the value that has this share of all at or below it, counted from 1.
+std::uint64_t rank_of(std::uint64_t count, double share) {
+  return std::max<std::uint64_t>(static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(count))), 1);
 }
 
 }  // namespace
@@ -87,19 +81,26 @@ void Gaps::add(std::int64_t us) {
 }
 
 double Gaps::percentile_us(double share) const {
-  return count_ == 0 ? 0 : middle(bin_of_rank(bins_, count_, share));
+  const std::uint64_t rank = rank_of(count_, share);
+  std::uint64_t below = 0;
+  for (std::size_t i = 0; i < bins_.size(); ++i)
+    if ((below += bins_[i]) >= rank) return middle(i);
+  return 0;
 }
 
 void Delays::add(std::int64_t us) {
   if (count_ == 0) {
-    bins_.resize(kBins);
-    base_ = us - kBelow;
     least_ = us;
   } else {
     differences_ += std::abs(static_cast<double>(us - last_));
   }
-  const std::int64_t at = std::clamp<std::int64_t>((us - base_) / kStep, 0, kBins - 1);
-  ++bins_[static_cast<std::size_t>(at)];
+  ++bins_[us / step_ - (us % step_ < 0 ? 1 : 0)];
+  if (bins_.size() > kMostBins) {
+    step_ *= 2;
+    std::map<std::int64_t, std::uint64_t> coarser;
+    for (const auto& [bin, n] : bins_) coarser[bin >> 1] += n;
+    bins_ = std::move(coarser);
+  }
   ++count_;
   sum_ += static_cast<double>(us);
   least_ = std::min(least_, us);
@@ -107,9 +108,11 @@ void Delays::add(std::int64_t us) {
 }
 
 double Delays::percentile_us(double share) const {
-  if (count_ == 0) return 0;
-  const auto bin = static_cast<double>(bin_of_rank(bins_, count_, share));
-  return static_cast<double>(base_) + (bin + 0.5) * static_cast<double>(kStep);
+  const std::uint64_t rank = rank_of(count_, share);
+  std::uint64_t below = 0;
+  for (const auto& [bin, n] : bins_)
+    if ((below += n) >= rank) return (static_cast<double>(bin) + 0.5) * static_cast<double>(step_);
+  return 0;
 }
 
 }  // namespace padr::capture

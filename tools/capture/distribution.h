@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <vector>
 
 namespace padr::capture {
@@ -75,8 +76,8 @@ class Gaps {
   double sum_ = 0;
 };
 
-/// Values around the first one, in steps of 0.25 ms from 0.5 s below it to 1.5 s above; what is beyond counts as these.
-/// Shifting all of them afterwards shifts the percentiles.
+/// Values of any size, in steps of 0.25 ms, or of twice that, and so on, while they lie in too many steps. Shifting all
+/// of them afterwards shifts the percentiles.
 class Delays {
  public:
   void add(std::int64_t us);
@@ -88,12 +89,10 @@ class Delays {
   double jitter_us() const { return count_ < 2 ? 0 : differences_ / static_cast<double>(count_ - 1); }
 
  private:
-  static constexpr std::int64_t kStep = 250;
-  static constexpr std::int64_t kBelow = 500'000;
-  static constexpr std::size_t kBins = 8000;
+  static constexpr std::size_t kMostBins = 4096;  ///< a second in the finest steps; an outlier takes one
 
-  std::vector<std::uint32_t> bins_;
-  std::int64_t base_ = 0;
+  std::int64_t step_ = 250;                     ///< us
+  std::map<std::int64_t, std::uint64_t> bins_;  ///< by value / step, rounded down
   std::int64_t last_ = 0;
   std::int64_t least_ = 0;
   std::uint64_t count_ = 0;
