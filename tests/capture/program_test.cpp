@@ -74,6 +74,20 @@ TEST_F(Program, WhatIsCutIsMarkedAsSuch) {
   EXPECT_NE(capture("summary cut.pcap --json -").out.find("\"complete\": false"), std::string::npos);
 }
 
+// Once, the time from the first packet to the last was -1 s, and every rate 0.
+TEST_F(Program, ACaptureNeedNotBeInTheOrderOfTime) {
+  Data file = section(false);
+  for (const Data& part : {interface(false, 1), packet(false, 0, 3'000'000, state(2)),
+                           packet(false, 0, 1'000'000, state(1)), packet(false, 0, 2'000'000, state(3))})
+    file.insert(file.end(), part.begin(), part.end());
+  write("mixed.pcapng", file);
+  const Outcome o = capture("summary mixed.pcapng");
+  EXPECT_EQ(o.status, 0);
+  EXPECT_NE(o.out.find("3 datagrams of PADR in 2.0 s"), std::string::npos) << o.out;
+  EXPECT_TRUE(o.err.starts_with("padr-capture: warning: not in order of time: 1 datagrams are earlier")) << o.err;
+  EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+}
+
 TEST_F(Program, SeveralCapturesCountADatagramOnce) {
   // Peer 1 sent 1, 2, 2 (a duplicate) and 3; a has seen the first three, b all but the first.
   write("a.pcap", pcap({}, {state(1), state(2), state(2)}));

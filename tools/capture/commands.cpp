@@ -32,6 +32,11 @@ int warn_unread(const Captures& captures) {
   warn(Keyring::Reading::kHidden, "are encrypted, and no --keylog has a key for them");
   warn(Keyring::Reading::kWrong,
        "fit no key of their senders: they are damaged or forged, or the --keylog of another peer has that link's keys");
+  if (const std::uint64_t back = captures.contents().back; back > 0)
+    std::fprintf(stderr,
+                 "padr-capture: warning: not in order of time: %llu datagrams are earlier than the one before; "
+                 "Wireshark's reordercap sorts a capture\n",
+                 static_cast<unsigned long long>(back));
   for (const std::string& t : captures.troubles()) std::fprintf(stderr, "padr-capture: incomplete: %s\n", t.c_str());
   return captures.troubles().empty() ? shell::kExitFine : shell::kExitFailure;
 }

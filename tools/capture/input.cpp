@@ -94,6 +94,7 @@ struct Captures::File {
   std::size_t index;
   Datagram datagram;
   wire::Bytes unsealed;  ///< that the datagram is in, if it came sealed
+  bool begun = false;
   bool done = false;
 };
 
@@ -122,6 +123,8 @@ bool Captures::advance(File& file) {
       ++contents_.others;
       continue;
     }
+    if (file.begun && frame->time_ns < d.time_ns) ++contents_.back;
+    file.begun = true;
     d.time_ns = frame->time_ns;
     d.packet = frame->number;
     d.file = file.index;

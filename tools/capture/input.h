@@ -32,6 +32,7 @@ struct Contents {
   std::uint64_t others = 0;                   ///< UDP datagrams that are not ours
   std::uint64_t ours = 0;                     ///< that are, each once
   std::uint64_t seen_again = 0;               ///< that another of the files has too
+  std::uint64_t back = 0;                     ///< ours that are earlier than the one before in their file
   std::array<std::uint64_t, 4> sealed{};      ///< by Keyring::Reading; the last two are not among ours
   std::uint64_t carried = 0;     ///< sealed ones that a third peer passes on; of those, what is in them counts
   std::uint64_t handshakes = 0;  ///< of sessions with a key; not among ours

@@ -35,10 +35,11 @@ typename Map::mapped_type* entry(Map& map, const typename Map::key_type& key, st
 void Traffic::add(const Datagram& d) {
   const auto size = static_cast<std::uint32_t>(d.payload.size());
   if (datagrams++ == 0) {
-    first_ns = d.time_ns;
+    first_ns = last_ns = d.time_ns;
     least_size = size;
   }
-  last_ns = d.time_ns;
+  first_ns = std::min(first_ns, d.time_ns);
+  last_ns = std::max(last_ns, d.time_ns);
   bytes += d.wire_bytes;
   header_bytes += d.wire_bytes - std::min(d.wire_bytes, d.payload.size() + d.seal_bytes);
   envelope_bytes += std::min(kEnvelope, d.payload.size()) + d.seal_bytes;

@@ -34,9 +34,9 @@ struct Traffic {
   std::uint64_t repeat_bytes = 0;    ///< updates that the link has carried before
   std::uint64_t mark_bytes = 0;      ///< the rest of state datagrams: marks, acknowledgements, hashes
   std::uint64_t other_bytes = 0;     ///< payload of session and membership datagrams
-  std::int64_t first_ns = 0;
-  std::int64_t last_ns = 0;
-  std::uint32_t least_size = 0;  ///< of the UDP payload
+  std::int64_t first_ns = 0;         ///< least time; captures need not be in order
+  std::int64_t last_ns = 0;          ///< greatest
+  std::uint32_t least_size = 0;      ///< of the UDP payload
   std::uint32_t most_size = 0;
   double seconds() const { return static_cast<double>(last_ns - first_ns) / 1e9; }
   void add(const Datagram& d);
