@@ -255,5 +255,43 @@ TEST(Record, EveryFieldHasAPlaceInTheTable) {
   EXPECT_EQ(names, found) << json;
 }
 
+// By the ranges of proto/WIRE.md, section 4, that are the same in every scenario. Once, only what is not finite was.
+TEST(Record, WhatEveryPeerDropsForItsValueIsMarked) {
+  using Change = void (*)(sync::Bundle&);
+  const auto dropped = [](Change change) {
+    Talk t;
+    auto p = t.packet(1, 60, 1);
+    p.updates = {Talk::bundle(0, 60)};
+    p.updates[0].avatar->model = Model::kSecond;
+    p.updates[0].avatar->awake = true;
+    sync::BodyUpdate& u = p.updates[0].bodies[0];
+    u.has_state = u.state.awake = true;
+    u.epoch = 1;
+    change(p.updates[0]);
+    t.say(0, p, 5);
+    Datagram d;
+    d.payload = t.bytes_;
+    Recorder recorder;
+    const Record r = recorder.record(d);
+    return r.json().find("\"padr.drop\":\"value\"") != std::string::npos;
+  };
+  const std::vector<std::pair<Change, bool>> cases{
+      {[](sync::Bundle&) {}, false},
+      {[](sync::Bundle& b) { b.bodies[0].epoch = 0; }, true},
+      {[](sync::Bundle& b) { b.bodies[0].state.position.x = -1e6F; }, false},  // some scenario may have it
+      {[](sync::Bundle& b) { b.bodies[0].state.velocity.x = 121; }, false},
+      {[](sync::Bundle& b) { b.bodies[0].state.velocity.x = b.bodies[0].state.velocity.y = 100; }, true},
+      {[](sync::Bundle& b) { b.bodies[0].state.spin = -95; }, false},
+      {[](sync::Bundle& b) { b.bodies[0].state.spin = 95.5F; }, true},
+      {[](sync::Bundle& b) { b.bodies[0].state.angle = -1.1e5F; }, true},
+      {[](sync::Bundle& b) { b.avatar->velocity.y = 122; }, true},
+      {[](sync::Bundle& b) { b.avatar->control.x = 9000; }, false},
+      {[](sync::Bundle& b) { b.avatar->control.x = b.avatar->control.y = 9000; }, true},
+      {[](sync::Bundle& b) { b.avatar->velocity.y = 1; }, false},
+      {[](sync::Bundle& b) { b.avatar->awake = (b.avatar->velocity.y = 1) < 1; }, true},
+  };
+  for (std::size_t i = 0; i < cases.size(); ++i) EXPECT_EQ(dropped(cases[i].first), cases[i].second) << "case " << i;
+}
+
 }  // namespace
 }  // namespace padr::capture

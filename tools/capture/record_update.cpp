@@ -1,6 +1,7 @@
 #include "tools/capture/record_update.h"
 
 #include <array>
+#include <limits>
 
 #include "common/sync/validation.h"
 
@@ -82,6 +83,18 @@ void put_orders(Record& r, const Bundle& b) {
 // What sync::admit looks for besides: that needs no scene and no session.
 constexpr std::uint32_t kMostNumber = 1U << 30U;
 
+/// The ranges of every scene: it may have its corners anywhere.
+const Scene& any_scene() {
+  static const Scene scene = [] {
+    constexpr float kFar = std::numeric_limits<float>::infinity();
+    Scene s;
+    s.lower = {-kFar, -kFar};
+    s.upper = {kFar, kFar};
+    return s;
+  }();
+  return scene;
+}
+
 bool is_sound(const Bundle& b) {
   if (b.admission)
     if (b.admission->slot == b.peer || b.admission->incarnation == 0 || b.admission->incarnation >= kMostNumber ||
@@ -91,12 +104,11 @@ bool is_sound(const Bundle& b) {
     if (m.slot == b.peer || m.incarnation >= kMostNumber || m.count >= kMostNumber) return false;
   for (const Bundle& lost : b.passed_on)
     if (lost.peer == b.peer || lost.index >= kMostNumber || lost.tick > b.tick || !is_sound(lost)) return false;
-  for (const sync::BodyUpdate& u : b.bodies) {
-    if (!u.has_state) continue;
-    const BodyState& s = u.state;
-    if (u.epoch == 0 || u.epoch > kMostNumber || !is_finite(s.position) || !is_finite(s.velocity)) return false;
-  }
-  return !b.avatar || (is_finite(b.avatar->position) && is_finite(b.avatar->velocity) && is_finite(b.avatar->control));
+  for (const sync::BodyUpdate& u : b.bodies)
+    if (u.has_state && (u.epoch == 0 || u.epoch > kMostNumber || !sync::believable(u.state, any_scene()))) return false;
+  Bundle avatar_alone;
+  avatar_alone.avatar = b.avatar;
+  return sync::admit(avatar_alone, any_scene(), kMaxPeers) == sync::DropReason::kNone;
 }
 
 }  // namespace
