@@ -32,5 +32,16 @@ TEST_F(CompareProgram, ADryBenchmarkRefusesWhatTheRunRefuses) {
   EXPECT_FALSE(std::filesystem::exists(path("results")));
 }
 
+TEST_F(CompareProgram, WarnsWhereLittleWasConfirmedInTime) {
+  const std::string words = " --techniques full --seeds 1 --seconds 4 --netem 'delay 0ms' --netem 'delay 3s'";
+  for (const char* command : {"compare", "benchmark --out results"}) {
+    const auto r = lab(command + words);
+    EXPECT_EQ(r.status, 0) << r.err;
+    EXPECT_TRUE(
+        r.err.starts_with("padr-lab: warning: full, netem 'delay 3s': inconsistency was measured at the first "))
+        << command << ": " << r.err;
+  }
+}
+
 }  // namespace
 }  // namespace padr

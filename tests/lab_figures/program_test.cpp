@@ -44,6 +44,15 @@ TEST_F(FiguresProgram, ThePageNeedsNothingElse) {
     EXPECT_EQ(page.find(outside), std::string::npos) << outside;
 }
 
+TEST_F(FiguresProgram, WarnsWhereLittleWasConfirmedInTime) {
+  const test::Outcome o = figures("--out a --seeds 1 --seconds 6 --no-pictures --netem 'delay 8s'");
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_NE(o.err.find("padr-lab: warning: full 0.8:0.3 m: inconsistency was measured at the first "),
+            std::string::npos)
+      << o.err;
+  EXPECT_EQ(figures("--out b --seeds 1 --seconds 3 --no-pictures").err, "");
+}
+
 TEST_F(FiguresProgram, RecordedPathsAndALoopByThem) {
   write("my path.csv", "t,x,y\n0,2,2\n1,8,6\n2,14,9\n3,4,11\n");
   const test::Outcome o =

@@ -57,6 +57,19 @@ TEST_F(SweepProgram, ADoubtfulNetworkIsNamedOnce) {
   EXPECT_EQ(std::ranges::count(r.err, '\n'), 1) << r.err;
 }
 
+// Once, the mean of the first few ticks was that of the run, without a word.
+TEST_F(SweepProgram, WarnsWhereLittleWasConfirmedInTime) {
+  const std::string warning =
+      "padr-lab: warning: in 1 of 2 runs inconsistency was measured at a part of the ticks only, "
+      "in run 1 at the first ";
+  const std::string grid = "sweep --delay 0,3s --seconds 4 ";
+  for (const char* time : {"first", "again, with nothing left to play"})
+    EXPECT_TRUE(lab(grid + "--csv a.csv").err.starts_with(warning)) << time;
+  for (const char* i : {"1", "2"}) lab(grid + "--shard " + i + "/2 --csv part" + i + ".csv");
+  EXPECT_TRUE(lab("merge part1.csv part2.csv --out b.csv").err.starts_with(warning));
+  EXPECT_EQ(lab("sweep --seconds 4 --csv c.csv").err, "");
+}
+
 TEST_F(SweepProgram, WhatIsNoOptionIsNamedWithAGuess) {
   EXPECT_EQ(lab("sweep --sedes 1 --dry-run").err,
             "padr-lab: '--sedes' is no option here; did you mean --seeds? (see --help)\n");

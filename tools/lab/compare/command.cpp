@@ -1,7 +1,5 @@
 #include "tools/lab/compare/command.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <iostream>
 #include <optional>
@@ -9,23 +7,10 @@
 #include "shell/command_line.h"
 #include "shell/files.h"
 #include "shell/run_main.h"
-#include "tools/lab/simulation.h"
 #include "tools/plot/gnuplot.h"
 
 namespace padr::lab {
 namespace {
-
-/// Where the network is so bad that worlds are not confirmed in time, a mean is that of the beginning.
-void warn_of_unmeasured(const std::vector<compare::Row>& rows, Tick ticks) {
-  for (const compare::Row& r : rows) {
-    const double share = r.over([](const compare::Score& s) { return s.measured_share; }).mean;
-    if (Simulation::is_little(share, ticks))
-      std::cerr << fmt::format(
-          "padr-lab: warning: {}, netem '{}': inconsistency was measured at the first {:.0f} % of ticks only: the "
-          "others were not confirmed in time\n",
-          r.who.id, r.network, 100 * share);
-  }
-}
 
 using namespace compare;
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/lab/unmeasured.h"
+
 namespace padr::lab::compare {
 
 Figure Row::over(double (*field)(const Score&)) const {
@@ -52,6 +54,12 @@ std::vector<Row> run_plan(const Plan& plan) {
     }
   }
   return rows;
+}
+
+void warn_of_unmeasured(const std::vector<Row>& rows, Tick ticks) {
+  for (const Row& r : rows)
+    lab::warn_of_unmeasured(r.who.id + ", netem '" + r.network + "'",
+                            r.over([](const Score& s) { return s.measured_share; }).mean, ticks);
 }
 
 Standing standing(const Row& row, const std::vector<Row>& rows) {

@@ -56,6 +56,9 @@ Standing standing(const Row& row, const std::vector<Row>& rows);
 /// the row does; nothing if every one of those played sends more.
 std::optional<double> full_for_no_more(const Row& row, const std::vector<Row>& rows);
 
+/// A warning on standard error for each row that is mostly not measured, see lab::warn_of_unmeasured().
+void warn_of_unmeasured(const std::vector<Row>& rows, Tick ticks);
+
 std::string table(const std::vector<Row>& rows, const Plan& plan);
 std::string json(const std::vector<Row>& rows, const Plan& plan, const std::string& command);
 /// One line for each run.

@@ -15,6 +15,7 @@
 #include "tools/lab/figures/pictures.h"
 #include "tools/lab/figures/results_text.h"
 #include "tools/lab/figures/words.h"
+#include "tools/lab/unmeasured.h"
 
 namespace padr::lab {
 namespace {
@@ -41,6 +42,16 @@ std::string kind_of(const std::string& input) {
 /// These tell the settings from one another.
 bool is_the_settings_own(std::string_view flag) {
   return flag == "--threshold" || flag == "--predictor";
+}
+
+/// Of each setting, the mean of its cases.
+void warn_of_each(const Plan& p, const Results& results) {
+  for (std::size_t s = 0; s < p.settings.size(); ++s) {
+    std::vector<double> shares;
+    for (const std::vector<FigureRun>& of_case : results.runs)
+      shares.push_back(static_cast<double>(of_case[s].watched.size()) / p.ticks);
+    warn_of_unmeasured(p.settings[s].title, mean_of(shares), p.ticks);
+  }
 }
 
 /// A name that no other case has.
@@ -169,6 +180,7 @@ int FiguresCommand::run() {
   const ParallelOptions parallel{.threads = jobs_};
   const Results results = run_plan(p, parallel);
   const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  warn_of_each(p, results);
   const std::vector<Claim> claims = judge_claims(p, results);
   plot::write_into("--out", out_, csv_files(p, results));
   plot::write_into("--out", out_, {{"summary.json", json(p, results, claims)}});

@@ -21,6 +21,8 @@ constexpr const char* kSummaryHelp =
 /// The table on standard output, and the summary's file if there is to be one.
 void sum_up(const std::string& flag, const std::string& csv, const std::string& summary) {
   const sweep::StoredRows rows = sweep::read_rows(flag, csv);
+  if (const std::string doubt = sweep::doubt(rows); !doubt.empty())
+    std::fprintf(stderr, "padr-lab: warning: %s\n", doubt.c_str());
   std::fputs(sweep::digest(rows).c_str(), stdout);
   if (!summary.empty()) sweep::replace_file("--summary", summary, sweep::summary(rows));
 }

@@ -1,7 +1,5 @@
 #include "tools/lab/sweep/digest.h"
 
-#include "shell/text.h"
-
 #include <fmt/printf.h>
 
 #include <algorithm>
@@ -9,6 +7,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
+
+#include "shell/text.h"
+#include "tools/lab/simulation.h"
 
 namespace padr::lab::sweep {
 namespace {
@@ -49,12 +50,19 @@ struct Group {
   double n() const { return columns.back().n; }
 };
 
+/// Where this column is; names.size() if it is not there.
+std::size_t place_of(const std::vector<std::string>& names, std::string_view name) {
+  return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+double number_in(const StoredRow& row, std::size_t column) {
+  return std::strtod(fields_of(row.text)[column].c_str(), nullptr);
+}
+
 /// Where the columns are that the table shows.
 struct Places {
   explicit Places(const std::vector<std::string>& names) {
-    const auto place = [&names](const char* name) {
-      return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
-    };
+    const auto place = [&names](const char* name) { return place_of(names, name); };
     seed = place("seed");
     mean = place("mean_m");
     avatars = place("avatar_mean_m");
@@ -140,6 +148,27 @@ std::string digest(const StoredRows& stored, std::size_t most) {
     text += line_of(g, at);
   }
   return text;
+}
+
+std::string doubt(const StoredRows& stored) {
+  const std::vector<std::string> names = fields_of(stored.heading);
+  const std::size_t seconds = place_of(names, "seconds");
+  const std::size_t confirmed = place_of(names, "confirmed_ticks");
+  if (std::max(seconds, confirmed) == names.size()) return "";
+  std::size_t rows = 0;
+  std::pair<double, std::size_t> least{1, 0};  // share, run
+  for (const StoredRow& row : stored.rows) {
+    const double ticks = number_in(row, seconds) * kTicksPerSecond;
+    const double share = number_in(row, confirmed) / ticks;
+    if (!Simulation::is_little(share, static_cast<Tick>(ticks))) continue;
+    ++rows;
+    least = std::min(least, {share, row.run});
+  }
+  if (rows == 0) return "";
+  return fmt::sprintf(
+      "in %zu of %zu runs inconsistency was measured at a part of the ticks only, in run %zu at the first %.0f %%: the "
+      "others were not confirmed in time; see the column confirmed_ticks",
+      rows, stored.rows.size(), least.second, 100 * least.first);
 }
 
 std::string summary(const StoredRows& stored) {

@@ -11,8 +11,9 @@ namespace padr::lab::sweep {
 std::string heading_of(const Grid& grid);
 
 struct Row {
-  std::string text;    ///< one line of CSV without its newline
-  bool agreed = true;  ///< no two confirmed worlds differed
+  std::string text;           ///< one line of CSV without its newline
+  bool agreed = true;         ///< no two confirmed worlds differed
+  double measured_share = 1;  ///< of ticks, of those with inconsistency
 };
 
 /// Runs point `index` of the grid. The same grid and index give the same row, to the byte. Throws UserError, for bodies

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -22,9 +23,10 @@ struct Shard {
 Shard shard_of(const std::string& text);
 
 struct SweepResult {
-  std::size_t runs = 0;      ///< of the shard
-  std::size_t done_now = 0;  ///< the rest was in the file already
-  bool agreed = true;        ///< no two confirmed worlds differed in the runs done now
+  std::size_t runs = 0;                          ///< of the shard
+  std::size_t done_now = 0;                      ///< the rest was in the file already
+  bool agreed = true;                            ///< no two confirmed worlds differed in the runs done now
+  std::map<std::size_t, double> measured_share;  ///< by run, of those done now
 };
 
 /// Runs of which each gives a row of a CSV file.
