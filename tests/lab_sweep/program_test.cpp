@@ -1,5 +1,6 @@
 // padr-lab sweep and merge as a user meets them.
 #include <algorithm>
+#include <regex>
 
 #include "tests/shell.h"
 
@@ -68,6 +69,22 @@ TEST_F(SweepProgram, WarnsWhereLittleWasConfirmedInTime) {
   for (const char* i : {"1", "2"}) lab(grid + "--shard " + i + "/2 --csv part" + i + ".csv");
   EXPECT_TRUE(lab("merge part1.csv part2.csv --out b.csv").err.starts_with(warning));
   EXPECT_EQ(lab("sweep --seconds 4 --csv c.csv").err, "");
+}
+
+// Once, only the rows that were new counted.
+TEST_F(SweepProgram, WorldsThatDifferAreNeverExit0) {
+  const std::string grid = "sweep --seeds 1-2 --seconds 0.5 ";
+  for (const char* i : {"1", "2"}) ASSERT_EQ(lab(grid + "--shard " + i + "/2 --csv part" + i + ".csv").status, 0);
+  ASSERT_EQ(lab("merge part1.csv part2.csv --out whole.csv").status, 0);
+  const std::string differing = std::regex_replace(read("part2.csv"), std::regex(",0,([0-9a-f]{16},)"), ",3,$1");
+  ASSERT_NE(differing, read("part2.csv"));
+  write("part2.csv", differing);
+  for (const auto& command : {grid + "--shard 2/2 --csv part2.csv",
+                              std::string("merge part1.csv part2.csv --out whole.csv"), grid + "--csv whole.csv"}) {
+    const auto r = lab(command);
+    EXPECT_EQ(r.status, 1) << command;
+    EXPECT_EQ(r.err, "padr-lab: confirmed worlds differed: see the column confirmed_mismatches\n") << command;
+  }
 }
 
 TEST_F(SweepProgram, WhatIsNoOptionIsNamedWithAGuess) {

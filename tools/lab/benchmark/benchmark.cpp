@@ -93,7 +93,7 @@ sweep::Row Benchmark::play(std::size_t run) const {
                      shell::csv_field(shell::revision()) + "," + shell::csv_field(at.who->id) + "," +
                      shell::csv_field(at.network->text) + "," + std::to_string(at.seed);
   for (const compare::Field& f : compare::fields()) text += "," + number(f.of(score));
-  return {text + "," + number(score.processor_steps.value_or(0)), score.mismatches == 0, score.measured_share};
+  return {text + "," + number(score.processor_steps.value_or(0)), score.measured_share};
 }
 
 sweep::SweepResult Benchmark::run(const std::string& file) const {

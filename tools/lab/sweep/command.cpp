@@ -19,12 +19,18 @@ constexpr const char* kSummaryHelp =
     "Write means over seeds to a CSV, one row for each combination;\nX_interval is half of the 95 % interval of X";
 
 /// The table on standard output, and the summary's file if there is to be one.
-void sum_up(const std::string& flag, const std::string& csv, const std::string& summary) {
-  const sweep::StoredRows rows = sweep::read_rows(flag, csv);
+void sum_up(const sweep::StoredRows& rows, const std::string& summary) {
   if (const std::string doubt = sweep::doubt(rows); !doubt.empty())
     std::fprintf(stderr, "padr-lab: warning: %s\n", doubt.c_str());
   std::fputs(sweep::digest(rows).c_str(), stdout);
   if (!summary.empty()) sweep::replace_file("--summary", summary, sweep::summary(rows));
+}
+
+/// The exit code of a file with these rows, whenever they were played.
+int exit_of(const sweep::StoredRows& rows) {
+  if (sweep::agreed(rows)) return shell::kExitFine;
+  std::fprintf(stderr, "padr-lab: confirmed worlds differed: see the column confirmed_mismatches\n");
+  return shell::kExitFailure;
 }
 
 void declare_network(CLI::App& app, sweep::GridText& grid) {
@@ -132,10 +138,9 @@ int SweepCommand::run() {
   const sweep::SweepResult r = sweep::run_sweep(grid, shard, csv_, parallel);
   std::printf("grid %s: %zu of %zu runs in %s, %zu of them new\n", grid.id().c_str(), r.runs, grid.size(), csv_.c_str(),
               r.done_now);
-  if (shard.count == 1) sum_up("--csv", csv_, summary_);
-  if (r.agreed) return shell::kExitFine;
-  std::fprintf(stderr, "padr-lab: confirmed worlds differed: see the column confirmed_mismatches\n");
-  return shell::kExitFailure;
+  const sweep::StoredRows rows = sweep::read_rows("--csv", csv_);
+  if (shard.count == 1) sum_up(rows, summary_);
+  return exit_of(rows);
 }
 
 void MergeCommand::declare(CLI::App& app) {
@@ -149,15 +154,16 @@ void MergeCommand::declare(CLI::App& app) {
       "padr-lab sweep without --shard.\n"
       "Example:\n"
       "  padr-lab merge out/part*.csv --out out/grid.csv\n"
-      "Exit: 0 done, 2 usage, or the shards are not complete.");
+      "Exit: 0 done, 1 confirmed worlds differed, 2 usage, or the shards are not complete.");
 }
 
 int MergeCommand::run() {
   if (!summary_.empty()) shell::replaceable("--summary", summary_);
   const std::size_t runs = sweep::merge(shards_, out_);
   std::printf("%zu runs of %zu files in %s\n", runs, shards_.size(), out_.c_str());
-  sum_up("--out", out_, summary_);
-  return shell::kExitFine;
+  const sweep::StoredRows rows = sweep::read_rows("--out", out_);
+  sum_up(rows, summary_);
+  return exit_of(rows);
 }
 
 }  // namespace padr::lab

@@ -150,6 +150,14 @@ std::string digest(const StoredRows& stored, std::size_t most) {
   return text;
 }
 
+bool agreed(const StoredRows& stored) {
+  const std::vector<std::string> names = fields_of(stored.heading);
+  const std::size_t mismatches = place_of(names, "confirmed_mismatches");
+  return mismatches == names.size() ||
+         std::all_of(stored.rows.begin(), stored.rows.end(),
+                     [mismatches](const StoredRow& row) { return number_in(row, mismatches) == 0; });
+}
+
 std::string doubt(const StoredRows& stored) {
   const std::vector<std::string> names = fields_of(stored.heading);
   const std::size_t seconds = place_of(names, "seconds");

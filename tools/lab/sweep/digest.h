@@ -11,6 +11,9 @@ namespace padr::lab::sweep {
 /// `most` lines.
 std::string digest(const StoredRows& stored, std::size_t most = 60);
 
+/// Whether no row has confirmed worlds that differed.
+bool agreed(const StoredRows& stored);
+
 /// What to warn of, in one line: that some rows have an inconsistency of their first ticks alone, as the others were
 /// not confirmed in time. Empty if none has. Ticks without input are not counted: the rows do not say how many there
 /// are.

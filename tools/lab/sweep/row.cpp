@@ -98,7 +98,7 @@ Row run_point(const Grid& grid, std::size_t index) {
                      shell::csv_field(p.technique_name) + ",";
   for (const std::string& k : p.knobs) text += shell::csv_field(k) + ",";
   text += std::to_string(p.seed) + "," + plain(grid.seconds()) + "," + outcome(simulation, p.technique, grid.watched());
-  return {std::move(text), simulation.confirmed_mismatches() == 0};
+  return {std::move(text), simulation.measured_share()};
 }
 
 }  // namespace padr::lab::sweep

@@ -12,7 +12,6 @@ std::string heading_of(const Grid& grid);
 
 struct Row {
   std::string text;           ///< one line of CSV without its newline
-  bool agreed = true;         ///< no two confirmed worlds differed
   double measured_share = 1;  ///< of ticks, of those with inconsistency
 };
 

@@ -25,7 +25,6 @@ Shard shard_of(const std::string& text);
 struct SweepResult {
   std::size_t runs = 0;                          ///< of the shard
   std::size_t done_now = 0;                      ///< the rest was in the file already
-  bool agreed = true;                            ///< no two confirmed worlds differed in the runs done now
   std::map<std::size_t, double> measured_share;  ///< by run, of those done now
 };
 
