@@ -15,22 +15,28 @@ struct Band {
 
 Band band_of(const Results& r, std::size_t setting) {
   Band band;
-  const std::size_t slices = r.runs[0][setting].watched.size() / kSlice;
+  std::size_t longest = 0;
+  for (const std::vector<FigureRun>& of_case : r.runs) longest = std::max(longest, of_case[setting].watched.size());
+  const std::size_t slices = longest / kSlice;
   for (std::size_t i = 0; i < slices; ++i) {
     double sum = 0;
     double low = 1e300;
     double high = 0;
+    double cases = 0;
     for (const std::vector<FigureRun>& of_case : r.runs) {
       const trace::InconsistencySeries& s = of_case[setting].watched;
+      const std::size_t end = std::min((i + 1) * kSlice, s.size());
+      if (end <= i * kSlice) continue;  // its worlds were not confirmed so far
       double mean = 0;
-      for (std::size_t t = i * kSlice; t < std::min((i + 1) * kSlice, s.size()); ++t)
-        mean += static_cast<double>(s[t].combined()) / static_cast<double>(kSlice);
+      for (std::size_t t = i * kSlice; t < end; ++t)
+        mean += static_cast<double>(s[t].combined()) / static_cast<double>(end - i * kSlice);
+      ++cases;
       sum += mean;
       low = std::min(low, mean);
       high = std::max(high, mean);
     }
     const double x = static_cast<double>(i) + 0.5;
-    const double mean = sum / static_cast<double>(r.runs.size());
+    const double mean = sum / cases;
     // A logarithmic scale has no zero; and below this all is noise.
     const auto shown = [](double v) { return std::max(v, trace::kNoiseMetres); };
     band.mean.push_back({x, shown(mean)});
