@@ -8,6 +8,7 @@
 #include "shell/netem_text.h"
 #include "shell/technique_text.h"
 #include "tools/lab/compare/comparison.h"
+#include "tools/lab/compare/fields.h"
 #include "tools/plot/plot.h"
 
 namespace padr::lab::compare {
@@ -154,6 +155,23 @@ TEST(Compare, ErrorsByHand) {
   const Figure f = r.over([](const Score& s) { return s.off.mean_m; });
   EXPECT_DOUBLE_EQ(f.mean, 3);
   EXPECT_NEAR(f.error, std::sqrt(14.0 / 3 / 4), 1e-12);
+}
+
+// Once, a seed without jumps counted as one with jumps of 0 m: less than a jump can be.
+TEST(Compare, TheSizeOfJumpsIsThatOfSeedsThatHadAny) {
+  const auto jump = std::find_if(fields().begin(), fields().end(),
+                                 [](const Field& f) { return f.name == std::string("jump_mean_m"); });
+  Row r;
+  r.scores.resize(4);
+  EXPECT_EQ(r.over(jump->of, jump->has).mean, 0);
+  r.scores[1].jumps = 0.5;
+  r.scores[1].jump_m = 0.04;
+  r.scores[3].jumps = 0.1;
+  r.scores[3].jump_m = 0.06;
+  const Figure f = r.over(jump->of, jump->has);
+  EXPECT_DOUBLE_EQ(f.mean, 0.05);
+  EXPECT_EQ(f.low, 0.04);
+  EXPECT_NEAR(f.error, 0.01, 1e-12);
 }
 
 TEST(Compare, TooManyPeersIsTheUsersMistake) {

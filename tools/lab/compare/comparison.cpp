@@ -7,19 +7,18 @@
 
 namespace padr::lab::compare {
 
-Figure Row::over(double (*field)(const Score&)) const {
+Figure Row::over(double (*field)(const Score&), bool (*has)(const Score&)) const {
+  std::vector<double> values;
+  for (const Score& s : scores)
+    if (has(s)) values.push_back(field(s));
   Figure f;
-  if (scores.empty()) return f;
-  f.low = f.high = field(scores.front());
-  for (const Score& s : scores) {
-    const double v = field(s);
-    f.mean += v / static_cast<double>(scores.size());
-    f.low = std::min(f.low, v);
-    f.high = std::max(f.high, v);
-  }
-  const auto n = static_cast<double>(scores.size());
+  if (values.empty()) return f;
+  f.low = *std::min_element(values.begin(), values.end());
+  f.high = *std::max_element(values.begin(), values.end());
+  const auto n = static_cast<double>(values.size());
+  for (const double v : values) f.mean += v / n;
   double squares = 0;
-  for (const Score& s : scores) squares += (field(s) - f.mean) * (field(s) - f.mean);
+  for (const double v : values) squares += (v - f.mean) * (v - f.mean);
   if (n > 1) f.error = std::sqrt(squares / (n - 1) / n);
   return f;
 }

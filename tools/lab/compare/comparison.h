@@ -31,8 +31,8 @@ struct Row {
   Contestant who;
   std::string network;
   std::vector<Score> scores;  ///< by seed
-  /// Over the seeds, of any field of a score.
-  Figure over(double (*field)(const Score&)) const;
+  /// Over the seeds whose score has it, of any field of a score; all 0 if none has.
+  Figure over(double (*field)(const Score&), bool (*has)(const Score&) = has_any) const;
   double mean_m() const;  ///< m, mean combined inconsistency against now
   double kbps() const;    ///< per peer
   /// Mean over the seeds of processor time, in steps of a bare world; nothing if it was not measured.

@@ -62,14 +62,14 @@ std::string meeting_of(const Row& row, const std::vector<Row>& rows, int width) 
   const auto mean = [&row](double (*of)(const Score&)) { return row.over(of).mean; };
   const auto steps = row.processor_steps();
   const auto full = full_for_no_more(row, rows);
-  return fmt::sprintf("  %-*s %8.0f %6.0f %8.3f %7.1f %6.2f %7.2f %6.3f %9s %11s\n", width, row.who.id.c_str(),
-                      mean([](const Score& s) { return s.hand_delay_s * 1000; }),
-                      row.over([](const Score& s) { return s.hand_delay_peak_s * 1000; }).high,
-                      mean([](const Score& s) { return s.hands_mean_m; }),
-                      mean([](const Score& s) { return s.frozen_share * 100; }),
-                      mean([](const Score& s) { return s.freezes; }), mean([](const Score& s) { return s.jumps; }),
-                      mean([](const Score& s) { return s.jump_m; }), steps ? fmt::sprintf("%.1f", *steps).c_str() : "-",
-                      full ? fmt::sprintf("%.3f", *full).c_str() : "-");
+  return fmt::sprintf(
+      "  %-*s %8.0f %6.0f %8.3f %7.1f %6.2f %7.2f %6.3f %9s %11s\n", width, row.who.id.c_str(),
+      mean([](const Score& s) { return s.hand_delay_s * 1000; }),
+      row.over([](const Score& s) { return s.hand_delay_peak_s * 1000; }).high,
+      mean([](const Score& s) { return s.hands_mean_m; }), mean([](const Score& s) { return s.frozen_share * 100; }),
+      mean([](const Score& s) { return s.freezes; }), mean([](const Score& s) { return s.jumps; }),
+      row.over([](const Score& s) { return s.jump_m; }, has_jumps).mean,
+      steps ? fmt::sprintf("%.1f", *steps).c_str() : "-", full ? fmt::sprintf("%.3f", *full).c_str() : "-");
 }
 
 std::string better_than_full(const std::vector<Row>& rows, const std::string& network) {
@@ -141,7 +141,7 @@ std::string json(const std::vector<Row>& rows, const Plan& plan, const std::stri
     j.begin_object().field("technique", r.who.id).field("netem", r.network).field("what", r.who.what);
     j.field("setting", r.who.setting());
     for (const Field& f : fields()) {
-      const Figure v = r.over(f.of);
+      const Figure v = r.over(f.of, f.has);
       j.key(f.name).begin_object().field("mean", v.mean).field("low", v.low).field("high", v.high);
       j.field("error", v.error).end_object();
     }

@@ -15,12 +15,13 @@ auto& at(auto& of) {
 }
 
 template <auto... Path>
-constexpr Field field(const char* name) {
+constexpr Field field(const char* name, bool (*has)(const Score&) = has_any) {
   return {name, [](const Score& s) { return static_cast<double>(at<Path...>(s)); },
           [](Score& s, double v) {
             auto& place = at<Path...>(s);
             place = static_cast<std::remove_reference_t<decltype(place)>>(v);
-          }};
+          },
+          has};
 }
 
 using trace::Fidelity;
@@ -43,7 +44,7 @@ constexpr std::array<Field, 28> kFields{{
     field<&Score::frozen_share>("frozen_share"),
     field<&Score::freezes>("freezes_per_s"),
     field<&Score::jumps>("jumps_per_s"),
-    field<&Score::jump_m>("jump_mean_m"),
+    field<&Score::jump_m>("jump_mean_m", has_jumps),
     field<&Score::kbps>("kbit_per_s"),
     field<&Score::datagrams>("datagrams_per_s"),
     field<&Score::updates>("updates_per_s"),

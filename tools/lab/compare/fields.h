@@ -11,6 +11,7 @@ struct Field {
   const char* name;
   double (*of)(const Score&);
   void (*put)(Score&, double);
+  bool (*has)(const Score&) = has_any;  ///< whether it counts in means over seeds
 };
 
 /// All there are, in the order of columns.

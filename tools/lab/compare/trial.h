@@ -53,6 +53,14 @@ struct Score {
   std::uint64_t mismatches = 0;  ///< confirmed ticks at which worlds differed; 0 where nothing is confirmed
 };
 
+inline bool has_any(const Score&) {
+  return true;
+}
+/// Whether jump_m is one: a jump is over 3 cm, and the 0 of a run without any would be none.
+inline bool has_jumps(const Score& s) {
+  return s.jumps > 0;
+}
+
 /// Throws UserError for what run_trial() would refuse: a scenario or an input that does not work, or too many peers.
 void check_setting(const Setting& setting, std::uint64_t seed);
 
