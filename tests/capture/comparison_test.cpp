@@ -3,6 +3,7 @@
 #include <functional>
 #include <string>
 
+#include "common/model/user_error.h"
 #include "common/trace/trace_writer.h"
 #include "common/wire/codec.h"
 #include "common/wire/seal.h"
@@ -53,8 +54,9 @@ class ComparisonTest : public test::Shell {
     e.port = static_cast<std::uint16_t>(4001 + peer);
     return e;
   }
-  static void capture(const wire::Bytes& payload, PeerId from, Comparison& c) {
+  static void capture(const wire::Bytes& payload, PeerId from, Comparison& c, bool cut = false) {
     Datagram d;
+    d.cut = cut;
     d.from = end(from);
     d.to = end(1 - from);
     d.payload = payload;
@@ -90,6 +92,42 @@ TEST_F(ComparisonTest, WhatArrivedAndIsMissingInTheMiddleContradicts) {
   const LinkStory l = link([](Tick t) { return t >= 200 && t != 400; });
   ASSERT_EQ(l.contradictions.size(), 1U);
   EXPECT_EQ(l.contradictions.front().tick, 400);
+}
+
+// Once, this was damage and a contradiction.
+TEST_F(ComparisonTest, WhatTheCaptureHasCutOffIsNotJudged) {
+  Comparison c;
+  trace_of(0, c);
+  trace_of(1, c);
+  for (Tick t = 1; t <= kSent; ++t) {
+    wire::Bytes d = datagram(static_cast<std::uint32_t>(t));
+    const bool cut = t % 3 == 0;
+    if (cut) d.resize(d.size() - 4);
+    capture(d, 0, c, cut);
+  }
+  capture(datagram(1, 1), 1, c);
+  EXPECT_EQ(c.cut(), 200U);
+  EXPECT_EQ(c.damaged(), 0U);
+  const std::vector<LinkStory> links = c.links();
+  ASSERT_EQ(links.size(), 2U);
+  EXPECT_EQ(links[0].cut, 200U);
+  EXPECT_EQ(links[0].captured, 400U);
+  EXPECT_TRUE(links[0].contradictions.empty());
+  EXPECT_TRUE(links[0].lost_before.empty());
+  EXPECT_EQ(links[1].cut, 0U);
+  EXPECT_EQ(links[1].captured, 1U);
+}
+
+// Once, all that it tells counted twice, and contradicted the capture.
+TEST_F(ComparisonTest, ATraceIsTakenOnce) {
+  Comparison c;
+  trace_of(0, c);
+  try {
+    trace_of(0, c);
+    FAIL() << "taken twice";
+  } catch (const UserError& e) {
+    EXPECT_EQ(e.what(), path("peer0.trace") + ": is a trace of peer 0, and so is " + path("peer0.trace"));
+  }
 }
 
 // Whoever has left sends nothing more, and gets more for a while.

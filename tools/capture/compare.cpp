@@ -154,8 +154,11 @@ std::string links_text(const std::vector<LinkStory>& links, bool all) {
       continue;
     }
     table.row({link, count(l.sent, l.sender_told), std::to_string(l.captured), count(l.received, l.receiver_told),
-               count(l.lost_before.size(), l.sender_told), count(l.lost_after.size(), l.receiver_told),
-               std::to_string(l.duplicates), std::to_string(l.outside), std::to_string(l.contradictions.size())});
+               count(l.lost_before.size(), l.sender_told && l.cut == 0),
+               count(l.lost_after.size(), l.receiver_told && l.cut == 0), count(l.duplicates, l.cut == 0),
+               count(l.outside, l.cut == 0), count(l.contradictions.size(), l.cut == 0)});
+    if (l.cut > 0)
+      names += link + " not judged: the capture has cut off " + std::to_string(l.cut) + " of its datagrams\n";
     const std::size_t most = all ? l.captured + l.sent + 1 : 8;
     const auto say = [&](const std::string& what, const std::vector<Passage>& list) {
       if (!list.empty()) names += link + " " + what + ": " + named(list, most) + "\n";
@@ -194,13 +197,13 @@ std::string as_json(const Comparison& c, const std::vector<LinkStory>& links, co
   shell::Json j;
   j.begin_object().field("agree", agree).field("not_compared", worlds.not_compared);
   j.field("damaged_captured", c.damaged());
-  j.field("damaged_received", c.damaged_received()).key("links").begin_array();
+  j.field("damaged_received", c.damaged_received()).field("cut_captured", c.cut()).key("links").begin_array();
   const Names names_of = names_in(links);
   for (const LinkStory& l : links) {
     j.begin_object().field("from", names_of(l.from)).field("to", names_of(l.to)).field("captured", l.captured);
     j.field("sender_told", l.sender_told).field("receiver_told", l.receiver_told);
     j.field("sent", l.sent).field("received", l.received).field("duplicates", l.duplicates);
-    j.field("outside", l.outside);
+    j.field("outside", l.outside).field("cut", l.cut);
     put(j, "lost_before", l.lost_before);
     put(j, "lost_behind", l.lost_after);
     put(j, "after_trace", l.after_trace);
@@ -250,6 +253,7 @@ int run_compare(const CompareOptions& o) {
     if (comparison.damaged() + comparison.damaged_received() > 0)
       text += "damaged on the way: " + std::to_string(comparison.damaged()) + " in the capture, " +
               std::to_string(comparison.damaged_received()) + " received\n";
+    if (comparison.cut() > 0) text += "cut off by the capture: " + std::to_string(comparison.cut()) + "\n";
     text += !agree     ? "CAPTURE AND TRACES DISAGREE\n"
             : compared ? "capture and traces agree, except for lost datagrams\n"
                        : "the datagrams agree, except for lost ones; THE WORLDS WERE NOT COMPARED\n";

@@ -93,10 +93,18 @@ void Comparison::add_trace(const std::string& file) {
   if (!traces_.empty() && traces_.front().header.session != story.header.session)
     throw UserError(file + ": is of session " + std::to_string(story.header.session) + ", " + traces_.front().label +
                     " of session " + std::to_string(traces_.front().header.session));
+  for (const TraceStory& t : traces_)
+    if (trace::same_incarnation(t.header, story.header))
+      throw UserError(file + ": is a trace of peer " + std::to_string(story.header.peer) + ", and so is " + t.label);
   traces_.push_back(std::move(story));
 }
 
 void Comparison::add(const Datagram& d) {
+  if (d.cut) {
+    ++cut_;
+    ++cut_on_[{d.from, d.to}];
+    return;
+  }
   wire::SealError error = wire::SealError::kNone;
   wire::StateScan scan;
   const auto o = wire::open(d.payload, error);
@@ -108,6 +116,7 @@ void Comparison::add(const Datagram& d) {
   if (!wire::scan_state(o->payload, scan)) return;
   who_[{d.from, scan.incarnation}] = o->header.sender;
   captured_.push_back({{o->header.sender, scan.incarnation},
+                       d.from,
                        d.to,
                        scan.to_incarnation,
                        content_of(d.payload),
@@ -128,6 +137,7 @@ std::vector<LinkStory> Comparison::links() const {
   struct Range {
     Tick first = std::numeric_limits<Tick>::max();
     Tick last = -1;
+    std::uint64_t cut = 0;
   };
   std::map<std::pair<Incarnation, Incarnation>, Range> ranges;
   for (const Captured& c : captured_) {
@@ -139,6 +149,7 @@ std::vector<LinkStory> Comparison::links() const {
     Range& r = ranges[{c.from, to}];
     r.first = std::min(r.first, c.tick);
     r.last = std::max(r.last, c.tick);
+    if (const auto cut = cut_on_.find({c.at, c.to}); cut != cut_on_.end()) r.cut = cut->second;
   }
   const auto trace_of = [this](const Incarnation& who) {
     const auto found = std::find_if(traces_.begin(), traces_.end(), [&](const auto& t) { return t.who() == who; });
@@ -153,9 +164,11 @@ std::vector<LinkStory> Comparison::links() const {
     l.sender_told = sender != nullptr;
     l.receiver_told = trace_of(key.to) != nullptr;
     const auto range = ranges.find({key.from, key.to});
-    if (range == ranges.end()) {
+    if (range == ranges.end() || range->second.cut > 0) {
       l.sent += p.sent;
+      l.captured += p.captured;
       l.received += p.received;
+      l.cut = range == ranges.end() ? 0 : range->second.cut;
       continue;
     }
     judge(p, range->second.first, range->second.last, sender == nullptr || sender->clean,

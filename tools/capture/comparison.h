@@ -37,6 +37,9 @@ struct LinkStory {
   bool sender_told = false;    ///< there is a trace of it
   bool receiver_told = false;  ///< likewise
   std::uint64_t sent = 0, captured = 0, received = 0, duplicates = 0;
+  /// Datagrams of which the capture has not all (snaplen), so that they cannot be told from one another. If there are
+  /// any, nothing is judged.
+  std::uint64_t cut = 0;
   std::uint64_t outside = 0;            ///< before the first or after the last datagram that the capture has of it
   std::vector<Passage> lost_before;     ///< sent, and not in the capture: lost before it came there
   std::vector<Passage> lost_after;      ///< in the capture and not received
@@ -47,13 +50,15 @@ struct LinkStory {
 /// Capture against traces, datagram by datagram.
 class Comparison {
  public:
-  /// Throws UserError if the trace is damaged.
+  /// Throws UserError if the trace is damaged, of another session, or of a peer's incarnation that has one already.
   void add_trace(const std::string& file);
   void add(const Datagram& d);
 
   const std::vector<TraceStory>& traces() const { return traces_; }
   /// Links of the traces' session, by sender and receiver. Those of which the capture has nothing have captured == 0.
   std::vector<LinkStory> links() const;
+  /// Datagrams that the capture has cut off.
+  std::uint64_t cut() const { return cut_; }
   /// Datagrams of which some bits were turned on the way: in the capture, received, and received but not captured.
   std::uint64_t damaged() const { return damaged_; }
   std::uint64_t damaged_received() const { return damaged_received_; }
@@ -66,6 +71,7 @@ class Comparison {
   };
   struct Captured {
     Incarnation from;
+    Endpoint at;  ///< from which it was sent
     Endpoint to;
     std::uint32_t to_incarnation = 0;
     std::uint64_t content = 0;
@@ -80,6 +86,8 @@ class Comparison {
   std::map<Key, Passage> told_;  ///< by the traces
   std::vector<Captured> captured_;
   std::map<std::pair<Endpoint, std::uint32_t>, PeerId> who_;
+  std::map<std::pair<Endpoint, Endpoint>, std::uint64_t> cut_on_;  ///< by from where and to where
+  std::uint64_t cut_ = 0;
   std::uint64_t damaged_ = 0;
   std::uint64_t damaged_received_ = 0;
 };
