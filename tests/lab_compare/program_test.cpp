@@ -6,7 +6,9 @@ namespace {
 
 class CompareProgram : public test::Shell {
  protected:
-  test::Outcome lab(const std::string& words) const { return shell(std::string("'") + PADR_LAB + "' " + words); }
+  test::Outcome lab(const std::string& words, const std::string& before = "") const {
+    return shell(before + " '" + PADR_LAB + "' " + words);
+  }
   void refused(const std::string& words, const std::string& begin) const {
     const auto r = lab(words);
     EXPECT_EQ(r.status, 2) << words;
@@ -40,6 +42,21 @@ TEST_F(CompareProgram, WarnsWhereLittleWasConfirmedInTime) {
     EXPECT_TRUE(
         r.err.starts_with("padr-lab: warning: full, netem 'delay 3s': inconsistency was measured at the first "))
         << command << ": " << r.err;
+  }
+}
+
+TEST_F(CompareProgram, AGnuplotThatFailsIsExit1AndLeavesNoOlderPicture) {
+  std::filesystem::create_directories(path("bin"));
+  write("bin/gnuplot", "#!/bin/sh\nexit 3\n");
+  std::filesystem::permissions(path("bin/gnuplot"), std::filesystem::perms::owner_all);
+  for (const std::string command : {"compare", "benchmark"}) {
+    std::filesystem::create_directories(path(command));
+    write(command + "/frontier_delay_50ms.svg", "old");
+    const auto r = lab(command + " --techniques full,dis --seeds 1 --seconds 1 --netem 'delay 50ms' --out " + command,
+                       "PATH='" + path("bin") + "':$PATH");
+    EXPECT_EQ(r.status, 1) << command;
+    EXPECT_EQ(r.err, "padr-lab: gnuplot failed on " + command + "/frontier_delay_50ms.gp\n");
+    EXPECT_FALSE(std::filesystem::exists(path(command + "/frontier_delay_50ms.svg"))) << command;
   }
 }
 

@@ -141,6 +141,21 @@ TEST_F(Program, PlotsAsSvgAndPng) {
   }
 }
 
+// Once, it exited with 0, and the picture of an earlier report stood for this one's.
+TEST_F(Program, AGnuplotThatFailsLeavesNoOlderPicture) {
+  fs::create_directories(dir_ / "bin");
+  fs::create_directories(dir_ / "p");
+  std::ofstream(dir_ / "bin/gnuplot") << "#!/bin/sh\necho half >${1%.gp}.svg\nexit 3\n";
+  fs::permissions(dir_ / "bin/gnuplot", fs::perms::owner_all);
+  for (const char* old : {"inconsistency.svg", "traffic.png"}) std::ofstream(dir_ / "p" / old) << "old";
+  const Outcome o = run("0.trace 1.trace --plots p", "PATH='" + (dir_ / "bin").string() + "':$PATH");
+  EXPECT_EQ(o.status, 1);
+  EXPECT_EQ(o.err, "padr-report: gnuplot failed on p/inconsistency.gp\n");
+  EXPECT_NE(o.out.find("Confirmed worlds: identical"), std::string::npos);
+  for (const char* gone : {"inconsistency.svg", "traffic.png"}) EXPECT_FALSE(fs::exists(dir_ / "p" / gone)) << gone;
+  EXPECT_TRUE(fs::exists(dir_ / "p/traffic.gp"));
+}
+
 TEST_F(Program, WithoutGnuplotItSaysHowToGetItAndGoesOn) {
   const Outcome o = run("0.trace 1.trace --plots p", "PATH=/nowhere");
   EXPECT_EQ(o.status, 0);

@@ -33,6 +33,12 @@ int run_gnuplot(const std::string& dir, const std::string& file) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
 }
 
+void remove_pictures(const std::string& dir, const std::string& name) {
+  std::error_code ignored;
+  for (const char* kind : {".svg", ".png"})
+    std::filesystem::remove(std::filesystem::path(dir) / (name + kind), ignored);
+}
+
 std::string settings(std::string_view separator) {
   return "set encoding utf8\nset datafile missing '?'\nset datafile separator " + std::string(separator) +
          "\nset style line 100 lc rgb '#DDDDDD' lw 0.7\nset grid back ls 100\nset tics nomirror out\nset border 3\n"
@@ -86,14 +92,18 @@ void write_into(std::string_view flag, const std::string& dir, const std::vector
   }
 }
 
-std::string draw(const std::string& dir, const std::vector<std::string>& names) {
+Drawing draw(const std::string& dir, const std::vector<std::string>& names) {
+  for (const std::string& name : names) remove_pictures(dir, name);
   for (const std::string& name : names) {
     const int status = run_gnuplot(dir, name + ".gp");
     if (status == kCannotRun)
-      return "no gnuplot, so no plots: install it (sudo apt-get install gnuplot-nox), then run gnuplot *.gp in " + dir;
-    if (status != 0) return "gnuplot failed on " + (std::filesystem::path(dir) / (name + ".gp")).string();
+      return {"no gnuplot, so no plots: install it (sudo apt-get install gnuplot-nox), then run gnuplot *.gp in " +
+              dir};
+    if (status == 0) continue;
+    remove_pictures(dir, name);  // half of one may be there
+    return {"gnuplot failed on " + (std::filesystem::path(dir) / (name + ".gp")).string(), true};
   }
-  return "";
+  return {};
 }
 
 }  // namespace padr::plot

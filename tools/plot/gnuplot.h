@@ -33,8 +33,14 @@ std::string number(double v, int digits = 7);
 /// Makes the folder and writes the files into it. `flag` is for the message. Throws UserError if that cannot be done.
 void write_into(std::string_view flag, const std::string& dir, const std::vector<NamedText>& files);
 
-/// Runs gnuplot on NAME.gp in `dir` for every name. Returns what went wrong in one line, such as that gnuplot is not
-/// installed and which package has it; empty if nothing did. The files that are there stay.
-std::string draw(const std::string& dir, const std::vector<std::string>& names);
+/// What came of drawing.
+struct Drawing {
+  std::string wrong = {};  ///< one line, such as that gnuplot is not installed, and which package has it; or empty
+  bool failed = false;     ///< gnuplot is there and failed: exit code 1. Where it is not there, no picture is due
+};
+
+/// Runs gnuplot on NAME.gp in `dir` for every name, until one fails. Older pictures of these names are removed first.
+/// All other files stay.
+Drawing draw(const std::string& dir, const std::vector<std::string>& names);
 
 }  // namespace padr::plot

@@ -15,7 +15,7 @@
 //   p.panels.push_back({.y = {.label = "combined inconsistency (m)"}});
 //   p.panels[0].lines.push_back({.title = "full", .look = plot::look_of("full"), .points = series});
 //   plot::write_into("--out", dir, plot::files(p));
-//   const std::string wrong = plot::draw(dir, {p.name});   // empty, or one line for the user
+//   const plot::Drawing d = plot::draw(dir, {p.name});   // d.wrong: empty, or one line for the user
 namespace padr::plot {
 
 struct Axis {

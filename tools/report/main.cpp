@@ -20,12 +20,13 @@ int run(const Options& o, const std::vector<std::string>& command) {
   if (o.json != "-") std::fputs(table(r).c_str(), stdout);
   if (!o.json.empty()) shell::write_text("--json", o.json, json(r, command));
   if (!o.csv.empty()) plot::write_into("--csv", o.csv, csv_files(r));
+  plot::Drawing drawing;
   if (!o.plots.empty()) {
     plot::write_into("--plots", o.plots, plot_files(r));
-    const std::string wrong = plot::draw(o.plots, plot_names());
-    if (!wrong.empty()) std::fprintf(stderr, "padr-report: %s\n", wrong.c_str());
+    drawing = plot::draw(o.plots, plot_names());
+    if (!drawing.wrong.empty()) std::fprintf(stderr, "padr-report: %s\n", drawing.wrong.c_str());
   }
-  if (r.confirmed.mismatches == 0) return shell::kExitFine;
+  if (r.confirmed.mismatches == 0) return drawing.failed ? shell::kExitFailure : shell::kExitFine;
   std::fprintf(stderr, "padr-report: CONFIRMED WORLDS DIFFER, first at tick %d: %s\n", r.confirmed.first_mismatch,
                r.confirmed.who.c_str());
   return shell::kExitFailure;

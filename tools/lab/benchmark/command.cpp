@@ -27,7 +27,7 @@ void BenchmarkCommand::declare(CLI::App& app) {
       "Example:\n"
       "  padr-lab benchmark --out out/benchmark\n"
       "  padr-lab benchmark --techniques full,rollback-2 --seeds 1 --seconds 10 --out out/short\n"
-      "Exit: 0 done, 1 confirmed worlds differed, 2 usage.");
+      "Exit: 0 done, 1 confirmed worlds differed or gnuplot failed, 2 usage.");
 }
 
 int BenchmarkCommand::run(const std::vector<std::string>& command) const {
@@ -48,14 +48,14 @@ int BenchmarkCommand::run(const std::vector<std::string>& command) const {
                    {{"results.json", compare::json(rows, b.plan(), line)},
                     {"results.txt", compare::table(rows, b.plan())},
                     {"index.html", benchmark::page(rows, b.plan(), line, b.id())}});
-  const std::string wrong = compare::draw_frontiers(rows, b.plan(), out_);
-  if (!wrong.empty()) std::cerr << "padr-lab: " << wrong << '\n';
+  const plot::Drawing drawing = compare::draw_frontiers(rows, b.plan(), out_);
+  if (!drawing.wrong.empty()) std::cerr << "padr-lab: " << drawing.wrong << '\n';
   std::printf("benchmark %s: %zu runs in %s, %zu of them new; see %s/index.html\n", b.id().c_str(), done.runs,
               file.c_str(), done.done_now, out_.c_str());
   const bool agreed = std::all_of(rows.begin(), rows.end(), [](const compare::Row& r) {
     return std::all_of(r.scores.begin(), r.scores.end(), [](const compare::Score& s) { return s.mismatches == 0; });
   });
-  return agreed ? shell::kExitFine : shell::kExitFailure;
+  return agreed && !drawing.failed ? shell::kExitFine : shell::kExitFailure;
 }
 
 }  // namespace padr::lab

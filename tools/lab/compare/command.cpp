@@ -57,7 +57,7 @@ void CompareCommand::declare(CLI::App& app) {
       "  padr-lab compare --out out/compare\n"
       "  padr-lab compare --techniques paper,full --add 'full --lead 0.2' --add 'fixed --unowned agreed'\n"
       "  padr-lab compare --techniques full,dis --netem \"delay 100ms 50ms loss 10%\" --seeds 10 --csv -\n"
-      "Exit: 0 done, 1 confirmed worlds differed, 2 usage.");
+      "Exit: 0 done, 1 confirmed worlds differed or gnuplot failed, 2 usage.");
 }
 
 int CompareCommand::run(const std::vector<std::string>& command) const {
@@ -72,16 +72,17 @@ int CompareCommand::run(const std::vector<std::string>& command) const {
   json_sink.write(all);
   csv_sink.write(csv(rows, p));
   if (!json_sink.to_terminal() && !csv_sink.to_terminal()) std::cout << table(rows, p);
+  plot::Drawing drawing;
   if (!out_.empty()) {
     plot::write_into("--out", out_,
                      {{"compare.json", all}, {"compare.csv", csv(rows, p)}, {"compare.txt", table(rows, p)}});
-    const std::string wrong = draw_frontiers(rows, p, out_);
-    if (!wrong.empty()) std::cerr << "padr-lab: " << wrong << '\n';
+    drawing = draw_frontiers(rows, p, out_);
+    if (!drawing.wrong.empty()) std::cerr << "padr-lab: " << drawing.wrong << '\n';
   }
   const bool agreed = std::all_of(rows.begin(), rows.end(), [](const Row& r) {
     return std::all_of(r.scores.begin(), r.scores.end(), [](const Score& s) { return s.mismatches == 0; });
   });
-  return agreed ? shell::kExitFine : shell::kExitFailure;
+  return agreed && !drawing.failed ? shell::kExitFine : shell::kExitFailure;
 }
 
 }  // namespace padr::lab

@@ -7,6 +7,7 @@
 
 #include "tools/lab/compare/trial.h"
 #include "tools/lab/parallel.h"
+#include "tools/plot/gnuplot.h"
 
 namespace padr::lab::compare {
 
@@ -66,8 +67,7 @@ std::string csv(const std::vector<Row>& rows, const Plan& plan);
 /// The name, without ending, of the picture of a network.
 std::string frontier_name(const std::string& network);
 /// Draws frontier_NETWORK, hands_NETWORK (against hands) and ablations_NETWORK, as .svg and .png, into `dir`, which
-/// exists. Returns what went wrong in one
-/// line, empty if nothing did.
-std::string draw_frontiers(const std::vector<Row>& rows, const Plan& plan, const std::string& dir);
+/// exists.
+plot::Drawing draw_frontiers(const std::vector<Row>& rows, const Plan& plan, const std::string& dir);
 
 }  // namespace padr::lab::compare

@@ -90,7 +90,7 @@ std::string frontier_name(const std::string& network) {
   return beginning_of(PictureKind::kFrontier) + file_name(network);
 }
 
-std::string draw_frontiers(const std::vector<Row>& rows, const Plan& plan, const std::string& dir) {
+plot::Drawing draw_frontiers(const std::vector<Row>& rows, const Plan& plan, const std::string& dir) {
   std::vector<std::string> names;
   for (const Network& n : plan.networks) {
     for (const PictureKind kind : {PictureKind::kFrontier, PictureKind::kHands, PictureKind::kAblations}) {

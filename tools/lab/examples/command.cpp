@@ -25,8 +25,8 @@ std::vector<std::string> split(const std::string& list) {
   return words;
 }
 
-/// Draws the films and the series of dominoes into `dir`. Returns what went wrong in one line, empty if nothing did.
-std::string draw_pictures(const std::string& dir, const Plan& plan, const Results& results) {
+/// Draws the films and the series of dominoes into `dir`.
+plot::Drawing draw_pictures(const std::string& dir, const Plan& plan, const Results& results) {
   const std::vector<std::pair<std::string, Technique>> shown{
       {"without authority (avatar-only)", without_authority().technique},
       {"with authority (the paper's adaptive)", technique_by_name("adaptive")}};
@@ -37,11 +37,11 @@ std::string draw_pictures(const std::string& dir, const Plan& plan, const Result
     films.push_back(film.name);
   }
   std::string wrong = plot::rasterize(dir, films);
-  if (results.rows.empty()) return wrong;
+  if (results.rows.empty()) return {wrong};
   const plot::LinePlot series = dominoes_plot(results);
   plot::write_into("--out", dir, plot::files(series));
-  const std::string also = plot::draw(dir, {series.name});
-  return wrong.empty() ? also : wrong;
+  const plot::Drawing also = plot::draw(dir, {series.name});
+  return {wrong.empty() ? also.wrong : wrong, also.failed};
 }
 
 }  // namespace
@@ -76,7 +76,7 @@ void ExamplesCommand::declare(CLI::App& app) {
       "Example:\n"
       "  padr-lab examples --out out/examples\n"
       "  padr-lab examples --out out/late --stories proxy --netem \"delay 100ms\" --takes 32\n"
-      "Exit: 0 done, 2 usage.");
+      "Exit: 0 done, 1 gnuplot failed, 2 usage.");
 }
 
 int ExamplesCommand::run(const std::vector<std::string>& command) {
@@ -109,9 +109,9 @@ int ExamplesCommand::run(const std::vector<std::string>& command) {
   if (json_ != "-") std::cout << table(results, plan);
   if (!json_.empty()) shell::write_text("--json", json_, summary);
   if (no_pictures_) return shell::kExitFine;
-  const std::string wrong = draw_pictures(out_, plan, results);
-  if (!wrong.empty()) std::cerr << "padr-lab: " << wrong << '\n';
-  return shell::kExitFine;
+  const plot::Drawing drawing = draw_pictures(out_, plan, results);
+  if (!drawing.wrong.empty()) std::cerr << "padr-lab: " << drawing.wrong << '\n';
+  return drawing.failed ? shell::kExitFailure : shell::kExitFine;
 }
 
 }  // namespace padr::lab

@@ -164,7 +164,7 @@ std::string draw_pictures(const std::string& dir, const Plan& plan, const Result
   ParallelOptions options = parallel;
   options.what = "pictures";
   const std::vector<std::string> errors = parallel_results<std::string>(
-      names.size(), [&](std::size_t i) { return plot::draw(dir, {names[i]}); }, options);
+      names.size(), [&](std::size_t i) { return plot::draw(dir, {names[i]}).wrong; }, options);
   const auto first = std::find_if(errors.begin(), errors.end(), [](const std::string& e) { return !e.empty(); });
   return first == errors.end() ? "" : *first;
 }
