@@ -69,6 +69,12 @@ std::unique_ptr<scenarios::InputSource> load_input(std::string_view spec, const 
   }
 }
 
+void refuse_surplus_inputs(const std::vector<std::string>& specs, int peers) {
+  if (std::ssize(specs) > peers)
+    throw UserError("--input: given " + std::to_string(specs.size()) + " times, but --peers is " +
+                    std::to_string(peers));
+}
+
 std::optional<PathNotes> notes_on_input(std::string_view spec, const Scene& scene) {
   const auto path = path_text(spec);
   if (!path) return std::nullopt;

@@ -46,6 +46,9 @@ class ScenarioFlags {
 std::unique_ptr<scenarios::InputSource> load_input(std::string_view spec, const Scene& scene, int slot,
                                                    std::uint64_t seed);
 
+/// Throws UserError that names --input if there are more of them than peers: some would not be read.
+void refuse_surplus_inputs(const std::vector<std::string>& specs, int peers);
+
 /// What to tell the user of the path that `spec` names; nothing if it names none. Throws UserError as load_input does.
 std::optional<PathNotes> notes_on_input(std::string_view spec, const Scene& scene);
 /// The same of each of several, on standard error, each once. `program` begins every line.

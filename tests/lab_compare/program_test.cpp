@@ -24,13 +24,16 @@ TEST_F(CompareProgram, ARefusedCommandLineTouchesNoFile) {
   refused("compare --scenario ball --peers 60" + files, "--peers: 60 is too many for scenario ball");
   refused("compare --input path:nowhere.csv" + files, "--input: ");
   refused("compare --input sleep" + files, "--input: ");
+  refused("compare --peers 1 --input rest --input wander" + files, "--input: given 2 times, but --peers is 1");
   EXPECT_EQ(read("old.json"), "{}");
   EXPECT_EQ(read("old.csv"), "a,b\n");
 }
 
 TEST_F(CompareProgram, ADryBenchmarkRefusesWhatTheRunRefuses) {
   for (const char* dry : {"", " --dry-run"})
-    refused(std::string("benchmark --scenario ball --peers 60 --out results") + dry, "--peers: 60 is too many");
+    for (const auto& [words, begin] : {std::pair("--scenario ball --peers 60", "--peers: 60 is too many"),
+                                       std::pair("--peers 1 --input rest --input rest", "--input: given 2 times")})
+      refused(std::string("benchmark --out results ") + words + dry, begin);
   EXPECT_FALSE(std::filesystem::exists(path("results")));
 }
 

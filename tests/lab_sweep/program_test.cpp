@@ -111,6 +111,8 @@ TEST_F(SweepProgram, MistakesAreOneLineAndExit2) {
   refused("sweep --shard 0/3 --csv x.csv", "--shard: '0/3' is not allowed; give I/N");
   refused("sweep --seconds nan --csv x.csv", "--seconds: 'nan' is not allowed; give 0.1 to 86400 seconds");
   refused("sweep --shard 1/3 --csv x.csv --summary y.csv", "--summary with --shard:");
+  refused("sweep --peers 1,2 --input rest --input wander --input rest --csv x.csv",
+          "--input: given 3 times, but --peers is 2");
   refused("sweep", "--csv is required");
   refused("merge nothing.csv --out x.csv", "SHARD:");
 }

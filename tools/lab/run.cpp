@@ -122,9 +122,7 @@ int RunCommand::run(const std::vector<std::string>& command) {
                     scenario.label + ", which has room for " + std::to_string(spawns));
   if (slots_ != 0 && slots_ < peers_)
     throw UserError("--slots: " + std::to_string(slots_) + " is less than --peers " + std::to_string(peers_));
-  if (std::ssize(inputs_) > peers_)
-    throw UserError("--input: given " + std::to_string(inputs_.size()) + " times, but --peers is " +
-                    std::to_string(peers_));
+  shell::refuse_surplus_inputs(inputs_, peers_);
   if (watch_ >= peers_)
     throw UserError("--watch: '" + std::to_string(watch_) + "' is not allowed; give 0 to " +
                     std::to_string(peers_ - 1));

@@ -80,6 +80,7 @@ Plan PlanFlags::plan() const {
   p.setting.peers = peers_;
   p.setting.ticks = static_cast<Tick>(std::lround(seconds_ * kTicksPerSecond));
   if (!inputs_.empty()) {
+    shell::refuse_surplus_inputs(inputs_, peers_);
     p.setting.inputs = inputs_;
     shell::tell_of_paths("padr-lab", inputs_, shell::load_scenario(scenario_, 1).scene);
   }

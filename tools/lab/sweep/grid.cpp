@@ -147,6 +147,7 @@ void Grid::check_techniques() {
 /// With the first seed, which stands for all: whether there is room for bodies hardly hangs on it.
 void Grid::check_sessions() const {
   const auto most = static_cast<int>(*std::max_element(peers_.begin(), peers_.end()));
+  shell::refuse_surplus_inputs(inputs_, most);
   for (const std::string& name : scenarios_) {
     const shell::LoadedScenario s = shell::load_scenario(name, seeds_.front());
     const auto check_room = [&name, most](const Scene& scene, const std::string& with) {
