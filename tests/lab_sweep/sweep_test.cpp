@@ -125,6 +125,14 @@ TEST_F(Sweep, MergeRefusesWhatIsNoWhole) {
   EXPECT_NE(refused({"part1", "part2", "part1"}).find("run 0 is in"), std::string::npos);
   EXPECT_NE(refused({"part1", "other"}).find("is of grid " + grid("5-8").id()), std::string::npos);
   const std::string part = read("part2");
+  // Once, it counted all of these.
+  std::string damaged = read("part1");
+  for (std::size_t at = 0; (at = damaged.find(",16,arena", at)) != std::string::npos; ++at)
+    damaged.replace(at, 4, ",99999999999,");
+  write("damaged", damaged);
+  EXPECT_EQ(
+      refused({"damaged"}),
+      "SHARD: runs 1, 3, 5, 7, 9 and 99999999986 more of 99999999999 missing: a shard is not here, or not complete");
   write("part2", part.substr(0, part.size() - 1));
   EXPECT_NE(refused({"part1", "part2"}).find("its end is cut off"), std::string::npos);
   write("part2", "t,x,y\n1,2,3\n");

@@ -45,13 +45,14 @@ void add(Whole& whole, const std::string& file) {
 /// "runs 3, 7, 11 and 9 more", empty if none is missing.
 std::string missing(const Whole& whole) {
   constexpr std::size_t kNamed = 5;
-  std::string names;
-  std::size_t n = 0;
-  for (std::size_t run = 0; run < whole.of; ++run) {
-    if (whole.rows.contains(run)) continue;
-    if (++n <= kNamed) names += (names.empty() ? "" : ", ") + std::to_string(run);
-  }
+  const std::size_t n = whole.of - whole.rows.size();  // read_rows() takes no run beyond the last
   if (n == 0) return "";
+  std::string names;
+  std::size_t named = 0;
+  for (std::size_t run = 0; named < std::min(n, kNamed); ++run) {
+    if (whole.rows.contains(run)) continue;
+    names += (named++ == 0 ? "" : ", ") + std::to_string(run);
+  }
   return (n == 1 ? "run " : "runs ") + names + (n > kNamed ? " and " + std::to_string(n - kNamed) + " more" : "");
 }
 
