@@ -29,6 +29,12 @@ TEST_F(CompareProgram, ARefusedCommandLineTouchesNoFile) {
   EXPECT_EQ(read("old.csv"), "a,b\n");
 }
 
+// Once, the second one's pictures replaced the first one's.
+TEST_F(CompareProgram, NetworksThatDifferInSpacesAreOne) {
+  refused("compare --netem 'delay 10ms' --netem ' delay  10ms' --out results",
+          "--netem: ' delay  10ms' is played already; give every one once");
+}
+
 TEST_F(CompareProgram, ADryBenchmarkRefusesWhatTheRunRefuses) {
   for (const char* dry : {"", " --dry-run"})
     for (const auto& [words, begin] : {std::pair("--scenario ball --peers 60", "--peers: 60 is too many"),

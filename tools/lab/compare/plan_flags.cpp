@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <iostream>
+#include <sstream>
 
 #include "common/model/user_error.h"
 #include "shell/command_line.h"
@@ -18,6 +19,13 @@ void refuse_second(const std::string& flag, const std::string& text, const All& 
   for (std::size_t i = 0; i + 1 < all.size(); ++i)
     if (name_of(all[i]) == name_of(all.back()))
       throw UserError(flag + ": '" + text + "' is played already; give every one once");
+}
+
+std::string with_single_spaces(const std::string& text) {
+  std::istringstream words(text);
+  std::string out;
+  for (std::string word; words >> word;) out += (out.empty() ? "" : " ") + word;
+  return out;
 }
 
 constexpr double kMaxSeconds = 24 * 3600;
@@ -73,7 +81,8 @@ Plan PlanFlags::plan() const {
   for (const std::string& text : netem_.empty() ? usual_.networks : netem_) {
     std::vector<std::string> warnings;
     p.networks.push_back({text, shell::parse_netem_flag("--netem", text, &warnings)});
-    refuse_second("--netem", text, p.networks, [](const Network& n) { return n.text; });
+    // Their pictures' names do not tell spaces either.
+    refuse_second("--netem", text, p.networks, [](const Network& n) { return with_single_spaces(n.text); });
     for (const std::string& w : warnings) std::cerr << "padr-lab: warning: " << w << '\n';
   }
   p.setting.scenario = scenario_;
