@@ -10,6 +10,7 @@ namespace {
 constexpr std::uint32_t kUdp = 17;
 constexpr std::size_t kUdpHeader = 8;
 constexpr std::size_t kIpv6Header = 40;
+constexpr std::size_t kLinkHeader = 14;  // Ethernet's; others that tell a protocol are longer
 
 void take_ipv4(ByteView ip, std::size_t at, Endpoint& e) {
   e.address = {};
@@ -32,8 +33,9 @@ Content take_udp(ByteView rest, bool cut, UdpDatagram& out) {
   return length > rest.size() ? Content::kCutUdp : Content::kUdp;
 }
 
-Content take_v4(ByteView ip, UdpDatagram& out) {
-  if (ip.size() < 20) return Content::kMalformed;
+/// `cut`: the frame is.
+Content take_v4(ByteView ip, bool cut, UdpDatagram& out) {
+  if (ip.size() < 20) return cut ? Content::kCutHeaders : Content::kMalformed;
   const std::size_t header = (u8(ip, 0) & 15U) * 4;
   const std::size_t total = be16(ip, 2);
   if (header < 20 || total < header) return Content::kMalformed;
@@ -63,8 +65,8 @@ std::size_t extension(std::uint32_t kind, ByteView rest) {
   }
 }
 
-Content take_v6(ByteView ip, UdpDatagram& out) {
-  if (ip.size() < kIpv6Header) return Content::kMalformed;
+Content take_v6(ByteView ip, bool frame_cut, UdpDatagram& out) {
+  if (ip.size() < kIpv6Header) return frame_cut ? Content::kCutHeaders : Content::kMalformed;
   const std::size_t total = kIpv6Header + be16(ip, 4);
   const bool cut = ip.size() < total;
   ByteView rest = ip.subspan(kIpv6Header, std::min(total, ip.size()) - kIpv6Header);
@@ -91,10 +93,11 @@ Content udp_of(const Frame& frame, UdpDatagram& out) {
   out = {};
   const auto ip = ip_of(frame.link_type, frame.bytes);
   if (!ip) return Content::kUnknownLink;
-  if (ip->empty()) return Content::kOther;
+  const bool cut = frame.bytes.size() < frame.original;
+  if (ip->empty()) return cut && frame.bytes.size() < kLinkHeader ? Content::kCutHeaders : Content::kOther;
   const std::uint32_t version = u8(*ip, 0) >> 4U;
-  if (version == 4) return take_v4(*ip, out);
-  if (version == 6) return take_v6(*ip, out);
+  if (version == 4) return take_v4(*ip, cut, out);
+  if (version == 6) return take_v6(*ip, cut, out);
   return Content::kOther;
 }
 

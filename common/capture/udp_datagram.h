@@ -16,8 +16,9 @@ enum class Content : std::uint8_t {
   kOther,        ///< no UDP
   kUnknownLink,  ///< a link type that is not understood
   kMalformed,    ///< headers that contradict themselves
+  kCutHeaders,   ///< cut off before it could be told what it is (snaplen)
 };
-inline constexpr std::size_t kContents = 6;
+inline constexpr std::size_t kContents = 7;
 
 struct UdpDatagram {
   Endpoint from;

@@ -167,7 +167,7 @@ class Memory {
 
 /// What is in a file, in short: "N time contents [payload]" a line, at the end how it stopped.
 inline std::vector<std::string> reading(const Data& file, std::size_t step = 1U << 20U) {
-  constexpr const char* kNames[] = {"udp", "cut", "fragment", "other", "unknown link", "malformed"};
+  constexpr const char* kNames[] = {"udp", "cut", "fragment", "other", "unknown link", "malformed", "cut headers"};
   Memory memory(file, step);
   capture::FrameReader reader(memory.source(), "made");
   std::vector<std::string> lines;

@@ -93,6 +93,10 @@ TEST(Reader, SnaplenMakesCutDatagrams) {
   EXPECT_EQ(reading(pcap({}, {frame}, 14 + 28 + 4))[0], std::string("1 1000000005000 cut ") + kV4 + "Pd01");
   EXPECT_EQ(reading(pcap({}, {frame}, 14 + 28))[0], std::string("1 1000000005000 cut ") + kV4);
   EXPECT_EQ(reading(pcap({}, {frame}, 14 + 25))[0].substr(0, 19), "1 1000000005000 cut");
+  // Once, these were malformed.
+  for (const std::size_t kept : {14U + 19, 14U + 1, 10U})
+    EXPECT_EQ(reading(pcap({}, {frame}, kept))[0], "1 1000000005000 cut headers") << kept;
+  EXPECT_EQ(reading(pcap({}, {ethernet(ipv6(udp("Pd0123456789")))}, 14 + 39))[0], "1 1000000005000 cut headers");
 }
 
 TEST(Reader, InterfacesAndSectionsOfTheirOwn) {

@@ -48,6 +48,7 @@ std::string contents_text(const Source& s, const Tally& t) {
   add(of(Content::kFragment), "fragments left out");
   add(of(Content::kUnknownLink), "of link types that are not understood");
   add(of(Content::kMalformed), "with malformed headers");
+  add(of(Content::kCutHeaders), "cut off in their headers");
   out += '\n';
   for (const auto& [why, n] : t.dropped()) out += "dropped (" + why + "): " + count(n) + "\n";
   if (t.beyond() > 0) out += "in too many sessions, peers or links to be told apart: " + count(t.beyond()) + "\n";

@@ -94,6 +94,7 @@ void put(Json& j, const Source& s) {
   j.field("handshakes", s.contents.handshakes).end_object();
   j.field("not_udp", of(Content::kOther)).field("fragments", of(Content::kFragment));
   j.field("unknown_link_type", of(Content::kUnknownLink)).field("malformed_headers", of(Content::kMalformed));
+  j.field("cut_headers", of(Content::kCutHeaders));
 }
 
 }  // namespace
