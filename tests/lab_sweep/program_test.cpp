@@ -113,6 +113,7 @@ TEST_F(SweepProgram, MistakesAreOneLineAndExit2) {
   refused("sweep --shard 1/3 --csv x.csv --summary y.csv", "--summary with --shard:");
   refused("sweep --peers 1,2 --input rest --input wander --input rest --csv x.csv",
           "--input: given 3 times, but --peers is 2");
+  refused("sweep --scenario 'my\nscene' --csv x.csv", "--scenario: a value with a line break is not allowed");
   refused("sweep", "--csv is required");
   refused("merge nothing.csv --out x.csv", "SHARD:");
 }

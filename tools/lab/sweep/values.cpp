@@ -47,6 +47,8 @@ const Unit* unit_of(std::string_view word) {
 }  // namespace
 
 std::vector<std::string> words_of(std::string_view flag, std::string_view text) {
+  if (text.find('\n') != std::string_view::npos)
+    throw UserError(std::string(flag) + ": a value with a line break is not allowed; a row of the CSV is one line");
   std::vector<std::string> words;
   for (std::size_t from = 0; from <= text.size();) {
     const std::size_t to = std::min(text.find(',', from), text.size());

@@ -9,7 +9,7 @@
 // the flag, the value and what is allowed, also for an empty list and for the same value twice.
 namespace padr::lab::sweep {
 
-/// Words as they stand.
+/// Words as they stand, without line breaks.
 std::vector<std::string> words_of(std::string_view flag, std::string_view text);
 /// Whole numbers from `low` to `high`, and ranges of them such as 1-20.
 std::vector<std::uint64_t> integers_of(std::string_view flag, std::string_view text, std::uint64_t low,
