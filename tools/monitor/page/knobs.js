@@ -167,7 +167,8 @@ export class Knobs {
       panel.querySelector("button.throw").hidden = session.scene.bodies.length === 0;
       panel.querySelector("button.throw").textContent = session.scene.bodies.length === 1 || session.scene.name === "ball" ? "Throw the ball" : "Throw a body";
     }
-    this.readBack(peers);
+    // Who may only look sees what holds, too.
+    this.readBack(peers.length > 0 ? peers : session.present());
   }
 
   /** Moves the controls to what holds, where nobody is at them. */

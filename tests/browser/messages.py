@@ -1,0 +1,77 @@
+#!/usr/bin/env python3
+"""What the page makes of messages that real peers send rarely, or only after a long time. The messages are made up here; the
+monitor has no peers. See browser.py."""
+
+import json
+
+from browser import *
+
+KNOBS = {"threshold": "0.012:0.01", "body-threshold": "0.01", "replay": "on", "model": "auto", "predictor": "pcc", "convergence": "track"}
+SCENE = {
+    "type": "scene", "session": "26", "name": "arena", "scenario": "arena", "title": "made up", "seed": 1, "slots": 8, "tick_rate": 60,
+    "lower": [0, 0], "upper": [20, 15], "gravity": [0, 0], "avatar": {"radius": 0.4, "mass": 80, "max_speed": 5}, "spawns": [],
+    "bodies": [{"id": 0, "shape": "circle", "radius": 0.3, "mass": 5, "position": [5, 5], "angle": 0}], "statics": [],
+}  # fmt: skip
+CHOSEN = "return Object.fromEntries([...document.querySelectorAll('#knobs select')].map((s) => [s.name, s.value]))"
+SLIDERS = "return [...document.querySelectorAll('#knobs output')].map((o) => o.textContent)"
+
+
+def link(to, **more):
+    return {"to": to, "delay_ms": 50, "delay_p95_ms": 60, "delay_least_ms": 40, "round_trip_ms": 100, "loss_percent": 0, "loss_of": 192, "lost": 0,
+            "judged": 900, "carries_kbit_s": None, "queue_ms": 0, "carried_by": None, "netem": "", "cut": None, **more}  # fmt: skip
+
+
+def peer(slot, count=3, **more):
+    return {
+        "slot": slot, "incarnation": slot, "state": "here", "heard_ms": 10, "address": f"127.0.0.1:{9000 + slot}", "version": "0.4.0",
+        "technique": "full", "settings": "full", "knobs": KNOBS, "controllable": True, "driven": "no", "detail": "all", "input": "wander",
+        "tick": 600, "rates": None, "confirmed": {"tick": 590, "hash": "0" * 16, "state": "identical", "lag_ms": 160}, "hash_mismatches": 0,
+        "late_ticks": 0, "lateness_ms": 0.1, "own_error_m": 0.01, "price": 1, "paused": False, "frames": {"received": 100, "lost": 0},
+        "links": [link(to) for to in range(count) if to != slot], "drops": [], **more,
+    }  # fmt: skip
+
+
+def peers(all_peers, tick=600, state="identical", compared=50, **more):
+    return {"type": "peers", "session": "26", "tick": tick, "time": tick / 60, "other_sessions": 0,
+            "agreement": {"state": state, "compared": compared, "tick": tick - 10, "first_difference": None}, "peers": all_peers, **more}  # fmt: skip
+
+
+def series(tick, values):
+    return {"type": "series", "tick": tick, "time": tick / 60, "peers": [
+        {"slot": slot, "at_tick": tick - 60, "combined_m": m, "avatars_m": m, "bodies_m": 0, "shown_m": m, "fidelity_m": None, "pcc_m": None,
+         "updates_per_s": [1, 2, 3], "kbit_per_s": 4, "lag_ms": 200, "threshold_m": 0.8, "delay_ms": {}} for slot, m in enumerate(values)]}  # fmt: skip
+
+
+class Messages(Case):
+    @classmethod
+    def setUpClass(cls):
+        cls.monitor = cls.start(Monitor())
+        cls.browser = cls.start(Browser(1280, 800))
+
+    def page(self, hello=None, all_peers=None):
+        """A page to which a session has been told."""
+        b = self.browser
+        b.open(self.monitor.address)
+        wait(lambda: b.script("return padr.session.hello !== null"), "hello")
+        self.tell({**b.script("return padr.session.hello"), **(hello or {})}, SCENE, peers([peer(i) for i in range(3)] if all_peers is None else all_peers))
+        return b
+
+    def tell(self, *messages):
+        for message in messages:
+            self.browser.script("padr.connection.receive(arguments[0])", json.dumps(message))
+
+    def tearDown(self):
+        self.check_console(self.browser)
+
+    # Once, without control they showed what the page begins with: avatar-only, and thresholds of 1 m.
+    def test_knobs_show_what_peers_have_without_control(self):
+        for hello, all_peers in (({"control": False}, None), ({}, [peer(i, controllable=False) for i in range(3)])):
+            b = self.page(hello, all_peers)
+            chosen = b.script(CHOSEN)
+            self.assertEqual([chosen[n] for n in ("technique", "model", "predictor", "convergence", "network")], ["full", "auto", "pcc", "track", ""])
+            self.assertEqual(b.script(SLIDERS), ["1 cm", "1 cm", "1 cm"])
+            self.assertTrue(b.script("return [...document.querySelectorAll('#knobs fieldset')].every((f) => f.disabled)"))
+
+
+if __name__ == "__main__":
+    main()
