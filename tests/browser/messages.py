@@ -72,6 +72,18 @@ class Messages(Case):
             self.assertEqual(b.script(SLIDERS), ["1 cm", "1 cm", "1 cm"])
             self.assertTrue(b.script("return [...document.querySelectorAll('#knobs fieldset')].every((f) => f.disabled)"))
 
+    # Once, contacts and changes of authority alone filled it, and the list stood empty without a word.
+    def test_frequent_events_leave_room_for_the_others(self):
+        b = self.page()
+        items = "padr.events.show(true); return [...document.querySelector('#events').childNodes].map((n) => n.textContent)"
+        self.assertEqual(b.script(items), ["nothing yet"])
+        event = {"tick": 60, "time": 1, "peer": 0, "entity": None, "other": None, "text": ""}
+        self.tell({"type": "events", "events": [{**event, "kind": "cut"}]})
+        for _ in range(11):
+            self.tell({"type": "events", "events": [{**event, "kind": "authority", "entity": 0, "other": 1}] * 1000})
+        self.assertIn("cut off from all", b.script(items)[0])
+        self.assertLessEqual(b.script("return padr.events.list.length"), 10000)
+
 
 if __name__ == "__main__":
     main()

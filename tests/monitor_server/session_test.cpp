@@ -191,6 +191,29 @@ TEST(ObservedSession, WordsAreJsonOfThePromisedShape) {
   EXPECT_EQ(hello["knobs"][0]["name"], "threshold");
 }
 
+TEST(ObservedSession, FrequentEventsLeaveRoomForTheOthers) {
+  Heard h(2, 30, 0);
+  const auto count = [](const auto& events, EventKind kind) {
+    return std::count_if(events.begin(), events.end(), [kind](const SessionEvent& e) { return e.event.kind == kind; });
+  };
+  Origin somebody = test::WatchedSession::origin(0);
+  somebody.process = 999;
+  std::uint32_t number = 0;
+  const auto say = [&](EventKind kind) {
+    h.session.take({somebody, Events{{Event{++number, 30, kind, kNoEntity, kNoPeer, 0, ""}}}}, {}, h.now);
+  };
+  say(EventKind::kCut);
+  const auto before = h.session.events_ever();
+  for (std::size_t i = 0; i < ObservedSession::kEvents + 10; ++i) say(EventKind::kAuthority);
+  EXPECT_EQ(h.session.events_ever() - before, ObservedSession::kEvents + 10);
+  EXPECT_EQ(count(h.session.events(), EventKind::kAuthority), ObservedSession::kEvents);
+  EXPECT_EQ(count(h.session.events(), EventKind::kCut), 1);
+  const auto newest = h.session.newest_events(500);
+  EXPECT_EQ(count(newest, EventKind::kAuthority), 500);
+  EXPECT_EQ(count(newest, EventKind::kCut), 1);
+  EXPECT_EQ(newest.back().event.number, number);
+}
+
 TEST(ObservedSession, TextsOfPeersCannotBreakAMessage) {
   Heard h(2, 30, 0);
   Hello hello = h.told.hello();

@@ -12,7 +12,7 @@ namespace {
 constexpr Micros kSampleEvery = kMicrosPerSecond / 4;
 constexpr Micros kPeersEvery = kMicrosPerSecond / 2;
 constexpr Micros kSweepEvery = kMicrosPerSecond / 4;
-constexpr std::size_t kFirstEvents = 500;
+constexpr std::size_t kFirstEvents = 500;  // of frequent kinds, and of the others
 
 std::vector<SessionEvent> newest(const std::deque<SessionEvent>& events, std::size_t n) {
   return {events.end() - static_cast<std::ptrdiff_t>(std::min(n, events.size())), events.end()};
@@ -81,7 +81,7 @@ void Live::introduce(ViewerId viewer) {
   if (s == nullptr) return;
   tell(viewer, scene_text(*s));
   tell(viewer, history_text(s->series().points()));
-  tell(viewer, events_text(newest(s->events(), kFirstEvents)));
+  tell(viewer, events_text(s->newest_events(kFirstEvents)));
   tell(viewer, peers_for(viewer));
 }
 

@@ -14,6 +14,20 @@ constexpr Vec2 kNowhere{std::numeric_limits<float>::quiet_NaN(), std::numeric_li
 
 }  // namespace
 
+bool is_frequent(EventKind kind) {
+  switch (kind) {
+    case EventKind::kContactBegin:
+    case EventKind::kContactEnd:
+    case EventKind::kAuthority:
+    case EventKind::kRelease:
+    case EventKind::kDrive:
+    case EventKind::kDriveEnd:
+      return true;
+    default:
+      return false;
+  }
+}
+
 ObservedSession::ObservedSession(SessionKey key, Scene scene, std::string scenario, std::uint64_t seed, int slots,
                                  Micros now)
     : key_(key),
@@ -158,8 +172,26 @@ void ObservedSession::take(PeerRecord& p, const Events& e, Micros now) {
     if (event.kind == EventKind::kEnd) p.ended_at = now;
     events_.push_back({p.origin.slot, p.origin.process, event});
     ++events_ever_;
-    if (events_.size() > kEvents) events_.pop_front();
+    const bool frequent = is_frequent(event.kind);
+    if (++events_kept_[frequent] <= kEvents) continue;
+    --events_kept_[frequent];
+    events_.erase(std::find_if(events_.begin(), events_.end(), [frequent](const SessionEvent& kept) {
+      return is_frequent(kept.event.kind) == frequent;
+    }));
   }
+}
+
+std::vector<SessionEvent> ObservedSession::newest_events(std::size_t n) const {
+  std::array<std::size_t, 2> room{n, n};
+  std::vector<SessionEvent> out;
+  for (auto e = events_.rbegin(); e != events_.rend(); ++e) {
+    std::size_t& left = room[is_frequent(e->event.kind)];
+    if (left == 0) continue;
+    --left;
+    out.push_back(*e);
+  }
+  std::reverse(out.begin(), out.end());
+  return out;
 }
 
 void ObservedSession::advance(Micros now) {

@@ -33,6 +33,10 @@ struct SessionEvent {
   Event event;
 };
 
+/// Contacts, authority and driving: so many that they would leave no room for the rest, so each of the two is bounded
+/// by itself.
+bool is_frequent(EventKind kind);
+
 /// A session as its peers tell it: the newest of each, and what follows from putting them side by side. Has no clock:
 /// `now` is microseconds of whatever clock the caller keeps.
 class ObservedSession : public ViewSource {
@@ -76,7 +80,9 @@ class ObservedSession : public ViewSource {
   /// The newest events, oldest first; each has a number, counted from 0.
   const std::deque<SessionEvent>& events() const { return events_; }
   std::uint64_t events_ever() const { return events_ever_; }
-  static constexpr std::size_t kEvents = 5000;
+  /// The newest `n` of those of frequent kinds, and of the others; oldest first.
+  std::vector<SessionEvent> newest_events(std::size_t n) const;
+  static constexpr std::size_t kEvents = 5000;  ///< kept of frequent kinds, and of the others
 
   std::uint64_t serial() const override { return serial_; }
   std::vector<View> views(unsigned views, std::uint64_t since) override;
@@ -140,6 +146,7 @@ class ObservedSession : public ViewSource {
   std::map<PeerId, Deeds> deeds_;  ///< likewise, sums
   Series series_;
   std::deque<SessionEvent> events_;
+  std::array<std::size_t, 2> events_kept_{};  ///< of them by is_frequent()
   std::uint64_t events_ever_ = 0;
   std::uint64_t serial_ = 0;
   std::map<std::pair<PeerId, Which>, Newest> views_;

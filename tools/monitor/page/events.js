@@ -2,8 +2,9 @@
 
 import { clock } from "./plots.js";
 
-const KEPT = 5000;
+const KEPT = 5000; // of frequent kinds, and of the others
 const LISTED = 60;
+// As is_frequent() of the program has them.
 const FREQUENT = ["contact_begin", "contact_end", "authority", "release", "drive", "drive_end"];
 
 // In words, where the program gives none. `thing` is "body 5" or "avatar 1"; `other` another peer.
@@ -36,6 +37,16 @@ export function inWords(event, bodies) {
   return what ?? (event.text ? `${event.kind.replaceAll("_", " ")}: ${event.text}` : event.kind.replaceAll("_", " "));
 }
 
+function isFrequent(event) {
+  return FREQUENT.includes(event.kind);
+}
+
+/** The newest KEPT of frequent kinds and of the others: what happens all the time shall not push out the rest. */
+function newest(events) {
+  const room = { true: KEPT, false: KEPT };
+  return [...events].reverse().filter((e) => room[isFrequent(e)]-- > 0).reverse();
+}
+
 export class Events {
   constructor(list, everything, session) {
     this.session = session;
@@ -59,19 +70,19 @@ export class Events {
 
   add(events) {
     this.list.push(...events);
-    if (this.list.length > KEPT) this.list.splice(0, this.list.length - KEPT);
+    if (this.list.length > 2 * KEPT) this.list = newest(this.list);
     this.stale = true;
   }
 
   show(force = false) {
     if (!this.stale && !force) return;
     this.stale = false;
-    const wanted = this.everything.checked ? this.list : this.list.filter((e) => !FREQUENT.includes(e.kind));
-    const items = wanted.slice(-LISTED).reverse().map((e) => {
+    const wanted = this.everything.checked ? this.list : this.list.filter((e) => !isFrequent(e));
+    const lines = wanted.slice(-LISTED).reverse().map((e) => `${clock(e.time)} ${this.words(e)}`);
+    this.element.replaceChildren(...(lines.length > 0 ? lines : ["nothing yet"]).map((line) => {
       const item = document.createElement("li");
-      item.textContent = `${clock(e.time)} ${this.words(e)}`;
+      item.textContent = line;
       return item;
-    });
-    this.element.replaceChildren(...items);
+    }));
   }
 }
