@@ -84,6 +84,14 @@ class Messages(Case):
         self.assertIn("cut off from all", b.script(items)[0])
         self.assertLessEqual(b.script("return padr.events.list.length"), 10000)
 
+    # Once, its table had the values of the position before.
+    def test_the_table_of_a_halted_recording_follows_it(self):
+        b = self.page({"mode": "trace", "control": False})
+        self.tell({"type": "timeline", "first": 0, "last": 900, "tick": 600, "playing": False, "speed": 1, "sample": 1})
+        for value in (0.25, 0.75):
+            self.tell(peers([peer(i) for i in range(3)]), series(600, [value, 0.1, 0.1]))
+            self.assertIn(f"{value:.2f} m", b.text("#peers tbody tr"))
+
 
 if __name__ == "__main__":
     main()

@@ -50,7 +50,10 @@ void Projector::introduce(ViewerId viewer) {
   tell(viewer, history_text(film_.series));
   const auto& events = film_.session->events();
   tell(viewer, events_text(std::vector<SessionEvent>(events.begin(), events.end())));
-  if (const Film::Table* t = screen_.table()) tell(viewer, t->peers);
+  if (const Film::Table* t = screen_.table()) {
+    tell(viewer, t->peers);
+    if (!t->series.empty()) tell(viewer, t->series);
+  }
   tell(viewer, timeline());
 }
 

@@ -85,7 +85,9 @@ const connection = new Connection({
   },
   series(point) {
     session.takePoint(point);
-    if (!session.replayed()) plots.add(point);
+    // A recording that stands sends no table after its point.
+    if (session.replayed()) tables.update(session);
+    else plots.add(point);
   },
   events(message) {
     events.add(message.events);
