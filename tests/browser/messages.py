@@ -92,6 +92,16 @@ class Messages(Case):
             self.tell(peers([peer(i) for i in range(3)]), series(600, [value, 0.1, 0.1]))
             self.assertIn(f"{value:.2f} m", b.text("#peers tbody tr"))
 
+    # Once, its caption said that the error is not known, and the table said 0.00 m.
+    def test_the_error_of_a_peer_that_is_cut_off_is_known_nowhere(self):
+        b = self.page()
+        apart = peer(2, confirmed={"tick": 590, "hash": "1" * 16, "state": "apart", "lag_ms": 160})
+        cut = peer(1, links=[link(0, cut="both"), link(2)])
+        self.tell(series(600, [0.25, 0, 0]), peers([peer(0), cut, apart]))
+        self.assertEqual(b.script("return [...document.querySelectorAll('#peers tbody tr')].map((r) => r.cells[4].textContent)"), ["0.25 m", "–", "–"])
+        for slot in (1, 2):
+            wait(lambda: "error not known" in b.text(f'figure[data-slot="{slot}"] .said'), "its caption to say so")
+
 
 if __name__ == "__main__":
     main()

@@ -127,8 +127,11 @@ TEST(ObservedSession, PeersThatHaveEvictedEachOtherMayConfirmDifferentWorlds) {
     l.there = other_is_there;
     h.session.take({test::WatchedSession::origin(p), s}, {}, h.now);
   };
+  ASSERT_TRUE(h.session.sample(h.now).peers[1].inconsistency);
   confirms(0, true, 1);
   confirms(1, false, 2);
+  EXPECT_FALSE(h.session.sample(h.now).peers[1].inconsistency) << "its own world says nothing of its error";
+  EXPECT_FALSE(h.session.inconsistency(1));
   EXPECT_EQ(h.session.agreement().all(), Agreement::Verdict::kApart) << "it is enough that one has evicted the other";
   confirms(1, true, 2);
   EXPECT_EQ(h.session.agreement().all(), Agreement::Verdict::kDiffers);

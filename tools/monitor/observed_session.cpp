@@ -95,6 +95,14 @@ bool ObservedSession::is_apart(const PeerRecord& p) const {
   });
 }
 
+bool ObservedSession::error_known(const PeerRecord& p) const {
+  const Agreement::Verdict verdict = agreement_.of(p.origin.slot);
+  if (verdict == Agreement::Verdict::kApart || verdict == Agreement::Verdict::kDiffers) return false;
+  return std::none_of(p.links.begin(), p.links.end(), [](const auto& link) {
+    return link.second.there && (link.second.cut_out || link.second.cut_in);
+  });
+}
+
 void ObservedSession::leave_slot(PeerId slot) {
   sits_.erase(slot);
   agreement_.forget(slot);
@@ -323,7 +331,8 @@ std::vector<ViewSource::View> ObservedSession::views(unsigned views, std::uint64
 
 std::optional<trace::InconsistencyPoint> ObservedSession::inconsistency(PeerId slot) const {
   const auto found = measured_.find(slot);
-  if (found == measured_.end() || found->second.last.tick == 0) return std::nullopt;
+  if (found == measured_.end() || found->second.last.tick == 0 || !error_known(peers_.at(sits_.at(slot))))
+    return std::nullopt;
   return found->second.last;
 }
 
@@ -349,6 +358,7 @@ const SeriesPoint& ObservedSession::sample(Micros now) {
     if (p->presence(now) == PeerRecord::Presence::kGone) continue;
     PeerPoint point;
     point.slot = p->origin.slot;
+    if (!error_known(*p)) measured_.erase(point.slot);
     const auto found = measured_.find(point.slot);
     if (found != measured_.end() && found->second.n > 0) {
       Sum& s = found->second;

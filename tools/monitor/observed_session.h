@@ -68,7 +68,7 @@ class ObservedSession : public ViewSource {
   bool alive(Micros now) const;
 
   const Agreement& agreement() const { return agreement_; }
-  /// The newest measured of this slot.
+  /// The newest measured of this slot; not while it is cut off or apart from the others.
   std::optional<trace::InconsistencyPoint> inconsistency(PeerId slot) const;
 
   /// What was measured of a tick beside what peers tell.
@@ -103,6 +103,8 @@ class ObservedSession : public ViewSource {
   bool counts(const PeerRecord& p, const PeerRecord& q) const;
   /// Whether it and all whose world is held to be right are no longer in one part of the session.
   bool is_apart(const PeerRecord& p) const;
+  /// Apart from the others a peer confirms a world of its own, and to compare with that one says nothing.
+  bool error_known(const PeerRecord& p) const;
   void leave_slot(PeerId slot);
   void put(const Block& head, std::shared_ptr<const Frame> frame, std::shared_ptr<const Agreed> agreed);
   void put_frame(const PeerRecord& p);

@@ -58,6 +58,16 @@ export class Session {
     this.played ||= this.present().length > 0;
   }
 
+  /** Apart from the others a peer confirms a world of its own: to compare with that one says nothing. */
+  isApart(peer) {
+    return peer.links.some((l) => l.cut) || peer.confirmed.state === "differs" || peer.confirmed.state === "apart";
+  }
+
+  /** How far a peer's view is off, in metres; null if it is not known. */
+  error(peer) {
+    return this.isApart(peer) ? null : this.points.get(peer.slot)?.combined_m ?? null;
+  }
+
   takePoint(point) {
     for (const p of point.peers) this.points.set(p.slot, p);
   }

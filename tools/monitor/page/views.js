@@ -135,17 +135,15 @@ export class Views {
       tile.canvas.setAttribute("aria-label", tile.figure.querySelector("strong").textContent);
       return;
     }
-    const point = session.points.get(slot);
+    const error = session.error(peer);
     const words = [];
     if (peer.state === "silent") words.push("silent: no news for 1 s");
     if (peer.input === "none") words.push("spectator");
     if (peer.paused) words.push("paused");
     if (peer.links.some((l) => l.cut)) words.push("cut off");
     if (peer.driven === "other") words.push("driven by somebody else");
-    // Apart from the others a peer confirms a world of its own: to compare with that one says nothing.
-    const apart = peer.links.some((l) => l.cut) || peer.confirmed.state === "differs" || peer.confirmed.state === "apart";
-    if (apart) words.push("error not known");
-    else if (point && point.combined_m !== null) words.push(`${metres(point.combined_m)} off`);
+    if (session.isApart(peer)) words.push("error not known");
+    else if (error !== null) words.push(`${metres(error)} off`);
     tile.said.textContent = words.join(" · ");
     if (driven) words.push("you drive");
     tile.said.title = "off: how far everything in this view is from where its authority has it, all entities summed, at the last tick that is confirmed; not known while this peer is apart from the others";
