@@ -102,6 +102,15 @@ class Messages(Case):
         for slot in (1, 2):
             wait(lambda: "error not known" in b.text(f'figure[data-slot="{slot}"] .said'), "its caption to say so")
 
+    # Once, it said that the session was over, while peers played on.
+    def test_the_end_of_the_program_is_not_that_of_the_session(self):
+        b = self.page()
+        b.script("padr.connection.tell('lost', true)")
+        self.assertIn("padr-monitor has ended; the peers may play on.", b.text("#error"))
+        self.tell(peers([peer(i, state="gone") for i in range(3)]))
+        b.script("padr.connection.tell('lost', true)")
+        self.assertEqual(b.text("#error"), "The session is over.")
+
 
 if __name__ == "__main__":
     main()

@@ -20,7 +20,7 @@ import { Theme } from "./theme.js";
 import { Tour } from "./tour.js";
 import { Views } from "./views.js";
 
-const OVER = "The session is over. The terminal of the demo has the report.";
+const OVER = "The session is over.";
 const RATE = 20; // views a second that are asked for
 const $ = (selector) => document.querySelector(selector);
 
@@ -155,7 +155,9 @@ function complain(text, calm = false) {
 
 function endInWords() {
   if (session.replayed()) return "padr-monitor, the program that plays this recording, has ended, so the recording stands still. Start it again at the same port to go on.";
-  return session.played ? OVER : "padr-monitor has ended. Start it again at the same port to go on.";
+  if (session.over()) return OVER;
+  const peers = session.present().length > 0 ? "; the peers may play on" : "";
+  return `padr-monitor has ended${peers}. Start it again at the same port to go on.`;
 }
 
 /** The tour needs somebody who takes its orders. */
