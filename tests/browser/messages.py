@@ -108,8 +108,13 @@ class Messages(Case):
         b.script("padr.connection.tell('lost', true)")
         self.assertIn("padr-monitor has ended; the peers may play on.", b.text("#error"))
         self.tell(peers([peer(i, state="gone") for i in range(3)]))
+        self.assertEqual(b.text("#state"), "over, 0:10")
         b.script("padr.connection.tell('lost', true)")
         self.assertEqual(b.text("#error"), "The session is over.")
+        # So it is to who comes then.
+        self.page(None, [peer(i, state="gone") for i in range(3)])
+        self.assertEqual(b.text("#state"), "over, 0:10")
+        self.assertEqual(b.text("#empty"), "The session is over.")
 
 
 if __name__ == "__main__":

@@ -46,6 +46,17 @@ TEST(Agreement, OfTwoTheLowerSlotIsHeldToBeRight) {
   EXPECT_EQ(a.of(3), Verdict::kDiffers);
 }
 
+TEST(Agreement, TheVerdictOutlivesTheSession) {
+  Agreement a;
+  for (PeerId slot = 0; slot < 2; ++slot) a.note(slot, 60, 1);
+  for (const PeerId slot : {PeerId{0}, PeerId{1}, PeerId{1}}) {
+    a.forget(slot);
+    EXPECT_EQ(a.all(), Verdict::kIdentical);
+    EXPECT_EQ(a.of(slot), Verdict::kUnknown);
+  }
+  EXPECT_EQ(a.compared(), 1U);
+}
+
 TEST(Agreement, WhoIsApartMayConfirmAnotherWorld) {
   Agreement a;
   for (PeerId p = 0; p < 3; ++p) a.note(p, 30, p == 2 ? 7 : 1);

@@ -54,7 +54,9 @@ void Agreement::settle(PeerId slot, bool apart) {
 }
 
 void Agreement::forget(PeerId slot) {
+  const Verdict before = all();
   states_.erase(slot);
+  if (states_.empty()) last_ = before;
   for (auto& [tick, told] : told_) told.erase(slot);
 }
 
@@ -64,6 +66,7 @@ Agreement::Verdict Agreement::of(PeerId slot) const {
 }
 
 Agreement::Verdict Agreement::all() const {
+  if (states_.empty()) return last_;
   Verdict all = Verdict::kUnknown;
   for (const auto& [slot, s] : states_) all = std::max(all, s.verdict);
   return all;

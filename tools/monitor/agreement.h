@@ -26,7 +26,8 @@ class Agreement {
   Verdict of(PeerId slot) const;
   /// Whether there is a difference of its world's for settle() to judge.
   bool is_open(PeerId slot) const;
-  /// Of all: the last in the order of Verdict, but unknown if there is nothing else.
+  /// Of all: the last in the order of Verdict, but unknown if there is nothing else. Once all are forgotten, as before
+  /// that.
   Verdict all() const;
   /// Ticks at which at least two were compared, each time that a further peer was.
   std::uint64_t compared() const { return compared_; }
@@ -47,6 +48,7 @@ class Agreement {
     Verdict verdict = Verdict::kUnknown;
   };
   std::map<PeerId, State> states_;
+  Verdict last_ = Verdict::kUnknown;  ///< of all, when the last was forgotten
   std::uint64_t compared_ = 0;
   Tick newest_ = -1;
   std::optional<Tick> first_difference_;

@@ -207,7 +207,8 @@ function stateInWords(hello) {
   const { time } = session.peers;
   if (!session.scene || time === undefined || time === null) return `waiting for peers at ${hello.source}`;
   const others = session.peers.other_sessions > 0 ? `, ${session.peers.other_sessions} other sessions` : "";
-  return `live, ${Math.floor(time / 60)}:${String(Math.floor(time % 60)).padStart(2, "0")}${others}`;
+  const now = session.over() ? "over" : "live";
+  return `${now}, ${Math.floor(time / 60)}:${String(Math.floor(time % 60)).padStart(2, "0")}${others}`;
 }
 
 function emptyInWords(hello) {

@@ -55,7 +55,7 @@ export class Session {
     const unknown = { state: "unknown", tick: null, hash: null, lag_ms: null };
     const peers = message.peers.map((p) => ({ ...p, confirmed: p.confirmed ?? unknown, links: p.links ?? [] }));
     this.peers = { ...message, peers, agreement: message.agreement ?? { state: "unknown" } };
-    this.played ||= this.present().length > 0;
+    this.played ||= peers.length > 0;
   }
 
   /** Apart from the others a peer confirms a world of its own: to compare with that one says nothing. */
