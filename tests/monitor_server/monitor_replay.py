@@ -1,6 +1,8 @@
 """padr-monitor plays what real peers have recorded: traces and packet captures."""
 
 import os
+import signal
+import time
 
 from monitors import MonitorCase, Page, main, refused
 
@@ -49,6 +51,22 @@ class Replaying(MonitorCase):
         common = [t for t in told if str(t) in checkpoints]
         for tick in common:
             self.assertEqual(told[tick], checkpoints[str(tick)])
+
+    def test_ticks_that_are_late_while_a_peer_waits_count_for_nobody(self):
+        trace = os.path.join(self.folder.name, "founder.trace")
+        founder = self.peer("--listen", "127.0.0.1:0", "--wait-peers", 2, "--duration", 2, "--trace", trace)
+        port = founder.port()
+        time.sleep(0.5)
+        founder.process.send_signal(signal.SIGSTOP)
+        time.sleep(1)
+        founder.process.send_signal(signal.SIGCONT)
+        time.sleep(0.5)
+        other = self.peer("--join", f"127.0.0.1:{port}", "--duration", 2)
+        self.assertEqual([founder.end(), other.end()], [0, 0])
+        page = self.page(self.monitor("--trace", trace))
+        page.ask(type="seek", tick=10**9)
+        table = page.wait("peers", lambda t: t["tick"] > 100)
+        self.assertLessEqual(table["peers"][0]["late_ticks"], founder.summary()["late_ticks"])
 
     def test_the_timeline_obeys(self):
         folder, _ = self.recorded(2)

@@ -149,6 +149,11 @@ class Actor {
     at_ = step.tick;
     target_ = step.target;
     outside_ = step.outside || step.leaving;
+    // As padr-report counts: not while it waits for others.
+    if (first_ >= 0 && at_ >= first_) {
+      if (step.lateness > kMicrosPerSecond / kTicksPerSecond) ++late_;
+      worst_ = std::max(worst_, step.lateness);
+    }
     const node::Replica& replica = *replay_->replica();
     if (first) {
       say_hello(header().technique, session);
@@ -159,8 +164,6 @@ class Actor {
     sampler_->observe(replica);
     for (const node::MemberChange& c : replay_->take_changes()) sampler_->observe(c);
     tell_events(session);
-    if (step.lateness > kMicrosPerSecond / kTicksPerSecond) ++late_;
-    worst_ = std::max(worst_, step.lateness);
     for (Agreed& a : agreed_) tell(session, std::move(a));
     agreed_.clear();
     if (!sampler_->due(at_)) return;
