@@ -116,6 +116,24 @@ class Messages(Case):
         self.assertEqual(b.text("#state"), "over, 0:10")
         self.assertEqual(b.text("#empty"), "The session is over.")
 
+    # Once, an error stood in its plot up to a second after the event that made it.
+    def test_an_error_is_plotted_when_it_was_there(self):
+        b = self.page()
+        for tick in (600, 615, 630):
+            self.tell(series(tick, [0.1, None, 0.2]))
+        silent = series(645, [None, None, None])
+        for p in silent["peers"]:
+            p["at_tick"] = None
+        self.tell(silent, series(660, [0.1, 0.2, 0.3]))
+        b.script("padr.plots.redraw()")
+        times = "return padr.plots.charts.map((c) => c.rows.map((r) => r[0]))"
+        wait(lambda: [len(rows) for rows in b.script(times)] == [5] * 4, "all rows")
+        errors, updates, *_ = b.script(times)
+        self.assertEqual(errors, [9, 9.25, 9.5, 10.75, 10.75])
+        self.assertEqual(updates, [10, 10.25, 10.5, 10.75, 11])
+        b.script("padr.plots.hover(10.4, padr.plots.charts[1])")
+        self.assertEqual(b.script("return [...document.querySelectorAll('#plots .values b')].map((e) => e.textContent)"), ["0:10.4"] * 4)
+
 
 if __name__ == "__main__":
     main()

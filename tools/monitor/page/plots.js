@@ -23,6 +23,7 @@ const PLOTS = [
     title: "Inconsistency of each peer's view",
     help: "how far everything in that view is from where its authority has it, all entities summed, metres",
     unit: " m", digits: 2,
+    time: measuredAt,
     lines: (h) => h.slots.map(peerLine),
     values: (p, lines) => lines.map((l) => p.peers.get(l.slot)?.combined_m ?? null),
   },
@@ -57,6 +58,12 @@ const OF_RECORDINGS = {
   lines: (h) => h.slots.map(peerLine),
   values: (p, lines) => lines.map((l) => p.peers.get(l.slot)?.fidelity_m ?? null),
 };
+
+/** Of which second a point's inconsistency is: a tick is measured when it is confirmed, and then it is past. */
+function measuredAt(point) {
+  const ticks = [...point.peers.values()].map((p) => p.at_tick ?? null).filter((tick) => tick !== null);
+  return ticks.length > 0 ? Math.max(...ticks) / 60 : point.time;
+}
 
 function peerLine(slot) {
   return { name: `peer ${slot}`, slot, colour: hue(slot), dash: DASHES[patternName(slot)] };
@@ -142,11 +149,12 @@ export class Plots {
     for (const chart of this.charts) chart.draw(window);
   }
 
-  hover(row, chart) {
+  /** A time is pointed at in a chart; null: none any more. */
+  hover(time, chart) {
     for (const c of this.charts) {
-      if (c !== chart && row !== null) c.graph?.setSelection(row);
-      if (c !== chart && row === null) c.graph?.clearSelection();
-      c.row = row;
+      c.time = time;
+      if (c !== chart && time !== null) c.graph?.setSelection(c.rowAt(time));
+      if (c !== chart && time === null) c.graph?.clearSelection();
       c.readOut();
     }
   }
@@ -161,7 +169,7 @@ class Chart {
   constructor(plot, folder, plots) {
     this.plot = plot;
     this.plots = plots;
-    this.row = null;
+    this.time = null; // that is pointed at
     this.rows = [];
     const figure = document.createElement("figure");
     const title = document.createElement("figcaption");
@@ -189,7 +197,9 @@ class Chart {
     }
     for (let i = this.rows.length; i < history.points.length; ++i) {
       const p = history.points[i];
-      this.rows.push([p.time, ...this.plot.values(p, this.lines)]);
+      // Rows have to ascend, also where nothing is known of one.
+      const time = Math.max(this.plot.time?.(p) ?? p.time, this.rows.at(-1)?.[0] ?? 0);
+      this.rows.push([time, ...this.plot.values(p, this.lines)]);
     }
   }
 
@@ -231,7 +241,7 @@ class Chart {
       },
       underlayCallback: (ctx, area, graph) => this.markEvents(ctx, area, graph),
       zoomCallback: (from, to) => plots.select([from, to]),
-      highlightCallback: (e, x, points, row) => plots.hover(row, this),
+      highlightCallback: (e, x) => plots.hover(x, this),
       unhighlightCallback: () => plots.hover(null, this),
       clickCallback: (e, x) => plots.sought(x),
     });
@@ -285,7 +295,7 @@ class Chart {
 
   /** Values under the pointer, else the newest, in words. */
   readOut() {
-    const row = this.rows[this.row ?? this.positionRow()];
+    const row = this.rows[this.time === null ? this.positionRow() : this.rowAt(this.time)];
     if (!row || !this.lines) return;
     const parts = this.lines.map((line, i) => {
       const value = row[i + 1];
@@ -295,14 +305,18 @@ class Chart {
       return item;
     });
     const when = document.createElement("b");
-    when.textContent = `${clock(row[0])}${this.row === null ? "" : near(this.plots.events, row[0])}`;
+    when.textContent = this.time === null ? clock(row[0]) : `${clock(this.time)}${near(this.plots.events, this.time)}`;
     this.values.replaceChildren(when, ...parts);
   }
 
   positionRow() {
     const { session } = this.plots;
     if (!session.replayed() || !session.timeline) return this.rows.length - 1;
-    const time = session.timeline.tick / 60;
+    return this.rowAt(session.timeline.tick / 60);
+  }
+
+  /** The row at a time, else the next one, else the last. */
+  rowAt(time) {
     const i = this.rows.findIndex((r) => r[0] >= time);
     return i < 0 ? this.rows.length - 1 : i;
   }

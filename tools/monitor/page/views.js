@@ -146,7 +146,7 @@ export class Views {
     else if (error !== null) words.push(`${metres(error)} off`);
     tile.said.textContent = words.join(" · ");
     if (driven) words.push("you drive");
-    tile.said.title = "off: how far everything in this view is from where its authority has it, all entities summed, at the last tick that is confirmed; not known while this peer is apart from the others";
+    tile.said.title = "off: how far everything in this view is from where its authority has it, all entities summed; the mean since the last point of the plots, of ticks that are confirmed; not known while this peer is apart from the others";
     const drive = tile.buttons.querySelector(".drive");
     drive.hidden = !driven && !session.drivable().some((p) => p.slot === slot);
     drive.textContent = driven ? "Let go" : "Drive";
