@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <fstream>
@@ -10,6 +11,7 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace padr::plot {
@@ -36,13 +38,15 @@ std::vector<std::string> page_hues() {
   return hues;
 }
 
+/// A part of an sRGB colour, made linear, 0 to 1; `at`: of its two digits in the text.
+double linear(std::string_view colour, std::size_t at) {
+  const double c = std::stoi(std::string(colour.substr(at, 2)), nullptr, 16) / 255.0;
+  return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+}
+
 /// WCAG 2.1: relative luminance, 0 (black) to 1 (white).
 double luminance(std::string_view colour) {
-  const auto part = [colour](std::size_t at) {
-    const double c = std::stoi(std::string(colour.substr(at, 2)), nullptr, 16) / 255.0;
-    return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-  };
-  return 0.2126 * part(1) + 0.7152 * part(3) + 0.0722 * part(5);
+  return 0.2126 * linear(colour, 1) + 0.7152 * linear(colour, 3) + 0.0722 * linear(colour, 5);
 }
 
 double contrast(std::string_view a, std::string_view b) {
@@ -66,6 +70,46 @@ TEST(Palette, ColoursByNumberDifferAndCanBeSeenOnLightAndDark) {
     EXPECT_GE(contrast(colour_by_number(i), "#1A2129"), 2) << colour_by_number(i) << " on the page's dark panels";
   }
   EXPECT_EQ(all.size(), kColours);
+}
+
+using Matrix = std::array<std::array<double, 3>, 3>;
+
+// Machado, Oliveira and Fernandes, A Physiologically-based Model for Simulation of Color Vision Deficiency (2009),
+// severity 1, on linear RGB.
+constexpr Matrix kProtanopia{
+    {{0.152286, 1.052583, -0.204868}, {0.114503, 0.786281, 0.099216}, {-0.003882, -0.048116, 1.051998}}};
+constexpr Matrix kDeuteranopia{
+    {{0.367322, 0.860646, -0.227968}, {0.280085, 0.672501, 0.047413}, {-0.011820, 0.042940, 0.968881}}};
+constexpr Matrix kTritanopia{
+    {{1.255528, -0.076749, -0.178779}, {-0.078411, 0.930809, 0.147602}, {0.004733, 0.691367, 0.303900}}};
+
+std::array<double, 3> times(const Matrix& m, const std::array<double, 3>& v) {
+  std::array<double, 3> out{};
+  for (std::size_t i = 0; i < 3; ++i) out[i] = m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2];
+  return out;
+}
+
+/// A colour as somebody sees it, in CIELAB under D65.
+std::array<double, 3> lab(std::string_view colour, const Matrix& sight) {
+  constexpr Matrix kXyz{{{0.4124, 0.3576, 0.1805}, {0.2126, 0.7152, 0.0722}, {0.0193, 0.1192, 0.9505}}};
+  std::array<double, 3> rgb = times(sight, {linear(colour, 1), linear(colour, 3), linear(colour, 5)});
+  for (double& c : rgb) c = std::clamp(c, 0.0, 1.0);
+  const auto xyz = times(kXyz, rgb);
+  const auto f = [](double t) { return t > 0.008856 ? std::cbrt(t) : 7.787 * t + 16.0 / 116; };
+  const double y = f(xyz[1]);
+  return {116 * y - 16, 500 * (f(xyz[0] / 0.95047) - y), 200 * (y - f(xyz[2] / 1.08883))};
+}
+
+// Once, the second and the seventh were one colour to who sees no red.
+TEST(Palette, ColoursByNumberDifferForEveryColourVision) {
+  for (const auto& [name, sight] :
+       {std::pair{"protanopia", kProtanopia}, {"deuteranopia", kDeuteranopia}, {"tritanopia", kTritanopia}})
+    for (std::size_t i = 0; i < kColours; ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        const auto a = lab(colour_by_number(i), sight);
+        const auto b = lab(colour_by_number(j), sight);
+        EXPECT_GE(std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]), 8) << name << ": " << i << " and " << j;
+      }
 }
 
 TEST(Palette, SeriesOfOnePictureHaveTheirOwnMarksAndColours) {

@@ -9,10 +9,10 @@ namespace padr::plot {
 namespace {
 
 // Okabe and Ito's colours, which people with any of the common colour blindnesses tell apart. Their black and their
-// pale yellow cannot be seen on a black or a white page: an olive and a brown stand for them. The page of padr-monitor
+// pale yellow cannot be seen on a black or a white page: a violet and a brown stand for them. The page of padr-monitor
 // has the same ones in palette.js; a test compares the two.
 constexpr std::array<std::string_view, kColours> kByNumber{"#0072B2", "#E69F00", "#009E73", "#D55E00",
-                                                           "#56B4E9", "#CC79A7", "#B9A90B", "#8A6D5B"};
+                                                           "#56B4E9", "#CC79A7", "#8250DF", "#8A6D5B"};
 constexpr std::array<std::string_view, 4> kShades{"#000000", "#555555", "#999999", "#DDDDDD"};
 
 struct Entry {

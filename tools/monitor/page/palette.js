@@ -2,7 +2,7 @@
 // from the ninth peer on a pattern as well. The number of the avatar always says the same. The plots of the other programs
 // have the same hues (tools/plot/palette.cpp); a test compares the two.
 
-const HUES = ["#0072b2", "#e69f00", "#009e73", "#d55e00", "#56b4e9", "#cc79a7", "#b9a90b", "#8a6d5b"];
+const HUES = ["#0072b2", "#e69f00", "#009e73", "#d55e00", "#56b4e9", "#cc79a7", "#8250df", "#8a6d5b"];
 const PATTERNS = ["plain", "stripes", "dots", "grid", "bars", "rings", "steps", "checks"];
 const NOBODY = 255;
 
