@@ -90,6 +90,18 @@ class Look(Case):
             self.assertEqual(b.script("return document.querySelector('#knobs > div').getBoundingClientRect().top"), 8)
             b.picture(f"look-knobs-{size[0]}")
 
+    # Once, the line that says how to drive pushed the picture down, away from the pointer.
+    def test_a_picture_that_is_clicked_stays_where_it_is(self):
+        b = self.page(1280, 800)
+        box = "const { x, y, width, height } = document.querySelector('figure[data-slot=\"0\"] canvas').getBoundingClientRect(); return [x, y, width, height]"
+        before = b.script(box)
+        b.find('figure[data-slot="0"] canvas').click()
+        wait(lambda: "You drive" in b.text("#hint"), "driving")
+        self.assertEqual(b.script(box), before)
+        b.script("padr.driver.release()")
+        wait(lambda: b.script("return !document.querySelector('#save').hidden"), "the link to the path")
+        self.assertEqual(b.script(box), before)
+
     def test_settings_are_small_marks_in_plots(self):
         b = self.page(1280, 757)
         marks = b.module("return (await import('/plots.js')).MARKS")
