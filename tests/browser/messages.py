@@ -8,7 +8,7 @@ from browser import *
 
 KNOBS = {"threshold": "0.012:0.01", "body-threshold": "0.01", "replay": "on", "model": "auto", "predictor": "pcc", "convergence": "track"}
 SCENE = {
-    "type": "scene", "session": "26", "name": "arena", "scenario": "arena", "title": "made up", "seed": 1, "slots": 8, "tick_rate": 60,
+    "type": "scene", "session": "26", "name": "arena", "scenario": "arena", "title": "made up", "seed": 1, "slots": 24, "tick_rate": 60,
     "lower": [0, 0], "upper": [20, 15], "gravity": [0, 0], "avatar": {"radius": 0.4, "mass": 80, "max_speed": 5}, "spawns": [],
     "bodies": [{"id": 0, "shape": "circle", "radius": 0.3, "mass": 5, "position": [5, 5], "angle": 0}], "statics": [],
 }  # fmt: skip
@@ -125,7 +125,7 @@ class Messages(Case):
         for p in silent["peers"]:
             p["at_tick"] = None
         self.tell(silent, series(660, [0.1, 0.2, 0.3]))
-        b.script("padr.plots.redraw()")
+        b.script("document.querySelector('#plots').scrollIntoView()")
         times = "return padr.plots.charts.map((c) => c.rows.map((r) => r[0]))"
         wait(lambda: [len(rows) for rows in b.script(times)] == [5] * 4, "all rows")
         errors, updates, *_ = b.script(times)
@@ -133,6 +133,31 @@ class Messages(Case):
         self.assertEqual(updates, [10, 10.25, 10.5, 10.75, 11])
         b.script("padr.plots.hover(10.4, padr.plots.charts[1])")
         self.assertEqual(b.script("return [...document.querySelectorAll('#plots .values b')].map((e) => e.textContent)"), ["0:10.4"] * 4)
+
+    # Once, captions below small pictures broke into three lines of a few letters, and the words in pictures were wider than these.
+    def test_captions_of_small_pictures_can_be_read(self):
+        self.addCleanup(self.browser.resize, 1280, 800)
+        for count, size, scale in ((20, (1280, 800), 1), (4, (640, 400), 2)):
+            self.browser.resize(*size, scale=scale)
+            b = self.page(None, [peer(i, count) for i in range(count)])
+            self.tell(series(600, [16.4] * count))
+            wait(lambda: "16 m off" in b.text(f'figure[data-slot="{count - 1}"] .said'), "an error in each caption")
+            wrong = b.script("""return [...document.querySelectorAll("#views figcaption")].flatMap((caption) => {
+              const said = caption.querySelector(".said"), picture = caption.parentElement.querySelector("canvas").getBoundingClientRect();
+              const parts = [...caption.querySelectorAll("strong, .said, button")].filter((e) => e.getClientRects().length > 0);
+              const boxes = parts.map((e) => e.getBoundingClientRect());
+              return [
+                said.scrollWidth > said.clientWidth && "cut off", said.clientHeight > 20 && "more than a line",
+                boxes.some((a, i) => boxes.some((b, k) => k < i && a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1)) && "overlap",
+                boxes.some((a) => a.right > picture.right + 3) && "wider than the picture",
+              ].filter(Boolean);
+            })""")
+            self.assertEqual(wrong, [], size)
+            b.picture(f"captions-{count}")
+            widest = b.script("""const { ctx } = padr.views.tiles.get(0); let most = 0;
+              ctx.fillRect = function (x, y, w) { most = Math.max(most, w); return CanvasRenderingContext2D.prototype.fillRect.apply(this, arguments); };
+              padr.views.say(padr.views.tiles.get(0), "silent: no news from this peer"); delete ctx.fillRect; return [most, padr.views.tiles.get(0).width]""")
+            self.assertLessEqual(widest[0], widest[1] + 1)
 
 
 if __name__ == "__main__":

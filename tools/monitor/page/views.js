@@ -13,6 +13,9 @@ const SILENT_MS = 1500;
 const SHARPEST = 2; // canvas pixels per CSS pixel: more costs time and shows nothing
 const BACKGROUNDS = 4; // kept: all views are of one size, or one is larger
 const CAPTION = 40; // pixels below a picture
+const SMALL = 300; // pixels of a picture's width below which its caption has fewer buttons
+const TINY = 230; // and below which they have a row of their own
+const TINY_CAPTION = 60;
 const BELOW = 44; // pixels below the pictures, for what follows to be seen
 const ONE_ROW = 0.9; // of the width that pictures would have in several rows
 const PAINTED_WHOLE = 600; // bodies times views above which pixels are not doubled
@@ -181,7 +184,8 @@ export class Views {
     for (const tile of this.tiles.values()) {
       const alone = tile.slot === big;
       const w = alone ? Math.floor(width) : best.w;
-      tile.figure.classList.toggle("small", w < 300);
+      tile.figure.classList.toggle("small", w < SMALL);
+      tile.figure.classList.toggle("tiny", w < TINY);
       tile.figure.classList.toggle("big", alone);
       tile.width = w;
       tile.height = Math.round(w / aspect);
@@ -211,8 +215,8 @@ export class Views {
     for (let columns = 1; columns <= count; ++columns) {
       const rows = Math.ceil(count / columns);
       const across = (width - gap * (columns - 1)) / columns;
-      const down = ((height - gap * (rows - 1)) / rows - CAPTION) * aspect;
-      const w = Math.floor(Math.min(across, down));
+      const fitting = (caption) => Math.floor(Math.min(across, ((height - gap * (rows - 1)) / rows - caption) * aspect));
+      const w = fitting(fitting(CAPTION) < TINY ? TINY_CAPTION : CAPTION);
       // Rather in one row, if that costs little: what follows is then in view.
       if (w > best.w || (rows === 1 && w > best.w * ONE_ROW)) best = { columns, w };
     }
@@ -305,7 +309,15 @@ export class Views {
 
   say(tile, word) {
     const { ctx } = tile;
-    ctx.font = "600 15px system-ui, sans-serif";
+    const font = (px) => { ctx.font = `600 ${px}px system-ui, sans-serif`; };
+    font(15);
+    const wide = ctx.measureText(word).width + 24;
+    const [short] = word.split(":");
+    if (wide > tile.width && short !== word) {
+      this.say(tile, short);
+      return;
+    }
+    if (wide > tile.width) font(Math.floor((15 * tile.width) / wide));
     ctx.textAlign = "center";
     ctx.textBaseline = "middle";
     const w = ctx.measureText(word).width + 24;
