@@ -78,14 +78,15 @@ class Knobs(Case):
         techniques = "return padr.session.present().map((p) => p.technique)"
         wait(lambda: sorted(set(b.script(techniques))) == ["fixed", "full"], "one to play otherwise")
         self.choose("peer", "all")
-        chosen = "return document.querySelector('[name=technique]').selectedIndex"
-        wait(lambda: b.script(chosen) == -1, "no technique to be chosen")
+        chosen = "return [...document.querySelectorAll('[name=technique], [name=model], [name=network]')].map((l) => l.selectedOptions[0].text)"
+        wait(lambda: b.script(chosen) == ["as written below", "differ", "differ"], "lists that say so")
         beside = "return [...document.querySelectorAll('[name=high], [name=low], [name=body]')].map((i) => i.nextElementSibling.textContent)"
         wait(lambda: b.script(beside) == ["differ"] * 3, "thresholds that differ")
         b.picture("they-differ")
         self.choose("technique", "full")
         wait(lambda: b.script(techniques) == ["full"] * PEERS, "all to be full")
         wait(lambda: "differ" not in b.script(beside), "the thresholds of all")
+        wait(lambda: b.script("return document.querySelectorAll('#knobs option[value=differ]').length") == 0, "the lists of all")
 
     def test_a_technique_for_all(self):
         b = self.browser

@@ -159,6 +159,17 @@ class Messages(Case):
               padr.views.say(padr.views.tiles.get(0), "silent: no news from this peer"); delete ctx.fillRect; return [most, padr.views.tiles.get(0).width]""")
             self.assertLessEqual(widest[0], widest[1] + 1)
 
+    # Once, such lists were empty, or said "as written below" of networks where nothing was written.
+    def test_lists_say_where_peers_differ(self):
+        other = {**KNOBS, "model": "first", "convergence": "pvb", "predictor": "none"}
+        b = self.page(None, [peer(0), peer(1, knobs=other, technique="adaptive", links=[link(0, netem="delay 20ms"), link(2)]), peer(2)])
+        shown = "return ['technique', 'model', 'predictor', 'convergence', 'network'].map((n) => document.querySelector(`[name=${n}]`).selectedOptions[0].text)"
+        self.assertEqual(b.script(shown), ["differ"] * 5)
+        b.picture("lists-differ")
+        self.tell(peers([peer(i) for i in range(3)]))
+        self.assertEqual(b.script(shown), ["full", "auto", "pcc", "track: time-optimal", "perfect"])
+        self.assertEqual(b.script("return document.querySelectorAll('#knobs option[value=differ]').length"), 0)
+
 
 if __name__ == "__main__":
     main()

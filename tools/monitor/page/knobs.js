@@ -13,6 +13,7 @@ export const NETWORKS = [
 ];
 
 const WITHOUT = "avatar-only"; // the technique without authority
+const DIFFER = "differ"; // the entry of a list where peers differ
 const SETTLED = 1500; // ms after a change until what peers say moves the control again
 
 export class Knobs {
@@ -176,11 +177,11 @@ export class Knobs {
     const chosen = this.peer() === "all" ? peers : peers.filter((p) => p.slot === this.peer());
     const common = (name) => same(chosen.map((p) => p.knobs?.[name]));
     const { inputs } = this;
-    const set = (input, value) => {
+    const set = (input, value, several = chosen.length > 1) => {
       if (this.busy(input)) return;
-      if (value !== undefined && input.value !== value) input.value = value;
       // A list that stood at its first entry would show what nobody has.
-      if (value === undefined && chosen.length > 1 && input.tagName === "SELECT") input.selectedIndex = -1;
+      if (input.tagName === "SELECT") sayThatTheyDiffer(input, value === undefined && several);
+      if (value !== undefined && input.value !== value) input.value = value;
     };
     const differ = (value, ...sliders) => {
       for (const input of sliders)
@@ -190,7 +191,8 @@ export class Knobs {
     set(inputs.technique, same(chosen.map((p) => p.technique)));
     // All have to agree on authority when the session begins: it cannot change.
     const without = chosen.some((p) => p.technique === WITHOUT);
-    for (const option of inputs.technique.options) option.disabled = chosen.length > 0 && (option.value === WITHOUT) !== without;
+    for (const option of inputs.technique.options)
+      if (option.value !== DIFFER) option.disabled = chosen.length > 0 && (option.value === WITHOUT) !== without;
     for (const name of ["model", "predictor", "convergence"]) set(inputs[name], common(name));
     const replay = common("replay");
     if (replay !== undefined && !this.busy(inputs.replay)) inputs.replay.checked = replay === "on";
@@ -211,7 +213,8 @@ export class Knobs {
     if (!this.busy(inputs.spec) && !this.busy(inputs.network)) {
       inputs.spec.placeholder = spec === undefined && specs.length > 0 ? "(differs from link to link)" : "none";
       set(inputs.spec, spec ?? "");
-      set(inputs.network, spec !== undefined && NETWORKS.some(([, s]) => s === spec) ? spec : "?");
+      const known = NETWORKS.some(([, s]) => s === spec);
+      set(inputs.network, known || (spec === undefined && specs.length > 1) ? spec : "?", specs.length > 1);
     }
   }
 
@@ -249,6 +252,21 @@ function number(text) {
 /** The value that all have, or undefined. */
 function same(values) {
   return values.length > 0 && values.every((v) => v === values[0]) ? values[0] ?? undefined : undefined;
+}
+
+/** Puts the entry that says so into a list, chosen, or takes it away; nobody can choose it. */
+function sayThatTheyDiffer(select, differ) {
+  const entry = [...select.options].find((o) => o.value === DIFFER);
+  if (!differ) {
+    entry?.remove();
+    return;
+  }
+  if (!entry) {
+    const made = new Option(DIFFER, DIFFER);
+    made.disabled = made.hidden = true;
+    select.prepend(made);
+  }
+  select.value = DIFFER;
 }
 
 /** Makes a list have these choices, and keeps the one that was chosen. */
