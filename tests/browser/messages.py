@@ -170,6 +170,16 @@ class Messages(Case):
         self.assertEqual(b.script(shown), ["full", "auto", "pcc", "track: time-optimal", "perfect"])
         self.assertEqual(b.script("return document.querySelectorAll('#knobs option[value=differ]').length"), 0)
 
+    # Once, the link stayed, and the program no longer had the path.
+    def test_a_path_can_be_saved_until_the_next_session(self):
+        b = self.page()
+        b.script("padr.driver.start(0)")
+        b.script("padr.driver.release()")
+        hidden = "return document.querySelector('#save').hidden"
+        self.assertFalse(b.script(hidden))
+        self.tell({**SCENE, "session": "27"}, peers([peer(i) for i in range(3)]))
+        self.assertTrue(b.script(hidden))
+
 
 if __name__ == "__main__":
     main()

@@ -71,6 +71,7 @@ const connection = new Connection({
     views.forgetBackgrounds();
     plots.begin();
     events.begin();
+    drivenOnce = null; // the program forgets its path, too
     driver.forget(null);
     tour.forget();
     refresh();
