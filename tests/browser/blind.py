@@ -91,6 +91,39 @@ class Blind(Case):
         self.assertLess(same["most"], 3, "the same session")
         self.check_console(b)
 
+    # Once, it ran on in a hidden tab, and counted as seen.
+    def test_what_is_played_while_nobody_sees_it_does_not_count(self):
+        b = self.open(3)
+        hide = "Object.defineProperty(document, 'hidden', { value: arguments[0], configurable: true }); document.dispatchEvent(new Event('visibilitychange'))"
+        tick = "return padr.takes.map((t) => t.session.timeline.tick - padr.blind.round.from)"
+        standing = "return padr.takes.every((t) => !t.session.timeline.playing)"
+        wait(lambda: b.script("return padr.blind.round !== undefined") and min(b.script(tick)) > 30 and not b.script(standing), "it to play")
+        b.script(hide, True)
+        wait(lambda: b.script(standing), "it to halt")
+        self.assertFalse(b.script(READY))
+        b.script(hide, False)
+        wait(lambda: max(b.script(tick)) < 30, "it to begin anew")
+        wait(lambda: b.script(READY), "the end of the round")
+        self.assertEqual(b.script("return padr.blind.round.seen"), 1)
+        b.script(hide, True)
+        self.assertTrue(b.script(READY), "what has been seen has been seen")
+        b.script(hide, False)
+        self.check_console(b)
+
+    # Once, each answer left the keyboard's focus nowhere.
+    def test_it_is_taken_by_keyboard(self):
+        b = self.open(0.3)
+        self.assertEqual(b.find("#state").get_attribute("role"), "status")
+        focus = "return document.activeElement.dataset.answer ?? document.activeElement.id"
+        wait(lambda: b.script(READY), "the end of the first round")
+        b.find("[data-answer=none]").send_keys("\n")
+        for number in range(2, 9):
+            wait(lambda: f"Round {number}" in b.text("#state") and b.script(READY), f"the end of round {number}")
+            self.assertEqual(b.script(focus), "left")
+            b.driver.switch_to.active_element.send_keys("\n")
+        wait(lambda: "All rounds are over" in b.text("#state"), "the end")
+        self.assertEqual(b.script(focus), "answers")
+
     def test_it_can_be_reached_and_read(self):
         b = self.open(0.5)
         wait(lambda: b.script(READY), "the end of the first round")

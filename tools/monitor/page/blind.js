@@ -81,10 +81,13 @@ class Blind {
     this.takes = takes;
     this.seconds = 6; // of a moment
     this.answers = [];
+    this.times = 0; // that something was played
+    this.focused = false; // a button that was disabled had the focus
     // Which method is on the left: as often the one as the other.
     this.lefts = shuffled(Array.from({ length: ROUNDS }, (_, i) => METHODS[i % 2]));
     for (const b of document.querySelectorAll("[data-answer]")) b.addEventListener("click", () => this.answer(b.dataset.answer));
     $("#again").addEventListener("click", () => this.play());
+    document.addEventListener("visibilitychange", () => this.interrupt());
     this.enable(false);
   }
 
@@ -109,15 +112,30 @@ class Blind {
 
   async play() {
     const { round } = this;
+    const time = ++this.times; // another one begins when this one is interrupted
     this.enable(false);
     say(`Round ${this.answers.length + 1} of ${ROUNDS}: as player ${round.peer} saw it`);
-    await this.all({ type: "halt" });
-    await this.all({ type: "seek", tick: round.from });
-    await this.all({ type: "play" });
+    for (const message of [{ type: "halt" }, { type: "seek", tick: round.from }, { type: "play" }]) {
+      await this.all(message);
+      if (time !== this.times) return;
+    }
     await new Promise((done) => { this.shown = done; });
     await this.all({ type: "halt" });
+    if (time !== this.times) return;
     ++round.seen;
     this.enable(true);
+  }
+
+  /** What is played while nobody sees it does not count: it halts, and begins anew when the page is seen again. */
+  interrupt() {
+    if (!this.round || !this.playing) return;
+    this.shown = null;
+    if (!document.hidden) {
+      this.play();
+      return;
+    }
+    ++this.times;
+    this.all({ type: "halt" });
   }
 
   async all(message) {
@@ -134,8 +152,15 @@ class Blind {
     }
   }
 
+  /** The buttons; the keyboard's focus, which a button loses that is disabled, is on the first one again afterwards. */
   enable(on) {
-    for (const b of document.querySelectorAll("[data-answer], #again")) b.disabled = !on;
+    const buttons = [...document.querySelectorAll("[data-answer], #again")];
+    this.focused ||= buttons.includes(document.activeElement);
+    for (const b of buttons) b.disabled = !on;
+    this.playing = !on;
+    if (!on || !this.focused) return;
+    this.focused = false;
+    buttons[0].focus();
   }
 
   answer(answer) {
@@ -164,6 +189,8 @@ class Blind {
 
   end() {
     this.enable(false);
+    this.round = null;
+    if (this.focused) $("#answers").focus();
     const count = (what) => this.answers.filter((a) => a.chosen === what).length;
     say("All rounds are over.");
     $("#result").textContent = `You chose ${METHODS.map((m) => `${m} ${count(m)} times`).join(", ")}, and saw no difference ${count("none")} times.`;
