@@ -180,6 +180,18 @@ class Messages(Case):
         self.tell({**SCENE, "session": "27"}, peers([peer(i) for i in range(3)]))
         self.assertTrue(b.script(hidden))
 
+    # Once, they were numbers of nothing, and small ones had exponents.
+    def test_plots_have_units_and_plain_numbers(self):
+        b = self.page()
+        for tick in range(600, 900, 15):
+            self.tell(series(tick, [0.004, 0.005, None]))
+        b.script("document.querySelector('#plots').scrollIntoView()")
+        read = "return [...document.querySelectorAll('#plots .values')].map((v) => v.querySelector('span')?.textContent)"
+        wait(lambda: [r and r.split()[-1] for r in b.script(read)][:3] == ["m", "/s", "ms"], "units")
+        axes = b.script("return [...document.querySelectorAll('.dygraph-axis-label-y')].map((e) => e.textContent)")
+        self.assertIn("0.004", axes)
+        self.assertEqual([a for a in axes if "e" in a], [])
+
 
 if __name__ == "__main__":
     main()

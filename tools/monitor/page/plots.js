@@ -2,7 +2,7 @@
 
 import { History } from "./history.js";
 import { hue, patternName } from "./palette.js";
-import { sum } from "./table.js";
+import { number, sum } from "./table.js";
 
 const REDRAW = 500; // ms
 const LEAST_GAP = 3; // pixels between two marks of a kind
@@ -237,7 +237,8 @@ class Chart {
       rightGap: 8,
       axes: {
         x: { axisLabelFormatter: clock, pixelsPerLabel: 60, axisLabelWidth: 50 },
-        y: { axisLabelWidth: 44, pixelsPerLabel: 30 },
+        // Not in exponents.
+        y: { axisLabelFormatter: (value) => String(Math.round(value * 1e4) / 1e4), axisLabelWidth: 44, pixelsPerLabel: 30 },
       },
       underlayCallback: (ctx, area, graph) => this.markEvents(ctx, area, graph),
       zoomCallback: (from, to) => plots.select([from, to]),
@@ -301,7 +302,7 @@ class Chart {
       const value = row[i + 1];
       const item = document.createElement("span");
       item.style.setProperty("--hue", line.colour);
-      item.textContent = `${line.name} ${value === null ? "–" : value.toFixed(this.plot.digits)}`;
+      item.textContent = `${line.name} ${number(value, this.plot.digits, this.plot.unit)}`;
       return item;
     });
     const when = document.createElement("b");
