@@ -192,6 +192,15 @@ class Messages(Case):
         self.assertIn("0.004", axes)
         self.assertEqual([a for a in axes if "e" in a], [])
 
+    # Once, live it had a column that is of recordings only, and an address that is not told was blank.
+    def test_the_table_has_what_is_known(self):
+        for mode, more in (("live", 0), ("trace", 1)):
+            b = self.page({"mode": mode}, [peer(0, address="")])
+            head = b.script("return [...document.querySelectorAll('#peers th')].map((e) => e.textContent)")
+            self.assertEqual(head.count("fidelity error"), more)
+            self.assertEqual(len(head), 15 + more)
+            self.assertEqual(b.script("return document.querySelector('#peers tbody tr').cells[arguments[0]].textContent", head.index("address")), "–")
+
 
 if __name__ == "__main__":
     main()

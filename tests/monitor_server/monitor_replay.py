@@ -43,6 +43,7 @@ class Replaying(MonitorCase):
         page.wait_view(255, Page.AUTHORITY)
         table = page.wait("peers", lambda t: t["agreement"]["compared"] > 20)
         self.assertEqual(table["agreement"]["state"], "identical")
+        self.assertRegex(table["peers"][0]["version"], r"^\S+ of padr-peer$")
         self.assertEqual(page.ask(type="drive", peer=0, direction=[1, 0])["ok"], False)
         page.wait("timeline", lambda t: not t["playing"] and t["tick"] == t["last"], patience=2 * SECONDS + 30)
         # The agreed world shown is the one that the peers agreed on.

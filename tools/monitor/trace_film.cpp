@@ -122,7 +122,8 @@ class Actor {
   void say_hello(const Technique& technique, ObservedSession& session) {
     const trace::Header& h = header();
     Hello hello;
-    hello.version = h.program + " " + h.revision;
+    // The number of a version is not in it.
+    hello.version = h.revision + " of " + h.program;
     hello.slots = h.slots;
     hello.scenario = h.scenario;
     hello.scenario_seed = h.scenario_seed;

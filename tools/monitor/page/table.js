@@ -16,7 +16,7 @@ const COLUMNS = [
   },
   { head: "it trails by", title: "How far the confirmed world is behind the live one", cell: (p) => number(p.confirmed.lag_ms, 0, " ms") },
   { head: "off by", title: "Inconsistency: distance to where the authority has it, all entities summed; the mean since the last point of the plots", cell: (p, point, session) => number(session.error(p), 2, " m") },
-  { head: "fidelity error", title: "Distance of bodies to where the players' deeds alone put them, all summed; of recordings only", cell: (p, point) => number(point?.fidelity_m, 2, " m") },
+  { head: "fidelity error", recorded: true, title: "Distance of bodies to where the players' deeds alone put them, all summed; of recordings only", cell: (p, point) => number(point?.fidelity_m, 2, " m") },
   { head: "updates", title: "Entity state updates sent", cell: (p) => number(sum(p.rates?.updates_per_s), 1, " /s") },
   { head: "traffic", title: "Sent, with IP and UDP headers", cell: (p) => number(p.rates?.kbit_per_s, 1, " kbit/s") },
   { head: "thresholds", title: "Where links or the budget are too narrow, all thresholds are multiplied by this", cell: (p) => number(p.price, 1, "×") },
@@ -30,7 +30,7 @@ const COLUMNS = [
     tip: (p) => p.drops.map(dropReasons).join("\n"),
   },
   { head: "technique", cell: (p) => p.technique ?? "–", title: (p) => p.settings },
-  { head: "address", cell: (p) => p.address ?? "–" },
+  { head: "address", cell: (p) => p.address || "–" },
   { head: "incarnation", title: "Number with which it came into the session, the higher the later", cell: (p) => String(p.incarnation ?? "–") },
   { head: "version", title: (p) => p.version ?? "", cell: (p) => p.version?.split(" ")[0] ?? "–" },
 ];
@@ -44,11 +44,12 @@ export class Tables {
 
   update(session) {
     const rows = session.peers.peers;
+    const columns = COLUMNS.filter((c) => !c.recorded || session.replayed());
     this.peers.show(
-      COLUMNS.map((c) => ({ text: c.head, title: typeof c.title === "string" ? c.title : "" })),
+      columns.map((c) => ({ text: c.head, title: typeof c.title === "string" ? c.title : "" })),
       rows.map((p) => ({
         state: p.state,
-        cells: COLUMNS.map((c) => ({
+        cells: columns.map((c) => ({
           text: c.cell(p, session.points.get(p.slot), session),
           title: c.tip?.(p) ?? (typeof c.title === "function" ? c.title(p) : ""),
           paint: c.paint && ((td) => c.paint(td, p)),
