@@ -144,13 +144,17 @@ class Live(Case):
 
     def test_overlaid_and_one_alone_and_ghosts(self):
         b = self.browser
-        b.find('[data-mode="overlay"]').click()
+        b.find('button[data-mode="overlay"]').click()
         wait(lambda: b.script("return document.querySelectorAll('#views canvas').length") == 1, "one canvas")
-        for name in ("predicted", "confirmed"):
-            b.find(f"#ghost-{name}").click()
+        boxes = "return ['authority', 'predicted', 'confirmed'].map((name) => document.querySelector(`#ghost-${name}`).disabled)"
+        self.assertEqual(b.script(boxes), [True] * 3)  # once, they could be set, and did nothing
+        self.assertIsNone(b.find("body").get_attribute("aria-pressed"))
         time.sleep(1)
         b.picture("overlaid")
-        b.find('[data-mode="side"]').click()
+        b.find('button[data-mode="side"]').click()
+        self.assertEqual(b.script(boxes), [False] * 3)
+        for name in ("predicted", "confirmed"):
+            b.find(f"#ghost-{name}").click()
         b.find('figure[data-slot="1"] .large').click()
         wait(lambda: b.script("return padr.session.samples.sample(1, 2) && padr.session.samples.sample(1, 3) && true"), "ghosts")
         b.find('figure[data-slot="1"] .follow').click()

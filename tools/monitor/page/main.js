@@ -271,7 +271,9 @@ function setMode(mode, slot = null) {
   views.mode = mode;
   views.large = slot;
   subscribe();
-  for (const b of document.querySelectorAll("[data-mode]")) b.setAttribute("aria-pressed", b.dataset.mode === mode);
+  for (const b of document.querySelectorAll("button[data-mode]")) b.setAttribute("aria-pressed", b.dataset.mode === mode);
+  // Overlaid, errors are all that is drawn.
+  for (const box of document.querySelectorAll("[id^='ghost-']")) box.disabled = mode === "overlay";
   refresh();
 }
 for (const b of document.querySelectorAll("button[data-mode]")) b.addEventListener("click", () => setMode(b.dataset.mode));
