@@ -198,6 +198,8 @@ class Messages(Case):
             b = self.page({"mode": mode}, [peer(0, address="")])
             head = b.script("return [...document.querySelectorAll('#peers th')].map((e) => e.textContent)")
             self.assertEqual(head.count("fidelity error"), more)
+            # Plots of a recording always have all of it.
+            self.assertEqual(b.find("[data-span]").is_displayed(), mode == "live")
             self.assertEqual(len(head), 15 + more)
             self.assertEqual(b.script("return document.querySelector('#peers tbody tr').cells[arguments[0]].textContent", head.index("address")), "–")
 
