@@ -8,7 +8,7 @@ from browser import *
 
 KNOBS = {"threshold": "0.012:0.01", "body-threshold": "0.01", "replay": "on", "model": "auto", "predictor": "pcc", "convergence": "track"}
 SCENE = {
-    "type": "scene", "session": "26", "name": "arena", "scenario": "arena", "title": "made up", "seed": 1, "slots": 24, "tick_rate": 60,
+    "type": "scene", "session": 26, "name": "arena", "scenario": "arena", "title": "made up", "seed": 1, "slots": 24, "tick_rate": 60,
     "lower": [0, 0], "upper": [20, 15], "gravity": [0, 0], "avatar": {"radius": 0.4, "mass": 80, "max_speed": 5}, "spawns": [],
     "bodies": [{"id": 0, "shape": "circle", "radius": 0.3, "mass": 5, "position": [5, 5], "angle": 0}], "statics": [],
 }  # fmt: skip
@@ -32,7 +32,7 @@ def peer(slot, count=3, **more):
 
 
 def peers(all_peers, tick=600, state="identical", compared=50, **more):
-    return {"type": "peers", "session": "26", "tick": tick, "time": tick / 60, "other_sessions": 0,
+    return {"type": "peers", "session": 26, "tick": tick, "time": tick / 60, "other_sessions": 0,
             "agreement": {"state": state, "compared": compared, "tick": tick - 10, "first_difference": None}, "peers": all_peers, **more}  # fmt: skip
 
 
@@ -177,7 +177,7 @@ class Messages(Case):
         b.script("padr.driver.release()")
         hidden = "return document.querySelector('#save').hidden"
         self.assertFalse(b.script(hidden))
-        self.tell({**SCENE, "session": "27"}, peers([peer(i) for i in range(3)]))
+        self.tell({**SCENE, "session": 27}, peers([peer(i) for i in range(3)]))
         self.assertTrue(b.script(hidden))
 
     # Once, they were numbers of nothing, and small ones had exponents.
@@ -202,6 +202,13 @@ class Messages(Case):
             self.assertEqual(b.find("[data-span]").is_displayed(), mode == "live")
             self.assertEqual(len(head), 15 + more)
             self.assertEqual(b.script("return document.querySelector('#peers tbody tr').cells[arguments[0]].textContent", head.index("address")), "–")
+
+    def test_the_session_has_its_number_and_others_are_counted(self):
+        b = self.page()
+        self.assertEqual(b.text("#table-head"), "Peers of session 26")
+        for count, words in ((0, "live, 0:10"), (1, "live, 0:10, 1 other session"), (2, "live, 0:10, 2 other sessions")):
+            self.tell(peers([peer(0)], other_sessions=count))
+            self.assertEqual(b.text("#state"), words)
 
 
 if __name__ == "__main__":

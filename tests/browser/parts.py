@@ -117,7 +117,7 @@ class Parts(Case):
         b = self.browser
         b.module("""
           const body = { id: 0, shape: "circle", radius: 0.11, mass: 0.4, position: [52, 34], angle: 0 };
-          padr.connection.receive(JSON.stringify({ type: "scene", session: "x", name: "pitch", title: "an hour in a minute", seed: 1, slots: 12,
+          padr.connection.receive(JSON.stringify({ type: "scene", session: 1, name: "pitch", title: "an hour in a minute", seed: 1, slots: 12,
             tick_rate: 60, lower: [0, 0], upper: [105, 68], gravity: [0, 0], avatar: { radius: 0.3, mass: 75, max_speed: 9 },
             spawns: [], bodies: [body], statics: [] }));
         """)

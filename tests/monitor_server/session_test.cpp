@@ -169,7 +169,7 @@ TEST(ObservedSession, WordsAreJsonOfThePromisedShape) {
   const json peers = json::parse(peers_text(
       h.session, 1, [](PeerId p) { return p == 0 ? "you" : "no"; }, h.now));
   EXPECT_EQ(peers["type"], "peers");
-  EXPECT_EQ(peers["session"], "0007");
+  EXPECT_EQ(peers["session"], 7);
   EXPECT_EQ(peers["other_sessions"], 1);
   EXPECT_EQ(peers["agreement"]["state"], "identical");
   ASSERT_EQ(peers["peers"].size(), 2U);

@@ -1,8 +1,6 @@
 #include "tools/monitor/words.h"
 #include "tools/monitor/samples.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -258,7 +256,7 @@ std::string hello_text(const HelloWords& h) {
 std::string scene_text(const ObservedSession& s) {
   const Scene& scene = s.scene();
   Json j = message("scene");
-  j.field("session", fmt::format("{:04x}", s.key().number)).field("name", scene.name).field("title", scene.title);
+  j.field("session", s.key().number).field("name", scene.name).field("title", scene.title);
   j.field("scenario", s.scenario())
       .field("seed", s.seed())
       .field("slots", s.slots())
@@ -291,7 +289,7 @@ std::string scene_text(const ObservedSession& s) {
 
 std::string peers_text(const ObservedSession& s, int other_sessions, const Driven& driven, Micros now) {
   Json j = message("peers");
-  j.field("session", fmt::format("{:04x}", s.key().number)).field("tick", s.tick()).field("time", seconds(s.tick()));
+  j.field("session", s.key().number).field("tick", s.tick()).field("time", seconds(s.tick()));
   j.field("other_sessions", other_sessions);
   const Agreement& a = s.agreement();
   j.key("agreement").begin_object().field("state", word(a.all())).field("compared", a.compared());

@@ -177,6 +177,7 @@ function refresh() {
   replay.update();
   const { hello, scene } = session;
   if (hello) setText($("#state"), stateInWords(hello));
+  setText($("#session"), scene ? ` of session ${scene.session}` : "");
   const there = session.present().length;
   const nobody = !(scene && (there > 0 || hello?.mode === "capture"));
   // The stories stand in for peers until there are some.
@@ -207,7 +208,8 @@ function stateInWords(hello) {
   if (hello.mode !== "live") return `recording: ${hello.source}`;
   const { time } = session.peers;
   if (!session.scene || time === undefined || time === null) return `waiting for peers at ${hello.source}`;
-  const others = session.peers.other_sessions > 0 ? `, ${session.peers.other_sessions} other sessions` : "";
+  const count = session.peers.other_sessions;
+  const others = count > 0 ? `, ${count} other session${count > 1 ? "s" : ""}` : "";
   const now = session.over() ? "over" : "live";
   return `${now}, ${Math.floor(time / 60)}:${String(Math.floor(time % 60)).padStart(2, "0")}${others}`;
 }
