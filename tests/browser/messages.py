@@ -81,7 +81,7 @@ class Messages(Case):
         self.tell({"type": "events", "events": [{**event, "kind": "cut"}]})
         for _ in range(11):
             self.tell({"type": "events", "events": [{**event, "kind": "authority", "entity": 0, "other": 1}] * 1000})
-        self.assertIn("cut off from all", b.script(items)[0])
+        self.assertIn("peer 0: cut off from all", b.script(items)[0])
         self.assertLessEqual(b.script("return padr.events.list.length"), 10000)
 
     # Once, its table had the values of the position before.

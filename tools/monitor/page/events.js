@@ -59,7 +59,7 @@ export class Events {
 
   /** An event in words, with who tells it. */
   words(event) {
-    const who = event.peer === null || event.peer === undefined || event.peer === 255 ? "" : `peer ${event.peer} `;
+    const who = event.peer === null || event.peer === undefined || event.peer === 255 ? "" : `peer ${event.peer}: `;
     return who + inWords(event, this.session.scene?.bodies.length ?? 0);
   }
 
