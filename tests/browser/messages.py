@@ -210,6 +210,15 @@ class Messages(Case):
             self.tell(peers([peer(0)], other_sessions=count))
             self.assertEqual(b.text("#state"), words)
 
+    # Once, it stayed where the avatar had last been.
+    def test_the_camera_follows_nobody_who_is_gone(self):
+        b = self.page()
+        b.script("padr.camera.follow = 2")
+        self.tell(peers([peer(i) for i in range(3)]))
+        self.assertEqual(b.script("return padr.camera.follow"), 2)
+        self.tell(peers([peer(0), peer(1), peer(2, state="gone")]))
+        self.assertIsNone(b.script("return padr.camera.follow"))
+
 
 if __name__ == "__main__":
     main()

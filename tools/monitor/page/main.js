@@ -82,6 +82,7 @@ const connection = new Connection({
   peers(message) {
     session.takePeers(message);
     if (driver.slot !== null && !session.controllable().some((p) => p.slot === driver.slot)) driver.forget(`Peer ${driver.slot} is not there any more.`);
+    if (camera.follow !== null && !session.present().some((p) => p.slot === camera.follow)) camera.follow = null;
     refresh();
   },
   series(point) {
