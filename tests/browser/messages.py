@@ -219,6 +219,12 @@ class Messages(Case):
         self.tell(peers([peer(0), peer(1), peer(2, state="gone")]))
         self.assertIsNone(b.script("return padr.camera.follow"))
 
+    def test_a_peer_that_is_alone_may_wait_for_others(self):
+        b = self.page(None, [peer(0, 1)])
+        self.assertIn("--wait-peers", b.text("#intro"))
+        self.tell(peers([peer(0), peer(1)]))
+        self.assertNotIn("--wait-peers", b.text("#intro"))
+
 
 if __name__ == "__main__":
     main()

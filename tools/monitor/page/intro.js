@@ -20,10 +20,11 @@ export function intro(session) {
   const count = session.present().length;
   if (session.hello?.mode === "capture") return "This is the world that the peers agreed on, rebuilt from their packets alone. A thing has the colour of the peer that decides about it. Play it, or drag the slider.";
   if (count === 0) return "";
+  const waits = count === 1 && !session.replayed() ? " It is alone: others may join, and with --wait-peers it waits for them." : "";
   const programs = count === 1 ? "One program plays" : `${capital(NUMBERS[count] ?? String(count))} programs play`;
   const was = session.replayed() ? "This is a recording: play it, or drag the slider." : session.drivable().length > 0 ? `Drive an avatar: ${howToDrive()}.` : "This page may only look.";
   return `${programs} in one world without a server, and each picture is the world as one of them sees it. `
-    + `A thing has the colour of the peer that decides about it; a pink line leads from where a picture shows it to where it really is. ${was}`;
+    + `A thing has the colour of the peer that decides about it; a pink line leads from where a picture shows it to where it really is. ${was}${waits}`;
 }
 
 function capital(word) {
