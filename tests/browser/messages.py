@@ -225,6 +225,24 @@ class Messages(Case):
         self.tell(peers([peer(0), peer(1)]))
         self.assertNotIn("--wait-peers", b.text("#intro"))
 
+    # Once, of five peers' links those to peers 0, 2 and 4 looked alike.
+    def test_no_two_links_look_alike(self):
+        b = self.page(None, [peer(i, 5) for i in range(5)])
+        for tick in range(600, 900, 15):
+            point = series(tick, [0.1] * 5)
+            for p in point["peers"]:
+                p["delay_ms"] = {str(to): 40 + 5 * to + p["slot"] for to in range(5) if to != p["slot"]}
+            self.tell(point)
+        b.script("document.querySelector('#plots').scrollIntoView()")
+        looks = "return padr.plots.charts[3].lines?.map((l) => [l.colour, l.dash].join())"
+        wait(lambda: len(b.script(looks) or []) == 20, "twenty links")
+        self.assertEqual(len(set(b.script(looks))), 20)
+        shown = b.script("return [...document.querySelectorAll('#plots figure:nth-child(4) .values span')].map((s) => getComputedStyle(s, '::before').backgroundImage)")
+        self.assertEqual(len(set(shown)), 20)
+        self.assertNotIn("none", shown)
+        time.sleep(0.6)
+        b.picture("links")
+
 
 if __name__ == "__main__":
     main()

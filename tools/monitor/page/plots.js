@@ -72,9 +72,11 @@ function peerLine(slot) {
 function linkLines(history) {
   const n = history.slots.length;
   if (n * (n - 1) > MOST_LINKS) return history.slots.map((slot) => ({ ...peerLine(slot), name: `peer ${slot}, mean`, to: null }));
-  return history.slots.flatMap((slot) => history.slots.filter((to) => to !== slot).map((to) => (
-    { name: `${slot} → ${to}`, slot, to, colour: hue(slot), dash: to % 2 ? [5, 3] : null }
+  // The colour of who sends, and the dashes of who receives.
+  const lines = history.slots.flatMap((slot) => history.slots.map((to, i) => (
+    { name: `${slot} → ${to}`, slot, to, colour: hue(slot), dash: Object.values(DASHES)[i] }
   )));
+  return lines.filter((l) => l.to !== l.slot);
 }
 
 function delay(delays, to) {
@@ -301,7 +303,7 @@ class Chart {
     const parts = this.lines.map((line, i) => {
       const value = row[i + 1];
       const item = document.createElement("span");
-      item.style.setProperty("--hue", line.colour);
+      item.style.setProperty("--line", drawn(line));
       item.textContent = `${line.name} ${number(value, this.plot.digits, this.plot.unit)}`;
       return item;
     });
@@ -321,6 +323,13 @@ class Chart {
     const i = this.rows.findIndex((r) => r[0] >= time);
     return i < 0 ? this.rows.length - 1 : i;
   }
+}
+
+/** A line's colour and dashes, as a background. */
+function drawn({ colour, dash }) {
+  let at = 0;
+  const stops = (dash ?? [1, 0]).map((length, i) => `${i % 2 ? "transparent" : colour} ${at}px ${at += length}px`);
+  return `repeating-linear-gradient(90deg, ${stops.join(", ")})`;
 }
 
 /** What happened round a time, for the values under the pointer. */
