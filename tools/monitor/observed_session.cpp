@@ -331,8 +331,8 @@ std::vector<ViewSource::View> ObservedSession::views(unsigned views, std::uint64
 
 std::optional<trace::InconsistencyPoint> ObservedSession::inconsistency(PeerId slot) const {
   const auto found = measured_.find(slot);
-  if (found == measured_.end() || found->second.last.tick == 0 || !error_known(peers_.at(sits_.at(slot))))
-    return std::nullopt;
+  const PeerRecord* const p = peer(slot);
+  if (p == nullptr || found == measured_.end() || found->second.last.tick == 0 || !error_known(*p)) return std::nullopt;
   return found->second.last;
 }
 
