@@ -91,6 +91,32 @@ INSTANTIATE_TEST_SUITE_P(Everywhere, Honest,
                                          Setting{"proxy", "fixed"}, Setting{"van", "full"}, Setting{"van", "adaptive"}),
                          setting_name);
 
+// A newcomer's first step is in the tick of its admission, if it wakes so late that it has heard of that before.
+TEST(HonestNewcomers, StartAtFullForce) {
+  const std::uint64_t seed = test::seed(5);
+  Recorder r("arena", seed, 1);
+  lab::VirtualNetworkConfig c;
+  c.scene = r.scene();
+  c.technique = technique_by_name("full");
+  c.seed = seed;
+  c.wanted = 1;
+  c.recording = r.hook();
+  lab::VirtualNetwork g(std::move(c));
+  g.attract(Vec2{18, 13});
+  g.start({});
+  for (int p = 1; p < 9; ++p) {
+    const int comes = g.start(0);
+    for (int turn = 0; turn < 100; ++turn) {
+      g.pause(comes, turn % 5 != 0);
+      g.run_to(g.now() + lab::VirtualNetwork::kStep);
+    }
+    g.pause(comes, false);
+    g.run_to(g.now() + in_micros(3) + p * lab::VirtualNetwork::kStep);
+  }
+  g.finish();
+  expect_nothing(r, 10);
+}
+
 /// A member pushes bodies wherever they are, hard.
 void play_pushes(Recorder& r, const char* technique, std::uint64_t seed) {
   lab::VirtualNetworkConfig c;

@@ -41,7 +41,8 @@ void Judge::take(const sync::FoldState& confirmed, const sync::UpdateLog* log) {
   around_.take(confirmed);
 }
 
-// Whoever comes in stands where it comes in. Of those who were there before the trace begins the first word counts.
+// Whoever comes in stands where it comes in, from the tick of its admission on: that is the one before the first
+// confirmed world that has it. Of those who were there before the trace begins the first word counts.
 void Judge::seat(const sync::FoldState& s) {
   for (PeerId p = 0; p < sitters_.size(); ++p) {
     const sync::Member& m = s.members[p];
@@ -53,7 +54,8 @@ void Judge::seat(const sync::FoldState& s) {
       there.member = evidence_.members.sitter(trace_, p, m.incarnation);
       const EntityId avatar = around_.avatar(p);
       const bool comes_now = s.tick == 0 || !around_.empty();
-      if (comes_now) there.last = AvatarWord{s.tick, s.world.entities[avatar].position, {}};
+      const Tick since = std::max(s.tick - 1, 0);
+      if (comes_now) there.last = AvatarWord{since, s.world.entities[avatar].position, {}};
     }
     there.present = m.present;
     if (there.last && !s.playing()) there.last->tick = s.tick;
