@@ -13,6 +13,8 @@ class Aim {
  public:
   /// `lead`: seconds; 0 tells the target itself.
   explicit Aim(float lead) : lead_(lead) {}
+  /// m; nobody means a point that is further ahead, and others would not believe it.
+  static constexpr float kMostLead = 900;
   void retune(float lead) { lead_ = lead; }
 
   /// The target of this tick, m.
@@ -24,7 +26,7 @@ class Aim {
   /// Where to aim, m. A target that has stopped is told exactly.
   Vec2 ahead() const {
     constexpr float kSpan = static_cast<float>(kRecent - 1) * kTickSeconds;
-    return target_ + (target_ - recent_[seen_ % recent_.size()]) * (lead_ / kSpan);
+    return target_ + clamp_length((target_ - recent_[seen_ % recent_.size()]) * (lead_ / kSpan), kMostLead);
   }
 
  private:

@@ -6,6 +6,14 @@
 namespace padr::sync {
 namespace {
 
+// m; Aim tells of no point that is more than kMostLead further away, and rounding of none that is beyond max_control.
+constexpr float kMostTarget = 9'000;
+
+/// What target points are measured from, m.
+Vec2 middle_of_targets(const Scene& scene) {
+  return scene.region ? (scene.lower + scene.upper) * 0.5F : Vec2{};
+}
+
 struct Checker {
   const Scene& scene;
   int slots;
@@ -19,7 +27,7 @@ struct Checker {
 
   bool avatar(const AvatarUpdate& u) const {
     // Targets may lie anywhere a pointer may be; accelerations are bounded by the force over a step, generously.
-    const bool control = is_finite(u.control) && length(u.control) <= limits.max_control;
+    const bool control = believable_control(u.model, u.control, scene, limits);
     const bool at_rest_is_still = u.awake || u.velocity == Vec2{};
     return place(u.position) && speed(u.velocity) && control && at_rest_is_still;
   }
@@ -101,6 +109,20 @@ DropReason admit_claims(const Bundle& b, const FoldState& confirmed) {
 
 bool believable(const BodyState& state, const Scene& scene, const AdmitLimits& limits) {
   return Checker{scene, 0, limits}.body(state);
+}
+
+bool believable_control(Model model, Vec2 control, const Scene& scene, const AdmitLimits& limits) {
+  const Vec2 from = model == Model::kInput ? middle_of_targets(scene) : Vec2{};
+  return is_finite(control) && length(control - from) <= limits.max_control;
+}
+
+Vec2 believable_target(Vec2 target, const Scene& scene) {
+  constexpr float kSquarable = 1e15F;  // m; beyond it the square of a length is not finite
+  const Vec2 from = middle_of_targets(scene);
+  Vec2 off = target - from;
+  if (length(off) <= kMostTarget) return target;
+  off = {std::clamp(off.x, -kSquarable, kSquarable), std::clamp(off.y, -kSquarable, kSquarable)};
+  return from + clamp_length(off, kMostTarget);
 }
 
 }  // namespace padr::sync

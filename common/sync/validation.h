@@ -40,7 +40,7 @@ struct AdmitLimits {
   float max_speed = 121;       ///< m/s; the scene may say less
   float max_spin = 95;         ///< rad/s, likewise
   float max_angle = 1.0e5F;    ///< rad
-  float max_control = 1.0e4F;  ///< an avatar's target point, m, or acceleration, m/s^2, from zero
+  float max_control = 1.0e4F;  ///< an avatar's target point, m, see believable_control, or acceleration, m/s^2
   Tick max_ahead = 120;        ///< ticks a sender's clock may lead ours
 };
 
@@ -54,5 +54,11 @@ DropReason admit(const Bundle& bundle, const Scene& scene, int slots, const Admi
 DropReason admit_claims(const Bundle& bundle, const FoldState& confirmed);
 /// Whether physics can take it.
 bool believable(const BodyState& state, const Scene& scene, const AdmitLimits& limits = {});
+/// The same of what AvatarUpdate::control says. A target point is measured from zero, in a region of a crowd from the
+/// middle of the region: the plane has no end.
+bool believable_control(Model model, Vec2 control, const Scene& scene, const AdmitLimits& limits = {});
+/// The nearest target, m, of which nothing is told that others do not believe: it may be told as it will be in a while.
+/// `target`: finite.
+Vec2 believable_target(Vec2 target, const Scene& scene);
 
 }  // namespace padr::sync

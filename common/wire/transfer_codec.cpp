@@ -191,14 +191,14 @@ class Reader {
       if (a.numbers_size() != 4 || !all_finite(a.numbers())) return false;
       const Vec2 velocity{a.numbers(0), a.numbers(1)};
       const Vec2 control{a.numbers(2), a.numbers(3)};
-      if (length(velocity) > limits.max_speed || length(control) > limits.max_control) return false;
       if (a.model() > static_cast<unsigned>(Model::kInput) || a.since() > in_.tick()) return false;
+      const auto model = static_cast<Model>(a.model());
+      if (length(velocity) > limits.max_speed || !sync::believable_control(model, control, scene_)) return false;
       // A spectator has no avatar, nor has whoever has come into a region before it has told where it is.
       if ((a.present() && !a.member()) || a.incarnation() >= kMost) return false;
       if (a.going() && !(scene_.region && a.member())) return false;
       out.members.push_back({a.member(), a.incarnation(), a.going()});
-      out.avatars.push_back(
-          {a.present(), static_cast<Model>(a.model()), velocity, control, static_cast<Tick>(a.since()), a.at_rest()});
+      out.avatars.push_back({a.present(), model, velocity, control, static_cast<Tick>(a.since()), a.at_rest()});
     }
     return true;
   }

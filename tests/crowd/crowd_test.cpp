@@ -60,6 +60,26 @@ TEST(Crowd, WhoCrossesABorderIsAtHomeOnTheOtherSideAndNeverJumps) {
   EXPECT_EQ(run.different(), 0U);
 }
 
+// Beyond 10 km no target was believed, so nobody could come in where somebody was.
+TEST(Crowd, PeersMeetFarOut) {
+  CrowdRunConfig c = config(2, "delay 20ms");
+  c.plane.bodies = 0;
+  c.starts = {{10'100, 1}, {10'102, 1}};
+  c.drive = [](int person, Tick t) { return Vec2{person == 0 ? 10'100.0F : 10'102.0F, 1 + static_cast<float>(t % 7)}; };
+  CrowdRun run(c);
+  run_for(run, 8);
+  const crowd::Region here = crowd::region_at(c.plane, c.starts[0]);
+  for (int person = 0; person < 2; ++person) {
+    ASSERT_TRUE(run.peer(person).playing());
+    const node::Replica* n = node_of(run, person, here);
+    ASSERT_NE(n, nullptr);
+    EXPECT_TRUE(n->agreed().confirmed().avatars[0].present && n->agreed().confirmed().avatars[1].present);
+    EXPECT_EQ(n->stats().dropped[static_cast<std::size_t>(sync::DropReason::kValue)], 0U);
+  }
+  EXPECT_GT(run.compared(), 100U);
+  EXPECT_EQ(run.different(), 0U);
+}
+
 TEST(Crowd, WhoStandsBeyondABorderIsSeenAsExactlyAsWhoStandsHere) {
   CrowdRunConfig c = config(2, "delay 100ms loss 2%");
   c.plane.bodies = 0;

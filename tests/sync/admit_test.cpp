@@ -73,6 +73,46 @@ TEST(Admit, NoEpochFarAboveWhatIsAgreed) {
   EXPECT_EQ(admit_claims(b, agreed), DropReason::kValue);
 }
 
+// The plane of a crowd has no end.
+TEST(Admit, TargetsInARegionCountFromItsMiddle) {
+  Scene scene = test::busy_scene(1, 10);
+  const auto why = [&scene](Model model, Vec2 control) {
+    Bundle b;
+    b.avatar.emplace().position = (scene.lower + scene.upper) * 0.5F;
+    b.avatar->model = model;
+    b.avatar->control = control;
+    return admit(b, scene, 4);
+  };
+  EXPECT_EQ(why(Model::kInput, {0, -1e4F}), DropReason::kNone);
+  EXPECT_EQ(why(Model::kInput, {10'001, 0}), DropReason::kValue);
+  scene.region.emplace();
+  scene.lower = {20'000, 0};
+  scene.upper = {20'024, 24};
+  EXPECT_EQ(why(Model::kInput, {20'012, 12}), DropReason::kNone);
+  EXPECT_EQ(why(Model::kInput, {30'012, 12}), DropReason::kNone);
+  EXPECT_EQ(why(Model::kInput, {30'013, 12}), DropReason::kValue);
+  EXPECT_EQ(why(Model::kInput, {0, 0}), DropReason::kValue);
+  EXPECT_EQ(why(Model::kSecond, {10'000, 0}), DropReason::kNone) << "an acceleration is one everywhere";
+  EXPECT_EQ(why(Model::kSecond, {20'012, 12}), DropReason::kValue);
+}
+
+TEST(Admit, ATargetIsBroughtToWhereItIsBelieved) {
+  constexpr float kInf = std::numeric_limits<float>::max();
+  Scene scene = test::busy_scene(1, 10);
+  EXPECT_EQ(believable_target({8'999, -3}, scene), (Vec2{8'999, -3}));
+  for (const Vec2 far : {Vec2{20'000, 0}, Vec2{-1e30F, 5}, Vec2{kInf, -kInf}}) {
+    const Vec2 near = believable_target(far, scene);
+    EXPECT_TRUE(believable_control(Model::kInput, near, scene));
+    EXPECT_GT(length(near), 8'990) << "in the same direction";
+    EXPECT_EQ(near.x > 0, far.x > 0);
+  }
+  scene.region.emplace();
+  scene.lower = {20'000, 0};
+  scene.upper = {20'024, 24};
+  EXPECT_EQ(believable_target({20'100, 5}, scene), (Vec2{20'100, 5}));
+  EXPECT_TRUE(believable_control(Model::kInput, believable_target({0, 0}, scene), scene));
+}
+
 TEST(Admit, Table) {
   const Scene scene = test::busy_scene(1, 10);
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
