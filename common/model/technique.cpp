@@ -1,8 +1,51 @@
 #include "common/model/technique.h"
 
+#include <array>
+#include <cmath>
+
 #include "common/model/user_error.h"
 
 namespace padr {
+namespace {
+
+constexpr float kMostNumber = 1.0e6F;  // m, s, kbit/s
+constexpr int kMostCount = 100'000;    // ticks, bodies
+
+struct Choice {
+  const char* field;
+  unsigned value;
+  unsigned most;
+};
+template <typename Value>
+Choice choice(const char* field, Value value, Value last) {
+  return {field, static_cast<unsigned>(value), static_cast<unsigned>(last)};
+}
+
+struct Number {
+  const char* field;
+  float value;
+};
+
+}  // namespace
+
+std::string wrong_field(const Technique& t) {
+  const auto refusal = [](const char* field, const auto& value, const auto& most) {
+    return std::string(field) + ": " + std::to_string(value) + " is not allowed; give 0 to " + std::to_string(most);
+  };
+  for (const Choice& c : std::array{
+           choice("model", t.model, Model::kChosen), choice("predictor", t.predictor, Predictor::kPcc),
+           choice("law", t.law, ThresholdLaw::kContinuous), choice("convergence", t.convergence, Convergence::kTrack),
+           choice("precision", t.precision, Precision::kRounded), choice("unowned", t.unowned, Unowned::kLive)})
+    if (c.value > c.most) return refusal(c.field, c.value, c.most);
+  for (const Number& n : std::array{
+           Number{"lead", t.lead}, Number{"time_space", t.time_space}, Number{"threshold_high", t.threshold_high},
+           Number{"threshold_low", t.threshold_low}, Number{"body_threshold", t.body_threshold},
+           Number{"radius", t.radius}, Number{"pcc_bound", t.pcc_bound}, Number{"budget", t.budget}})
+    if (!std::isfinite(n.value) || n.value < 0 || n.value > kMostNumber) return refusal(n.field, n.value, 1'000'000);
+  if (t.steps < 0 || t.steps > kMostCount) return refusal("steps", t.steps, kMostCount);
+  if (t.count < 0 || t.count > kMostCount) return refusal("count", t.count, kMostCount);
+  return "";
+}
 
 std::vector<std::string_view> technique_names() {
   return {"avatar-only", "fixed", "adaptive", "full", "everything"};

@@ -86,6 +86,10 @@ inline bool plays_unowned_alone(const Technique& t) {
   return !t.authority || t.unowned == Unowned::kLive;
 }
 
+/// The first field of a technique that is out of range, as "model: 9 is not allowed; give 0 to 4"; empty if none is.
+/// These are the limits of what a trace can hold; flags have narrower ones.
+std::string wrong_field(const Technique& t);
+
 /// `avatar-only`, `fixed`, `adaptive`, `full` or `everything`; UserError names them on anything else.
 Technique technique_by_name(std::string_view name);
 std::vector<std::string_view> technique_names();

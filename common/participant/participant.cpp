@@ -1,6 +1,7 @@
 #include "common/participant/participant.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <utility>
@@ -8,6 +9,7 @@
 #include "common/membership/last_heard.h"
 #include "common/model/rng.h"
 #include "common/model/user_error.h"
+#include "common/sync/validation.h"
 #include "common/wire/signature.h"
 #include "common/world/fingerprint.h"
 
@@ -38,6 +40,10 @@ void check_founder(const SessionConfig& c, const Scene& scene) {
                     ", the slots for players");
 }
 
+void check(const Technique& t) {
+  if (const std::string wrong = wrong_field(t); !wrong.empty()) throw UserError("technique." + wrong);
+}
+
 }  // namespace
 
 Participant::Participant(const Scene& scene, ParticipantConfig config, Micros local)
@@ -48,6 +54,7 @@ Participant::Participant(const Scene& scene, ParticipantConfig config, Micros lo
       began_(local),
       for_members_(config_.carries, kCarriedAtOnce, 0, local),
       for_newcomers_(kIntroducedAtLeast, kIntroducedAtOnce, kIntroducedAtOnce, local) {
+  check(config_.replica.technique);
   if (config_.channels) {
     auto& may = config_.channels->may_carry;
     if (!may) may = [this](const auto& from, const auto& to, auto bytes) { return may_carry(from, to, bytes); };
@@ -177,14 +184,21 @@ bool Participant::step_due(Micros local) const {
 
 void Participant::step(Vec2 target, Micros local) {
   const Micros lateness = before_step(local);
-  current_.replica->step(target, lateness);
+  current_.replica->step(usable(target), lateness);
   after_step(local);
 }
 
 void Participant::step_led(const BodyState& from, const BodyState& to, Vec2 target, Micros local) {
   before_step(local);
-  current_.replica->step_led(from, to, target);
+  current_.replica->step_led(from, to, usable(target));
   after_step(local);
+}
+
+// What the others do not believe they drop, with all else that the datagram tells.
+Vec2 Participant::usable(Vec2 target) {
+  if (!target_) target_ = replica().live().world().position(replica().live().avatar());
+  if (is_finite(target)) target_ = sync::believable_target(target, scene_);
+  return *target_;
 }
 
 Micros Participant::before_step(Micros local) {
@@ -223,7 +237,21 @@ void Participant::steer(Micros local) {
   current_.session->steer(local, follows ? replica().clock_lead() : 0);
 }
 
+void Participant::push(EntityId b, Vec2 velocity) {
+  if (b >= replica().live().world().bodies())
+    throw UserError("body: " + std::to_string(b) + " is not allowed; the scene has " +
+                    std::to_string(replica().live().world().bodies()) + " bodies, numbered from 0");
+  constexpr float kMost = trace::Push::kMost;
+  if (!(std::abs(velocity.x) <= kMost && std::abs(velocity.y) <= kMost))
+    throw UserError("velocity: " + std::to_string(velocity.x) + ", " + std::to_string(velocity.y) +
+                    " is not allowed; give at most 1000 m/s in x and in y");
+  current_.replica->push(b, velocity);
+}
+
 void Participant::retune(const Technique& technique) {
+  check(technique);
+  if (technique.authority != config_.replica.technique.authority)
+    throw UserError("technique.authority: is the session's rule, and must stay as it is");
   config_.replica.technique = technique;
   for (Incarnation* incarnation : {&current_, &next_})
     if (incarnation->replica) incarnation->replica->retune(technique);

@@ -41,7 +41,7 @@ class Participant {
  public:
   /// `local`: microseconds on any monotonic clock of the caller's, the same for all calls. Throws UserError if the
   /// session that it is to found has more slots than the scene has places to start from, or wants more peers than
-  /// slots.
+  /// slots, or if a field of the technique is out of range.
   Participant(const Scene& scene, ParticipantConfig config, Micros local);
   ~Participant();
   Participant(const Participant&) = delete;
@@ -62,9 +62,12 @@ class Participant {
   /// must get their turn, or catching up makes everything worse.
   bool step_due(Micros local) const;
   static constexpr int kStepsPerTurn = 8;
-  /// One tick, with the avatar driven towards `target` (m).
+  /// One tick, with the avatar driven towards `target` (m); only when playing. Others believe no target beyond 10 km:
+  /// one beyond 9 km is moved to 9 km in its direction, from the middle of the scene in a region of a crowd and from
+  /// zero otherwise. In place of one that is not finite the last one counts.
   void step(Vec2 target, Micros local);
-  /// Changes the knobs from the next step on, in later incarnations, too; `authority` must stay.
+  /// Changes the knobs from the next step on, in later incarnations, too. Throws UserError if a field of the technique
+  /// is out of range, or `authority` changes.
   void retune(const Technique& technique);
   /// As in Replica: one tick in a region where this peer is a guest.
   void step_led(const BodyState& from, const BodyState& to, Vec2 target, Micros local);
@@ -74,7 +77,8 @@ class Participant {
   void order(const sync::Bundle& order) { current_.replica->order(order); }
   void jolt(Vec2 velocity) { current_.replica->jolt(velocity); }
   void set_coarseness(float times) { current_.replica->set_coarseness(times); }
-  void push(EntityId b, Vec2 velocity) { current_.replica->push(b, velocity); }
+  /// Throws UserError if there is no such body, or the velocity is not finite or above trace::Push::kMost.
+  void push(EntityId b, Vec2 velocity);
   void remark(const trace::Remark& r) { current_.replica->remark(r); }
   /// Sends a Probe to a peer that claims to be in this session but is no member, so that partitions merge.
   void knock(const Endpoint& at);
@@ -134,6 +138,8 @@ class Participant {
   /// Begins the next incarnation with this state, which is the session's at `now`.
   void go_on_from(const sync::Transfer& start, const ReplicaConfig& config, Tick now);
   void give_up_waiting(Micros local);
+  /// A target that others believe: this one, if it is one.
+  Vec2 usable(Vec2 target);
   /// By how much the step begins after the time of its tick, us.
   Micros before_step(Micros local);
   void after_step(Micros local);
@@ -178,6 +184,7 @@ class Participant {
   /// What links show of clocks goes back no further than this.
   static constexpr Tick kClocksShowOf = 7 * kTicksPerSecond;
   Tick skipped_ = -kClocksShowOf;  ///< when the clock was last set right at once
+  std::optional<Vec2> target_;     ///< m, of the last step
   std::optional<Micros> left_at_;  ///< local time of leave()
   std::optional<Tick> farewell_;   ///< tick at which to leave; absent: done, or not planned yet
   bool stays_ = false;

@@ -101,6 +101,7 @@ struct Retune {
 
 /// A body is pushed, as in node::Replica.
 struct Push {
+  static constexpr float kMost = 1000;  ///< m/s, in x and in y
   EntityId body = 0;
   Vec2 velocity;  ///< m/s
 };

@@ -197,10 +197,9 @@ struct TraceReader::Parser {
       return t;
     }
     if (in.has_push()) {
-      constexpr float kMost = 1000;  // m/s
       const file::Push& p = in.push();
       if (p.body() >= static_cast<std::uint32_t>(r.header_.bodies)) r.refuse("pushes no body");
-      if (!(std::abs(p.x()) <= kMost && std::abs(p.y()) <= kMost)) r.refuse("pushes too hard");
+      if (!(std::abs(p.x()) <= Push::kMost && std::abs(p.y()) <= Push::kMost)) r.refuse("pushes too hard");
       return Push{static_cast<EntityId>(p.body()), {p.x(), p.y()}};
     }
     const std::uint32_t peer = in.remark().peer();

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,8 @@
 
 namespace padr::node {
 namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 Endpoint place(std::uint16_t port) {
   return ipv4({127, 0, 0, 1}, port);
@@ -43,10 +47,12 @@ class Two {
   Participant& founder() { return founder_; }
   Participant& joiner() { return joiner_; }
 
+  Vec2 target{10, 7};  ///< m, of both
+
  private:
   void turn(Participant& from, Participant& to, std::uint16_t port) {
     if (from.next_due() <= now_) from.advance(now_);
-    while (from.step_due(now_)) from.step({10, 7}, now_);
+    while (from.step_due(now_)) from.step(target, now_);
     std::vector<wire::Bytes> sent;
     for (const Parcel& p : from.take_outgoing()) sent.emplace_back(p.bytes);
     for (const wire::Bytes& bytes : sent) to.receive(place(port), bytes, now_);
@@ -90,6 +96,54 @@ TEST(Participant, ASessionThatTheSceneHasNoRoomForIsAMistakeOfTheCallers) {
   EXPECT_EQ(mistake(0, 2), "wanted: 0 is not allowed; give 1 to 2, the slots for players");
   EXPECT_EQ(mistake(3, 2), "wanted: 3 is not allowed; give 1 to 2, the slots for players");
   EXPECT_EQ(mistake(1, 1), "");
+}
+
+// The others would drop whatever tells of it, and in the end its sender.
+TEST(Participant, GetsByWithTargetsThatNobodyBelieves) {
+  Two two(arena(1), arena(1));
+  two.run(4 * kMicrosPerSecond);
+  Micros until = 4 * kMicrosPerSecond;
+  for (const Vec2 odd : {Vec2{kNan, 7}, Vec2{20'000, 7}, Vec2{-1e30F, 1e30F}, Vec2{10, kNan}}) {
+    two.target = odd;
+    two.run(until += kMicrosPerSecond);
+    for (const Participant* p : {&two.founder(), &two.joiner()}) {
+      EXPECT_EQ(p->session().present(), 2);
+      for (const std::uint64_t dropped : p->replica().stats().dropped) EXPECT_EQ(dropped, 0U);
+    }
+  }
+  EXPECT_GT(two.founder().replica().stats().bundles, 0U);
+}
+
+TEST(Participant, AnOddTechniqueIsAMistakeOfTheCallers) {
+  const auto mistake = [](const std::function<void(Technique&)>& spoil) -> std::string {
+    ParticipantConfig c = least(1, false);
+    c.session.wanted = 1;
+    spoil(c.replica.technique);
+    try {
+      Participant(arena(1), c, 0).retune(c.replica.technique);
+    } catch (const UserError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(mistake([](Technique&) {}), "");
+  EXPECT_EQ(mistake([](Technique& t) { t.model = static_cast<Model>(9); }),
+            "technique.model: 9 is not allowed; give 0 to 4");
+  EXPECT_EQ(mistake([](Technique& t) { t.steps = -1; }), "technique.steps: -1 is not allowed; give 0 to 100000");
+  EXPECT_NE(mistake([](Technique& t) { t.lead = kNan; }).find("technique.lead: nan is not allowed"), std::string::npos);
+  EXPECT_NE(mistake([](Technique& t) { t.budget = -1; }).find("technique.budget"), std::string::npos);
+  Participant p(arena(1), least(1, false), 0);
+  EXPECT_THROW(p.retune(technique_by_name("avatar-only")), UserError) << "it has another rule of authority";
+  p.retune(technique_by_name("fixed"));
+}
+
+TEST(Participant, RefusesAPushThatNoTraceCanHold) {
+  Two two(arena(1), arena(1));
+  two.run(4 * kMicrosPerSecond);
+  Participant& p = two.joiner();
+  for (const Vec2 odd : {Vec2{kNan, 5}, Vec2{1e30F, 5}, Vec2{0, -1'001}}) EXPECT_THROW(p.push(0, odd), UserError);
+  EXPECT_THROW(p.push(static_cast<EntityId>(arena(1).bodies.size()), {1, 0}), UserError);
+  p.push(0, {1'000, -1'000});
 }
 
 // What is drawn before the first step must not be a heap in the corner.
