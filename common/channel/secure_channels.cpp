@@ -38,7 +38,7 @@ SecureChannels::SecureChannels(ChannelConfig config)
       id_(wire::short_id(public_)),
       handshake_(wire::handshake_key(config_.session)),
       cookies_(wire::derive_key(config_.seed, "cookies")) {
-  assert(config_.mode != wire::SealMode::kNone && config_.random);
+  assert(config_.mode != wire::SealMode::kNone && config_.random && config_.seed != wire::Key{});
   wire::wipe(std::as_writable_bytes(std::span<std::uint8_t>(config_.seed)));
 }
 

@@ -23,7 +23,8 @@ namespace padr::node {
 
 struct ChannelConfig {
   wire::Key session{};  ///< the session's key
-  /// 32 bytes that nobody can guess and no other run of the program has: the secret key and the cookies come of them.
+  /// 32 bytes that nobody can guess and no other run of the program has, so not zeros: the secret key and the cookies
+  /// come of them.
   wire::Key seed{};
   /// For new keys and the nonces of Hellos. It is asked each time, so that two processes that are restored from one
   /// snapshot of a machine get different bytes.

@@ -30,6 +30,13 @@ TEST(SecureChannels, WhoKnowsOnlyAPlaceGetsThroughAfterOneHandshake) {
   EXPECT_EQ(g.names[1].key, g.b.key());
 }
 
+// All programs that forget it would have one secret key, which everybody knows.
+TEST(SecureChannels, ASeedThatWasForgottenIsNoSeed) {
+  node::ChannelConfig c = channel_config(1);
+  c.seed = {};
+  EXPECT_DEATH(SecureChannels{c}, "seed");
+}
+
 TEST(SecureChannels, WhoIsToldOfAKeyNeedsNoHandshakeIfTheOtherIsToldToo) {
   TwoPeers g;
   Endpoint to_b = place(2);
