@@ -175,7 +175,7 @@ Micros Participant::next_due() const {
 }
 
 Micros Participant::next_step() const {
-  return current_.session->local_at(tick_start(replica().now() + 1));
+  return session().local_at(tick_start(replica().now() + 1));
 }
 
 bool Participant::step_due(Micros local) const {
@@ -184,13 +184,13 @@ bool Participant::step_due(Micros local) const {
 
 void Participant::step(Vec2 target, Micros local) {
   const Micros lateness = before_step(local);
-  current_.replica->step(usable(target), lateness);
+  played().step(usable(target), lateness);
   after_step(local);
 }
 
 void Participant::step_led(const BodyState& from, const BodyState& to, Vec2 target, Micros local) {
   before_step(local);
-  current_.replica->step_led(from, to, usable(target));
+  played().step_led(from, to, usable(target));
   after_step(local);
 }
 
@@ -237,6 +237,11 @@ void Participant::steer(Micros local) {
   current_.session->steer(local, follows ? replica().clock_lead() : 0);
 }
 
+PeerId Participant::coordinator() const {
+  assert(playing());
+  return current_.membership->coordinator();
+}
+
 void Participant::push(EntityId b, Vec2 velocity) {
   if (b >= replica().live().world().bodies())
     throw UserError("body: " + std::to_string(b) + " is not allowed; the scene has " +
@@ -245,7 +250,7 @@ void Participant::push(EntityId b, Vec2 velocity) {
   if (!(std::abs(velocity.x) <= kMost && std::abs(velocity.y) <= kMost))
     throw UserError("velocity: " + std::to_string(velocity.x) + ", " + std::to_string(velocity.y) +
                     " is not allowed; give at most 1000 m/s in x and in y");
-  current_.replica->push(b, velocity);
+  played().push(b, velocity);
 }
 
 void Participant::retune(const Technique& technique) {

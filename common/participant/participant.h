@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cassert>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -54,7 +55,8 @@ class Participant {
   void advance(Micros local);
   Micros next_due() const;
 
-  /// Whether there is a world to step.
+  /// Whether there is a world to step: this peer has founded the session, or is admitted. Nothing moves in that world
+  /// until replica().playing(): as many players have come as the session waits for.
   bool playing() const { return current_.replica != nullptr; }
   /// Local time of the next step; only when playing.
   Micros next_step() const;
@@ -74,12 +76,13 @@ class Participant {
   /// Corrects the session's clock towards that of the most senior peer present, as far as is known; only when playing.
   void steer(Micros local);
   // As in RecordedReplica, of the present incarnation; only when playing.
-  void order(const sync::Bundle& order) { current_.replica->order(order); }
-  void jolt(Vec2 velocity) { current_.replica->jolt(velocity); }
-  void set_coarseness(float times) { current_.replica->set_coarseness(times); }
+  void order(const sync::Bundle& order) { played().order(order); }
+  /// For crowds, whose peers are not recorded: a trace does not have it, and does not replay afterwards.
+  void jolt(Vec2 velocity) { played().jolt(velocity); }
+  void set_coarseness(float times) { played().set_coarseness(times); }
   /// Throws UserError if there is no such body, or the velocity is not finite or above trace::Push::kMost.
   void push(EntityId b, Vec2 velocity);
-  void remark(const trace::Remark& r) { current_.replica->remark(r); }
+  void remark(const trace::Remark& r) { played().remark(r); }
   /// Sends a Probe to a peer that claims to be in this session but is no member, so that partitions merge.
   void knock(const Endpoint& at);
   /// Leaves: with the next step when playing, or some ticks later in a large session. `stay`: also waits until the
@@ -96,9 +99,12 @@ class Participant {
   /// Members that were admitted, left or were removed since the last call.
   std::vector<MemberChange> take_changes();
 
-  /// Of the present incarnation.
-  const Replica& replica() const { return current_.replica->replica(); }
-  const RecordedReplica& recorded() const { return *current_.replica; }
+  /// Of the present incarnation; only when playing.
+  const Replica& replica() const { return recorded().replica(); }
+  const RecordedReplica& recorded() const {
+    assert(playing());
+    return *current_.replica;
+  }
   const Session& session() const { return current_.session ? *current_.session : *next_.session; }
   Session& session() { return current_.session ? *current_.session : *next_.session; }
   /// Incarnations begun so far, less one.
@@ -111,8 +117,10 @@ class Participant {
   }
   /// Whether somebody at this address is a member, or was one and is looked for.
   bool knows(const Endpoint& at) const { return current_.membership && current_.membership->knows(at); }
-  PeerId coordinator() const { return current_.membership->coordinator(); }
-  /// Where the peer in a slot is: with a key, by what it sent last, which need not be where the session has it.
+  /// Only when playing.
+  PeerId coordinator() const;
+  /// Where the peer in a slot is: with a key, by what it sent last, which need not be where the session has it. Only
+  /// when playing.
   Endpoint place(PeerId p) const;
   /// The member through which p is reached; kNoPeer: it is reached directly, as far as is known.
   PeerId carrier(PeerId p) const { return current_.membership ? current_.membership->carrier(p) : kNoPeer; }
@@ -129,6 +137,10 @@ class Participant {
     std::vector<sync::Transfer::Gone> gone;     ///< of the transfer that it began with
     std::vector<sync::Transfer::Proof> proofs;  ///< of that, too
   };
+  RecordedReplica& played() {
+    assert(playing());
+    return *current_.replica;
+  }
   void bring_in_next(Micros local);
   void ask_again(Micros local);
   /// Why the scene has no room for the session's slots; empty if it has.

@@ -146,6 +146,19 @@ TEST(Participant, RefusesAPushThatNoTraceCanHold) {
   p.push(0, {1'000, -1'000});
 }
 
+TEST(Participant, HasNoWorldBeforeItPlays) {
+  Participant p(arena(1), least(1, true), 0);
+  ASSERT_FALSE(p.playing());
+  EXPECT_FALSE(p.step_due(kMicrosPerSecond));
+  EXPECT_DEATH(p.replica(), "playing");
+  EXPECT_DEATH(p.recorded(), "playing");
+  EXPECT_DEATH(p.next_step(), "playing");
+  EXPECT_DEATH(p.step({}, 0), "playing");
+  EXPECT_DEATH(p.push(0, {}), "playing");
+  EXPECT_DEATH(p.coordinator(), "playing");
+  EXPECT_DEATH(p.place(0), "playing");
+}
+
 // What is drawn before the first step must not be a heap in the corner.
 TEST(Participant, ShowsTheSceneFromTheFirstMomentOn) {
   const Scene scene = arena(1);
