@@ -287,8 +287,8 @@ void Participant::say_goodbye() {
 // A peer that vanished acknowledges nothing, but is removed before long.
 bool Participant::done(Micros local) const {
   if (!left_at_) return false;
+  if (!playing()) return true;  // nobody knows it yet
   const bool waited = local - *left_at_ >= config_.linger;
-  if (!playing()) return waited;
   if (nobody_to_tell() && replica().orders() == 0) return local > *left_at_;
   if (farewell_) return false;
   const int others = session().players() - (config_.session.spectates ? 0 : 1);

@@ -89,7 +89,8 @@ class Participant {
   /// others end, so that they get the updates that they lack.
   void leave(Micros local, bool stay = false);
   bool leaving() const { return left_at_.has_value(); }
-  /// After leave: all others have this peer's updates, no other is present, or it has lingered for long enough.
+  /// After leave: all others have this peer's updates, no other is present, it has lingered for long enough, or it is
+  /// not in yet.
   bool done(Micros local) const;
 
   /// What to send, in order; empty afterwards. Good until the next call of any other function.

@@ -146,6 +146,15 @@ TEST(Participant, RefusesAPushThatNoTraceCanHold) {
   p.push(0, {1'000, -1'000});
 }
 
+TEST(Participant, IsDoneAtOnceIfItLeavesBeforeItIsIn) {
+  Participant p(arena(1), least(1, true), 0);
+  p.advance(kMicrosPerSecond);
+  ASSERT_FALSE(p.playing());
+  EXPECT_FALSE(p.done(kMicrosPerSecond));
+  p.leave(kMicrosPerSecond);
+  EXPECT_TRUE(p.done(kMicrosPerSecond));
+}
+
 TEST(Participant, HasNoWorldBeforeItPlays) {
   Participant p(arena(1), least(1, true), 0);
   ASSERT_FALSE(p.playing());
