@@ -82,6 +82,21 @@ void refuse_binary(std::string_view flag, const std::string& path) {
 
 }  // namespace
 
+void check_writable(std::string_view flag, const std::string& file) {
+  std::error_code error;
+  const auto kind = std::filesystem::status(file, error).type();
+  // To open a pipe would wait for whoever reads it.
+  const bool opens = kind == std::filesystem::file_type::regular || kind == std::filesystem::file_type::directory;
+  const bool is_new = kind == std::filesystem::file_type::not_found;
+  if (file.empty() || file == "-" || !(opens || is_new)) return;
+  refuse_binary(flag, file);
+  constexpr mode_t kAsUsual = S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP | S_IROTH | S_IWOTH;
+  const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, kAsUsual);
+  if (fd < 0) throw UserError(std::string(flag) + ": cannot write '" + file + "': " + system_reason());
+  ::close(fd);
+  if (is_new) std::filesystem::remove(std::filesystem::weakly_canonical(file, error), error);
+}
+
 std::string replaceable(std::string_view flag, const std::string& path) {
   constexpr int kMostLinks = 40;  // as Linux follows
   if (path == "-") throw UserError(std::string(flag) + ": this cannot be printed; name a file in place of -");

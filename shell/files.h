@@ -53,6 +53,10 @@ class OutputFile {
   std::unique_ptr<std::FILE, Close> file_;
 };
 
+/// For whoever writes a text to a file only after long work: throws UserError, which names the flag, if OutputFile
+/// would refuse the file now. The file stays as it is. "-" and no name at all are right.
+void check_writable(std::string_view flag, const std::string& file);
+
 /// Where a text may take the place of what the path names: a symbolic link is followed. Throws UserError, which names
 /// the flag, if there is something there that is no text or no file, or the path is "-".
 std::string replaceable(std::string_view flag, const std::string& path);

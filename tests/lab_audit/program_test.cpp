@@ -49,6 +49,20 @@ TEST_F(AuditProgram, ALiarHasItsParagraphAndEverythingIsInTheFile) {
   EXPECT_EQ(j["findings"][0]["key"].get<std::string>().size(), 64U);
 }
 
+// Each would otherwise work for up to hours first.
+TEST_F(AuditProgram, NoCommandBeginsWithoutThePlaceForItsResult) {
+  record("--peers 2 --trace t");
+  for (const char* words : {"audit t/peer0.trace", "run --seconds 80000 --trace none", "crowd --peers 1000",
+                            "chaos --runs 100000", "run --seconds 80000 --csv no/such.csv"}) {
+    const Outcome o = lab(std::string(words) + " --json no/such.json");
+    EXPECT_EQ(o.status, 2) << words;
+    EXPECT_NE(o.err.find("cannot write 'no/such."), std::string::npos) << words << "\n" << o.err;
+  }
+  write("old.json", "{}");
+  EXPECT_EQ(lab("audit none.trace --json old.json").status, 2);
+  EXPECT_EQ(read("old.json"), "{}") << "a mistake leaves it as it is";
+}
+
 TEST_F(AuditProgram, WhatItCannotUseHasOneLineAndExit2) {
   record("--peers 2 --seed 1 --trace a");
   record("--peers 2 --seed 2 --trace b");

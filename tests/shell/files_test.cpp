@@ -36,6 +36,33 @@ TEST(Files, NoTextIsWrittenOverWhatIsNone) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(Files, WhatCannotBeWrittenIsToldBeforeAndChangesNothing) {
+  const auto folder = std::filesystem::temp_directory_path() / "padr-writable-test";
+  std::filesystem::create_directories(folder);
+  const auto why = [](const std::string& file) -> std::string {
+    try {
+      check_writable("--json", file);
+    } catch (const UserError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const std::string fresh = (folder / "fresh.json").string();
+  EXPECT_EQ(why(fresh), "");
+  EXPECT_FALSE(std::filesystem::exists(fresh)) << "nothing is left behind";
+  write_text("--json", fresh, "old");
+  EXPECT_EQ(why(fresh), "");
+  EXPECT_EQ(read_file(".", fresh), "old");
+  EXPECT_EQ(why(""), "");
+  EXPECT_EQ(why("-"), "");
+  const std::string nowhere = (folder / "no" / "such.json").string();
+  EXPECT_EQ(why(nowhere), "--json: cannot write '" + nowhere + "': No such file or directory");
+  EXPECT_EQ(why(folder.string()), "--json: cannot write '" + folder.string() + "': Is a directory");
+  OutputFile(".", fresh, Readers::kAsUsual, Content::kBinary).write("\x01\x02");
+  EXPECT_NE(why(fresh).find("is no text"), std::string::npos);
+  std::filesystem::remove_all(folder);
+}
+
 TEST(Files, AllStepsAreDoneAndTheFirstFailureIsTold) {
   std::string done;
   const auto step = [&done](char c) { return [&done, c] { done += c; }; };

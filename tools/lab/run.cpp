@@ -91,8 +91,11 @@ void RunCommand::declare(CLI::App& app) {
       "Exit: 0 done, 1 confirmed worlds differed, 2 usage.");
 }
 
-void RunCommand::prepare_recordings(const shell::LoadedScenario& scenario, const std::vector<std::string>& command,
-                                    SimulationConfig& config) {
+void RunCommand::prepare_outputs(const shell::LoadedScenario& scenario, const std::vector<std::string>& command,
+                                 SimulationConfig& config) {
+  shell::check_writable("--csv", series_);
+  shell::check_writable("--json", json_);
+  if (trace_dir_.empty()) return;
   std::error_code error;
   std::filesystem::create_directories(trace_dir_, error);
   if (error) throw UserError("--trace: cannot make the folder " + trace_dir_ + ": " + error.message());
@@ -146,7 +149,7 @@ int RunCommand::run(const std::vector<std::string>& command) {
     config.inputs.push_back(inputs.back().get());
   }
   shell::tell_of_paths("padr-lab", inputs_, scenario.scene);
-  if (!trace_dir_.empty()) prepare_recordings(scenario, command, config);
+  prepare_outputs(scenario, command, config);
 
   RunFacts facts{command, scenario.label, netem_.text(), inputs_, scenario.seed, config.netem_seed, config.technique,
                  0,       std::nullopt};

@@ -19,8 +19,8 @@ class RunCommand {
   int run(const std::vector<std::string>& command);
 
  private:
-  void prepare_recordings(const shell::LoadedScenario& scenario, const std::vector<std::string>& command,
-                          SimulationConfig& config);
+  void prepare_outputs(const shell::LoadedScenario& scenario, const std::vector<std::string>& command,
+                       SimulationConfig& config);
 
   shell::ScenarioFlags scenario_;
   shell::TechniqueFlags technique_;

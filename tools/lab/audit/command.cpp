@@ -37,6 +37,7 @@ void AuditCommand::declare(CLI::App& app) {
 }
 
 int AuditCommand::run(const std::vector<std::string>& command) const {
+  shell::check_writable("--json", json_);
   std::vector<std::string> contents;
   for (const std::string& file : traces_) contents.push_back(read_trace_file(file));
   std::vector<audit::TraceText> texts;

@@ -198,6 +198,7 @@ std::string ChaosCommand::summary(const std::vector<ChaosOutcome>& outcomes) con
 
 int ChaosCommand::run(const std::vector<std::string>& command) {
   prepare();
+  shell::check_writable("--json", json_);
   ParallelOptions options;
   options.threads = jobs_;
   options.what = "scripts";

@@ -347,6 +347,7 @@ std::string CrowdCommand::json(const std::vector<std::string>& command, const st
 
 int CrowdCommand::run(const std::vector<std::string>& command) {
   (void)config_of(1, seed_);
+  shell::check_writable("--json", json_);
   const bool table = json_ != "-";
   const std::vector<CrowdRow> rows = measure();
   std::uint64_t compared = 0;

@@ -95,6 +95,7 @@ int ExamplesCommand::run(const std::vector<std::string>& command) {
   plan.parallel.threads = jobs_;
   for (const std::string& w : warnings) std::cerr << "padr-lab: warning: " << w << '\n';
   plot::write_into("--out", out_, {});
+  shell::check_writable("--json", json_);
 
   const Results results = run_plan(plan);
   const std::string summary = examples::json(results, plan, shell::shell_line(command));
