@@ -71,7 +71,7 @@ struct Raw {
   std::vector<std::string> netem_to;
   std::optional<int> wait_peers, slots;
   bool crowd = false;
-  std::vector<double> start;
+  std::string start;
   std::optional<double> stroll, region_side;
   shell::ScenarioFlags scenario;
   shell::TechniqueFlags technique;
@@ -128,8 +128,6 @@ void declare_crowd(CLI::App& app, Raw& raw) {
                "without --join this is its first peer. --seed sets the plane; all peers of a crowd need the same")
       ->group(group);
   app.add_option("--start", raw.start, "Where the avatar starts, m [a random place in the region 0,0]")
-      ->delimiter(',')
-      ->expected(2)
       ->type_name("X,Y")
       ->group(group);
   app.add_option("--stroll", raw.stroll, "--input wander stays in a square around the start; its side, m [24]")
@@ -360,16 +358,41 @@ Scene ground_of(const crowd::Plane& plane, Vec2 start, double stroll) {
   return ground;
 }
 
-void take_crowd(const CLI::App& app, const Raw& raw, Options& o) {
+/// Before all else: other messages would say to give what a crowd has not.
+void check_crowd_flags(const CLI::App& app, const Raw& raw) {
   if (!raw.crowd) {
     for (const char* flag : {"--start", "--stroll", "--region-side"})
       if (app.count(flag) > 0) throw UserError(std::string(flag) + ": is for a crowd; give --crowd, too");
     return;
   }
-  for (const char* flag : {"--scenario", "--wait-peers", "--slots", "--trace", "--health", "--monitor"})
+  for (const char* flag : {"--scenario", "--wait-peers", "--slots", "--trace", "--health", "--monitor", "--monitor-detail",
+                           "--control", "--key-file", "--seal", "--keylog"})
     if (app.count(flag) > 0)
       throw UserError(std::string(flag) + ": cannot be used in a crowd; leave it or --crowd out");
-  if (o.key) throw UserError("--crowd: a crowd cannot have a key; leave --key-file and PADR_KEY out");
+}
+
+Vec2 start_of(const std::string& text, const crowd::Plane& plane) {
+  std::array<double, 2> place{};
+  const char* at = text.data();
+  const char* const end = text.data() + text.size();
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    const auto [next, error] = std::from_chars(at, end, place[i]);
+    const bool ends_well = i == 0 ? next != end && *next == ',' : next == end;
+    if (error != std::errc() || !ends_well || !std::isfinite(place[i]))
+      throw UserError("--start: '" + text + "' is not allowed; give X,Y in metres");
+    at = next + 1;
+  }
+  const double farthest = static_cast<double>(plane.side) * crowd::kMostRegion / 2;
+  for (const double v : place)
+    if (std::abs(v) > farthest)
+      throw UserError("--start: the plane has no regions so far out; give less than " +
+                      std::to_string(std::llround(farthest)) + " metres in each direction");
+  return {static_cast<float>(place[0]), static_cast<float>(place[1])};
+}
+
+void take_crowd(const Raw& raw, Options& o) {
+  if (!raw.crowd) return;
+  if (o.key) throw UserError("--crowd: a crowd cannot have a key; leave PADR_KEY out");
   for (const NetemOverride& n : o.netem_to)
     if (n.peer) throw UserError("--netem-to: peers of a crowd have no number; give HOST:PORT=SPEC");
   CrowdOptions& c = o.crowd.emplace();
@@ -378,15 +401,8 @@ void take_crowd(const CLI::App& app, const Raw& raw, Options& o) {
   c.stroll = raw.stroll.value_or(24);
   Rng rng(shell::unpredictable());
   const double most = 0.75 * static_cast<double>(c.plane.side);
-  const auto draw = [&] { return rng.uniform(0.25 * static_cast<double>(c.plane.side), most); };
-  const double farthest = static_cast<double>(c.plane.side) * crowd::kMostRegion / 2;
-  for (const double v : raw.start)
-    if (!(std::abs(v) <= farthest))
-      throw UserError("--start: the plane has no regions so far out; give less than " +
-                      std::to_string(std::llround(farthest)) + " metres in each direction");
-  const double x = raw.start.empty() ? draw() : raw.start[0];
-  const double y = raw.start.empty() ? draw() : raw.start[1];
-  c.start = {static_cast<float>(x), static_cast<float>(y)};
+  const auto draw = [&] { return static_cast<float>(rng.uniform(0.25 * static_cast<double>(c.plane.side), most)); };
+  c.start = raw.start.empty() ? Vec2{draw(), draw()} : start_of(raw.start, c.plane);
   c.ground = ground_of(c.plane, c.start, c.stroll);
   shell::load_input(o.input, c.ground, 0, c.plane.seed);
 }
@@ -415,6 +431,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   declare_monitor(app, raw);
   if (!shell::parse(app, argc, argv)) return std::nullopt;
 
+  check_crowd_flags(app, raw);
   take_log_levels(raw, o);
   take_addresses(raw, o);
   take_key(raw, o);
@@ -433,7 +450,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
     if (!impaired.insert(where).second) throw UserError("--netem-to: given twice for " + where + "; give it once");
     o.netem_text += (o.netem_text.empty() ? "to " : "; to ") + where + ": " + text.substr(where.size() + 1);
   }
-  take_crowd(app, raw, o);
+  take_crowd(raw, o);
   if (!o.crowd) {
     o.scenario = raw.scenario.load();
     take_sizes(raw, o);

@@ -80,13 +80,14 @@ PathNotes notes_on_path(const scenarios::Path& path, std::string_view label, con
   const PathSurvey s = survey_path(path, scene);
   const auto most = static_cast<double>(scene.avatar.max_speed);
   const std::string name = "path " + std::string(label);
+  const bool endless = scene.region.has_value();  // the plane of a crowd
   PathNotes notes;
   notes.summary = name + ": " + std::to_string(s.points) + " points in " + measure(s.seconds) + " s, " +
-                  box(s.lower, s.upper) + ", up to " + measure(s.fastest) +
-                  " m/s; the world: " + box(scene.lower, scene.upper) + ", avatars make up to " + measure(most) +
-                  " m/s";
+                  box(s.lower, s.upper) + ", up to " + measure(s.fastest) + " m/s; " +
+                  (endless ? "" : "the world: " + box(scene.lower, scene.upper) + ", ") + "avatars make up to " +
+                  measure(most) + " m/s";
   const std::string hint = "; padr-lab path fits paths in pixels and milliseconds to a scenario";
-  if (s.outside > 0)
+  if (s.outside > 0 && !endless)
     notes.warnings.push_back(name + ": " + share(s.outside, s.points) + " are outside the world (" +
                              box(scene.lower, scene.upper) + ")" + hint);
   if (s.too_fast > 0)

@@ -111,6 +111,11 @@ void Finder::ask(const Endpoint& to, Region about, Micros local) {
 }
 
 void Finder::take(const Endpoint& from, const wire::Ask& ask, std::size_t size, Micros local) {
+  // Only whoever was asked knows the nonce.
+  if (questions_.contains(ask.nonce)) {
+    if (!met_) failure_ = "the peer to join, " + to_string(from) + ", is this peer itself";
+    return;
+  }
   if (!may_answer(local)) {
     ++stats_.unanswered;
     return;

@@ -100,6 +100,16 @@ TEST(Finder, TheFirstOfACrowdFoundsAtOnceAndTheNextFindsIt) {
   EXPECT_NEAR(static_cast<double>(*net[1].finder->clock(net.now()) - net.now()), 0, 30'000) << "the crowd's clock";
 }
 
+TEST(Finder, WhoIsToJoinItselfIsToldSoAtOnce) {
+  Net net(2);
+  Finder::Config c;
+  c.contact = at_port(2);
+  c.seed = 5;
+  net.add(c).sought = {{0, 0}};
+  net.run(0.3);
+  EXPECT_EQ(net[2].finder->failure(), "the peer to join, " + to_string(at_port(2)) + ", is this peer itself");
+}
+
 TEST(Finder, OfAllWhoLookForARegionAtOnceOneFoundsIt) {
   for (const double loss : {0.0, 0.1, 0.3}) {
     Net net(12);

@@ -99,16 +99,27 @@ class Usage(Case):
             (["--crowd", "--monitor", "127.0.0.1:9"], "--monitor", "--crowd"),
             (["--crowd", "--netem-to", "1=loss 5%"], "--netem-to", "HOST:PORT"),
             (["--crowd", "--key-file", self.file("key", "0" * 64)], "--crowd", "--key-file"),
-            (["--crowd", "--start", "1"], "--start"),
-            (["--crowd", "--start", "1e9,0"], "--start", "metres"),
-            (["--crowd", "--start", "nan,0"], "--start"),
+            (["--crowd", "--start", "1"], "--start: '1' is not allowed; give X,Y in metres"),
+            (["--crowd", "--start", "5,x"], "--start: '5,x' is not allowed; give X,Y in metres"),
+            (["--crowd", "--start", "1,2,3"], "--start: '1,2,3' is not allowed; give X,Y in metres"),
+            (["--crowd", "--start", "nan,1"], "--start: 'nan,1' is not allowed; give X,Y in metres"),
+            (["--crowd", "--start", "1e9,0"], "--start", "less than", "metres"),
+            (["--crowd", "--control"], "--control: cannot be used in a crowd"),
+            (["--crowd", "--seal", "auth"], "--seal: cannot be used in a crowd"),
+            (["--crowd", "--monitor-detail", "live"], "--monitor-detail: cannot be used in a crowd"),
             (["--crowd", "--stroll", "1"], "--stroll"),
             (["--crowd", "--region-side", "3"], "--region-side"),
             (["--crowd", "--input", "path:/no/such/file.csv"], "--input", "/no/such/file.csv"),
-            (["--crowd", "--listen", "0.0.0.0:0"], "--listen", "--insecure"),
+            (["--crowd", "--listen", "0.0.0.0:0"], "--listen", "datagram; give a loopback address, or --insecure"),
+            (["--crowd", "--join", "192.0.2.1:7000"], "--join", "give --listen 0.0.0.0:0 and --insecure"),
         ]
         for arguments, *words in table:
             self.check_wrong(arguments, *words)
+        path = self.file("far.csv", "t,x,y\n0,500,500\n1,501,500\n2,502,500\n")
+        code, _, err = run("--crowd", "--start", "500,500", "--input", f"path:{path}", "--duration", 0.1)
+        self.assertEqual(code, 0, err)
+        self.assertIn("3 points", err)
+        self.assertNotIn("world", err, "the plane has no end")
 
     def test_technique(self):
         table = [
