@@ -51,6 +51,7 @@ int fingerprint_command(int argc, const char* const* argv) {
   }
   if (argc > 3)
     throw UserError("fingerprint: '" + std::string(argv[3]) + "' is not expected; give one fingerprint, or nothing");
+  if (argc == 3 && other.empty()) throw UserError("fingerprint: OTHER is empty; give a fingerprint, or leave it out");
   const std::uint64_t theirs = other.empty() ? 0 : parsed(other);
   const std::uint64_t ours = world::physics_fingerprint();
   std::string text = "fingerprint: " + hex(ours) + "\ncomputed by: " + processor() + ", " + kCompiler + __VERSION__ +

@@ -46,7 +46,8 @@ void wipe(std::string& text) {
 }  // namespace
 
 int keygen(int argc, const char* const* argv) {
-  const std::string file = argc > 2 ? argv[2] : "";
+  const std::string file = argc > 2 ? argv[2] : "-";
+  if (file.empty()) throw UserError("keygen: the name of the file is empty; give one, or leave it out");
   if (argc > 3 || (file.size() > 1 && file[0] == '-')) {
     if (argc == 3 && file == "--help") {
       std::puts(
@@ -59,8 +60,8 @@ int keygen(int argc, const char* const* argv) {
   }
   shell::protect_memory();
   std::string text = shell::key_text(unpredictable_key()) + "\n";
-  if (file.empty() || file == "-") {
-    shell::write_text("keygen", "-", text);
+  if (file == "-") {
+    shell::write_text("keygen", file, text);
   } else {
     shell::OutputFile out("keygen", file, shell::Readers::kOwnerNew);
     out.write(text);

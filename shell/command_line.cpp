@@ -119,6 +119,19 @@ std::string name_of(const CLI::Option& o) {
   return o.get_lnames().empty() ? o.get_name() : "--" + o.get_lnames().front();
 }
 
+/// An empty value is most likely a variable that is not set, and must not count as an option that is not given. Only
+/// impairments may be empty: there are none then.
+void refuse_empty_values(const CLI::App& app) {
+  for (const CLI::Option* o : app.get_options()) {
+    const std::string type = o->get_type_name();
+    const std::vector<std::string>& values = o->results();
+    if (type.find("SPEC") != std::string::npos || std::find(values.begin(), values.end(), "") == values.end()) continue;
+    const std::string name = name_of(*o);
+    throw UserError(name + ": is empty; " + (o->get_lnames().empty() ? "" : "give " + type + ", or ") + "leave " +
+                    name + " out");
+  }
+}
+
 /// Whether the two name one file that can be lost, also by hard links, or that will be made.
 bool is_same_file(const std::string& a, const std::string& b) {
   std::error_code error;
@@ -201,8 +214,12 @@ bool parse(CLI::App& app, int argc, const char* const* argv) {
       if (c == '\n') c = ' ';
     throw UserError(in_our_words(line) + " (see --help)");
   }
-  refuse_shared_files(app);
-  for (const CLI::App* command : app.get_subcommands()) refuse_shared_files(*command);
+  std::vector<const CLI::App*> all{&app};
+  for (const CLI::App* command : app.get_subcommands()) all.push_back(command);
+  for (const CLI::App* each : all) {
+    refuse_empty_values(*each);
+    refuse_shared_files(*each);
+  }
   return true;
 }
 

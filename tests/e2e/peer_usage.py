@@ -86,6 +86,16 @@ class Usage(Case):
         for arguments, *words in table:
             self.check_wrong(arguments, *words)
 
+    def test_an_empty_value_is_not_an_option_that_is_left_out(self):
+        for flag in ("--key-file", "--join", "--listen", "--trace", "--json", "--pcap", "--health", "--keylog", "--monitor",
+                     "--seal", "--log", "--scenario", "--technique", "--input", "--threshold", "--wait-peers"):  # fmt: skip
+            self.check_wrong([flag, ""], flag + ": is empty; give ", "or leave " + flag + " out")
+        self.check_wrong(["--json="], "--json: no value; give FILE")
+        self.check_wrong(["keygen", ""], "keygen: the name of the file is empty")
+        self.check_wrong(["fingerprint", ""], "fingerprint: OTHER is empty")
+        code, _, err = run("--wait-peers", 1, "--duration", 0.1, "--netem", "")
+        self.assertEqual(code, 0, err)
+
     def test_crowd(self):
         table = [
             (["--start", "1,2"], "--start", "--crowd"),

@@ -137,6 +137,32 @@ TEST(CommandLine, TwoHardLinksAreOneFile) {
   std::filesystem::remove_all(folder);
 }
 
+// Once, `--key-file "$KEY"` without such a variable played without a key.
+TEST(CommandLine, AnEmptyValueIsNotAnOptionThatIsLeftOut) {
+  const auto answer = [](const std::vector<const char*>& words) -> std::string {
+    CLI::App app;
+    app.require_subcommand(0, 1);
+    std::string text;
+    app.add_option("--netem", text)->type_name("SPEC");
+    CLI::App& command = *app.add_subcommand("audit");
+    command.add_option("TRACE", text)->type_name("FILE");
+    command.add_option("--json", text)->type_name("FILE|-");
+    std::vector<const char*> argv{"program"};
+    argv.insert(argv.end(), words.begin(), words.end());
+    try {
+      shell::parse(app, static_cast<int>(argv.size()), argv.data());
+    } catch (const UserError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(answer({"audit", "a", "--json", "b"}), "");
+  EXPECT_EQ(answer({"audit", "a", "--json", ""}), "--json: is empty; give FILE|-, or leave --json out");
+  EXPECT_EQ(answer({"audit", "a", "--json="}), "--json: no value; give FILE|- (see --help)");
+  EXPECT_EQ(answer({"audit", ""}), "TRACE: is empty; leave TRACE out");
+  EXPECT_EQ(answer({"--netem", "", "audit", "a"}), "") << "no impairments";
+}
+
 // CLI11 takes a number that begins with 0 for octal.
 TEST(CommandLine, NoNumberIsTakenForOctal) {
   for (const CLI::Validator& check : {shell::whole_number(), shell::range(0, 100), shell::between(0, 100, "s")}) {
