@@ -17,10 +17,14 @@ install(DIRECTORY shell/link_traces DESTINATION "${data}" FILES_MATCHING PATTERN
 install(DIRECTORY tools/wireshark/ DESTINATION "${PADR_WIRESHARK_PLUGINS}" FILES_MATCHING PATTERN "*.lua")
 install(FILES proto/wire.proto DESTINATION "${CMAKE_INSTALL_DATADIR}/wireshark/protobuf")
 install(FILES tools/wireshark/colorfilters DESTINATION "${data}/wireshark")
-install(FILES proto/WIRE.md proto/VECTORS.md proto/wire.proto proto/scenario.proto DESTINATION "${CMAKE_INSTALL_DOCDIR}/proto")
-install(FILES README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md CITATION.cff TYPE DOC)
-install(DIRECTORY docs DESTINATION "${CMAKE_INSTALL_DOCDIR}"
-  FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png" PATTERN "*.csv")
+# All that the documents link to, where the links lead; tests/package follows them.
+foreach(file README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md CITATION.cff LICENSE proto/WIRE.md proto/VECTORS.md proto/wire.proto
+    proto/scenario.proto proto/monitor.proto tools/wireshark/README.md tools/monitor/page/PROTOCOL.md examples/own_game.cpp)
+  get_filename_component(folder "${file}" DIRECTORY)
+  install(FILES "${file}" DESTINATION "${CMAKE_INSTALL_DOCDIR}/${folder}" COMPONENT documents)
+endforeach()
+install(DIRECTORY docs DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT documents
+  FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png" PATTERN "*.gif" PATTERN "*.csv")
 
 option(PADR_PACKAGE "Manual pages, completions and the Debian package" OFF)
 if(NOT PADR_PACKAGE)
