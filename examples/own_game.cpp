@@ -82,6 +82,7 @@ void tell(const padr::node::SessionEvent& event) {
 
 int main(int argc, char** argv) try {
   if (argc < 2) return std::puts("usage: own_game PORT [JOIN_PORT]"), 2;
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // a log in a file shows each line at once
   // 3. The participant has neither clock nor socket. Both are yours.
   const auto start = steady_clock::now();
   const auto now = [&] { return std::chrono::duration_cast<microseconds>(steady_clock::now() - start).count(); };

@@ -6,11 +6,17 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <memory>
+#include <span>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
+#include "common/model/rng.h"
 #include "common/model/user_error.h"
 #include "common/scenarios/scenarios.h"
+#include "common/trace/trace_reader.h"
 
 namespace padr::node {
 namespace {
@@ -36,7 +42,9 @@ ParticipantConfig least(std::uint64_t seed, bool joins) {
 /// Two of them, whose datagrams arrive at once.
 class Two {
  public:
-  Two(const Scene& a, const Scene& b) : founder_(a, least(1, false), 0), joiner_(b, least(2, true), 0) {}
+  Two(const Scene& a, const Scene& b) : Two(a, b, least(1, false), least(2, true)) {}
+  Two(const Scene& a, const Scene& b, ParticipantConfig founder, ParticipantConfig joiner)
+      : founder_(a, std::move(founder), 0), joiner_(b, std::move(joiner), 0) {}
 
   void run(Micros until) {
     for (; now_ < until; now_ += 1'000) {
@@ -144,6 +152,47 @@ TEST(Participant, RefusesAPushThatNoTraceCanHold) {
   for (const Vec2 odd : {Vec2{kNan, 5}, Vec2{1e30F, 5}, Vec2{0, -1'001}}) EXPECT_THROW(p.push(0, odd), UserError);
   EXPECT_THROW(p.push(static_cast<EntityId>(arena(1).bodies.size()), {1, 0}), UserError);
   p.push(0, {1'000, -1'000});
+}
+
+// All of docs/own-game.md in one.
+TEST(Participant, PlaysWithAKeyBeforeASpectatorAndIsRecorded) {
+  std::vector<std::byte> trace;
+  const auto config = [](std::uint8_t n) {
+    ParticipantConfig c = least(n, n > 1);
+    ChannelConfig& channels = c.channels.emplace();
+    channels.session.fill(7);
+    channels.seed.fill(n);
+    channels.random = [rng = std::make_shared<Rng>(n)](std::span<std::byte> out) {
+      for (std::byte& b : out) b = static_cast<std::byte>(rng->below(256));
+    };
+    channels.mode = wire::SealMode::kEncrypt;
+    return c;
+  };
+  ParticipantConfig founder = config(1);
+  founder.session.wanted = 1;
+  founder.recording = [&trace](int) {
+    RecordedReplica::Recording to;
+    to.provenance.scenario = "arena";
+    to.provenance.scenario_text = scenarios::embedded_text("arena");
+    to.provenance.scenario_seed = 1;
+    to.sink = [&trace](std::span<const std::byte> b) { trace.insert(trace.end(), b.begin(), b.end()); };
+    return std::optional(to);
+  };
+  ParticipantConfig spectator = config(2);
+  spectator.session.spectates = true;
+  Two two(arena(1), arena(1), std::move(founder), std::move(spectator));
+  two.run(4 * kMicrosPerSecond);
+  ASSERT_TRUE(two.founder().playing() && two.joiner().playing());
+  EXPECT_TRUE(two.joiner().replica().playing()) << "the spectator is not waited for";
+  EXPECT_EQ(two.founder().session().players(), 1);
+  EXPECT_EQ(two.founder().session().spectators(), 1);
+  EXPECT_GT(two.joiner().replica().stats().hash_checks, 0U);
+  two.founder().finish();
+  trace::TraceReader reader(trace, "own_game.trace");
+  int steps = 0;
+  while (const auto event = reader.next()) steps += std::holds_alternative<trace::Step>(*event) ? 1 : 0;
+  EXPECT_GT(steps, 200);
+  EXPECT_TRUE(reader.clean());
 }
 
 TEST(Participant, IsDoneAtOnceIfItLeavesBeforeItIsIn) {
