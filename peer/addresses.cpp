@@ -43,7 +43,9 @@ shell::Udp::endpoint listen_address(boost::asio::io_context& io, const Options& 
     if (join && !join->address().is_loopback())
       throw UserError("--join: " + o.join->text + " is not on this machine, and without --listen a peer stays on the " +
                       "loopback address; give --listen " + (v6 ? "'[::]:0'" : "0.0.0.0:0") +
-                      (o.key ? "" : o.crowd ? " and --insecure" : " and --key-file FILE, or --insecure"));
+                      (o.key     ? ""
+                       : o.crowd ? " and --insecure"
+                                 : " and --key-file FILE, or --insecure"));
     if (v6) return {boost::asio::ip::address_v6::loopback(), 0};
     return {boost::asio::ip::address_v4::loopback(), 0};
   }

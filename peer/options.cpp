@@ -50,7 +50,7 @@ constexpr const char* kFooter =
     "Between machines, with a key that only the peers have:\n"
     "  padr-peer keygen session.key\n"
     "  padr-peer --listen 0.0.0.0:7001 --key-file session.key --wait-peers 3\n"
-    "Whether two machines compute the same physics; they do if both print the same:\n"
+    "Whether two machines compute the same physics; they do if both print the same fingerprint:\n"
     "  padr-peer fingerprint\n"
     "\n";
 
@@ -365,8 +365,8 @@ void check_crowd_flags(const CLI::App& app, const Raw& raw) {
       if (app.count(flag) > 0) throw UserError(std::string(flag) + ": is for a crowd; give --crowd, too");
     return;
   }
-  for (const char* flag : {"--scenario", "--wait-peers", "--slots", "--trace", "--health", "--monitor", "--monitor-detail",
-                           "--control", "--key-file", "--seal", "--keylog"})
+  for (const char* flag : {"--scenario", "--wait-peers", "--slots", "--trace", "--health", "--monitor",
+                           "--monitor-detail", "--control", "--key-file", "--seal", "--keylog"})
     if (app.count(flag) > 0)
       throw UserError(std::string(flag) + ": cannot be used in a crowd; leave it or --crowd out");
 }

@@ -49,7 +49,7 @@ int keygen(int argc, const char* const* argv) {
   const std::string file = argc > 2 ? argv[2] : "-";
   if (file.empty()) throw UserError("keygen: the name of the file is empty; give one, or leave it out");
   if (argc > 3 || (file.size() > 1 && file[0] == '-')) {
-    if (argc == 3 && file == "--help") {
+    if (argc == 3 && (file == "--help" || file == "-h")) {
       std::puts(
           "usage: padr-peer keygen [FILE]\n\n"
           "Prints a new session key, or writes it to FILE. FILE must not exist yet; only you may read it then.\n"

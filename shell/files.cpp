@@ -168,6 +168,10 @@ void write_text(std::string_view flag, const std::string& file, std::string_view
 
 void replace_text(std::string_view flag, const std::string& file, std::string_view text) {
   const std::string place = replaceable(flag, file);
+  const std::filesystem::path folder = std::filesystem::path(place).parent_path();
+  std::error_code error;
+  if (!folder.empty() && !std::filesystem::is_directory(folder, error))
+    throw UserError(std::string(flag) + ": cannot write '" + file + "': there is no folder " + folder.string());
   const std::string part = place + ".part";
   OutputFile out(flag, part);
   try {

@@ -38,6 +38,12 @@ class Fill(unittest.TestCase):
         self.assertIn("--fill", done.stderr)
         self.assertIn("10000", done.stderr)
 
+    def test_sizes_are_numbers_with_commas_between(self):
+        for sizes in ("4,", ",4", "4,,5", "x", "0", "10001", "4 5"):
+            done = subprocess.run([PADR_LAB, "crowd", "--peers", sizes], capture_output=True, text=True, timeout=60)
+            self.assertEqual(done.returncode, 2, sizes)
+            self.assertIn(f"--peers: '{sizes}' is not allowed; give numbers from 1 to 10000 with commas", done.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -92,6 +92,7 @@ class Usage(Case):
             self.check_wrong([flag, ""], flag + ": is empty; give ", "or leave " + flag + " out")
         self.check_wrong(["--json="], "--json: no value; give FILE")
         self.check_wrong(["keygen", ""], "keygen: the name of the file is empty")
+        self.assertIn("usage: padr-peer keygen [FILE]", run("keygen", "-h")[1])
         self.check_wrong(["fingerprint", ""], "fingerprint: OTHER is empty")
         code, _, err = run("--wait-peers", 1, "--duration", 0.1, "--netem", "")
         self.assertEqual(code, 0, err)

@@ -26,6 +26,23 @@ TEST_F(AuditProgram, HonestTracesSayNothing) {
   const auto j = nlohmann::json::parse(json.out);
   EXPECT_TRUE(j["findings"].empty());
   EXPECT_GT(j["judged"], 20);
+  EXPECT_GT(j["closest"]["avatar_speed"]["measured"], 0);
+  EXPECT_TRUE(j["closest"]["body_jump"]["measured"].is_null() || j["closest"]["body_jump"]["allowed"] > 0);
+  record("--peers 1 --technique avatar-only --trace alone");
+  const auto none = nlohmann::json::parse(lab("audit alone/* --json -").out)["closest"]["claim"];
+  EXPECT_TRUE(none["measured"].is_null() && none["allowed"].is_null()) << "nobody claims anything";
+}
+
+TEST_F(AuditProgram, WhatFollowsTheEndOfATraceIsNoted) {
+  record("--peers 1 --trace t");
+  const std::string whole = read("t/peer0.trace");
+  write("long.trace", whole + "\x50 and more");
+  for (const char* words : {"audit long.trace", "replay long.trace"}) {
+    const Outcome o = lab(words);
+    EXPECT_EQ(o.status, 0) << o.err;
+    EXPECT_NE(o.out.find("that is no part of a trace"), std::string::npos) << o.out;
+  }
+  EXPECT_EQ(lab("audit t/peer0.trace").out.find("Note"), std::string::npos);
 }
 
 TEST_F(AuditProgram, ALiarHasItsParagraphAndEverythingIsInTheFile) {

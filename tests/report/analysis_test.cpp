@@ -283,6 +283,17 @@ TEST(Report, AMissingPeerAndABrokenOffTraceAreNoted) {
   EXPECT_EQ(r.confirmed.mismatches, 0U);
 }
 
+TEST(Report, MissingPeersAndWhatFollowsTheEndAreNoted) {
+  test::RunConfig c;
+  c.peers = 3;
+  std::vector<TraceBytes> given{{"a", test::RecordedRun(c).traces[0]}};
+  EXPECT_EQ(report::table(report::analyse(given)).find("no part of a trace"), std::string::npos);
+  given[0].bytes.resize(given[0].bytes.size() + 3, std::byte{0x50});
+  const std::string table = report::table(report::analyse(given));
+  EXPECT_NE(table.find("no trace of peers 1, 2: their entities are measured against"), std::string::npos);
+  EXPECT_NE(table.find("a has something behind its end that is no part of a trace"), std::string::npos);
+}
+
 TEST(Report, APeerIsMeasuredUntilItsGoodbye) {
   test::RunConfig c;
   c.leave_at = 200;

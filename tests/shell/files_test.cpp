@@ -118,6 +118,14 @@ TEST(Files, ATextTakesTheOldOnesPlaceOrLeavesIt) {
   std::filesystem::create_directories(folder);
   const std::string file = folder / "rows";
   write_text(".", file, "old\n");
+  const std::string nowhere = (folder / "no" / "rows").string();
+  try {
+    replace_text("--health", nowhere, "x");
+    FAIL() << "nothing thrown";
+  } catch (const UserError& e) {
+    EXPECT_EQ(std::string(e.what()),
+              "--health: cannot write '" + nowhere + "': there is no folder " + (folder / "no").string());
+  }
   std::filesystem::create_directories(folder / "rows.part");  // in the way
   EXPECT_THROW(replace_text("--csv", file, "new\n"), UserError);
   EXPECT_EQ(read_file(".", file), "old\n");

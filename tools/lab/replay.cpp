@@ -217,6 +217,7 @@ std::optional<trace::Event> Replay::next() {
     // A trace that broke off may lack what its last step sent.
     if (trace_.clean()) again_->compare_rest();
     again_->result().truncated = !trace_.clean();
+    again_->result().has_rest = trace_.clean() && trace_.truncated();
     return std::nullopt;
   }
   std::visit(
@@ -269,7 +270,9 @@ int run_replay(const std::string& file) {
   std::printf("%s: identical: peer %d, %d ticks, %llu confirmed worlds, %llu datagrams in, %llu out%s\n", file.c_str(),
               reader.header().peer, r.ticks, static_cast<unsigned long long>(r.confirmed),
               static_cast<unsigned long long>(r.datagrams_in), static_cast<unsigned long long>(r.datagrams_out),
-              r.truncated ? " (the trace breaks off: the program did not end well, or is still running)" : "");
+              r.truncated  ? " (the trace breaks off: the program did not end well, or is still running)"
+              : r.has_rest ? " (something follows the end that is no part of a trace)"
+                           : "");
   return 0;
 }
 

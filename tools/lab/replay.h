@@ -18,6 +18,7 @@ struct ReplayResult {
   std::uint64_t datagrams_in = 0;
   std::uint64_t datagrams_out = 0;  ///< compared byte for byte
   bool truncated = false;           ///< the trace's last record is cut off
+  bool has_rest = false;            ///< bytes follow its end that are no record
   bool identical() const { return difference.empty(); }
 };
 

@@ -268,6 +268,7 @@ class Analysis {
       p.label = c->reader.label();
       p.header = c->reader.header();
       p.clean = c->reader.clean();
+      p.has_rest = p.clean && c->reader.truncated();
       for (Carried& one : p.carried)
         if (one.until == kOpen) one.until = p.went();
       p.inconsistency = meter_.result(c->incarnation);

@@ -73,6 +73,7 @@ struct Peer {
   std::string name;   ///< its number; "3.2" is the second of whom there is a trace in slot 3
   trace::Header header;
   bool clean = false;       ///< the trace ends as it should
+  bool has_rest = false;    ///< but bytes follow that are no record
   bool superseded = false;  ///< the peer went on in another incarnation
   Tick first_tick = 0;      ///< of the trace: who comes later watches first
   Tick came = 0;            ///< since when its avatar has been there

@@ -28,17 +28,21 @@ Group group_of(const Report& r, const std::string& technique, const std::vector<
 
 void note_missing(Report& r) {
   std::string missing;
+  int count = 0;
   for (PeerId p = 0; p < r.peers.front().header.slots; ++p) {
     const bool was_there = p < r.peers_at_start() || std::count(r.heard.begin(), r.heard.end(), p) > 0;
     if (was_there && std::none_of(r.peers.begin(), r.peers.end(), [p](const Peer& x) { return x.header.peer == p; }))
-      missing += ' ' + std::to_string(p);
+      missing += (count++ == 0 ? " " : ", ") + std::to_string(p);
   }
-  if (missing.empty()) return;
-  r.notes.push_back("no trace of peer" + missing +
-                    ": its entities are measured against the agreed world, and its links are left out");
+  if (count == 0) return;
+  const std::string whose = count == 1 ? "its" : "their";
+  r.notes.push_back("no trace of peer" + (count == 1 ? "" : std::string("s")) + missing + ": " + whose +
+                    " entities are measured against the agreed world, and " + whose + " links are left out");
 }
 
 void note_ends(Report& r) {
+  for (const Peer& p : r.peers)
+    if (p.has_rest) r.notes.push_back(p.label + " has something behind its end that is no part of a trace");
   for (const Peer& p : r.peers)
     if (!p.clean)
       r.notes.push_back(p.label + " breaks off at tick " + std::to_string(p.last_tick) +

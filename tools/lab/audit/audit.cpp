@@ -41,6 +41,7 @@ void replay_to(Judge& judge, const TraceText& text, std::size_t number, Report& 
     if (std::holds_alternative<trace::Step>(*event))
       note_other_worlds(*replay.replica(), report.evidence.members, number, report.other_worlds);
   if (replay.result().truncated) report.truncated.push_back(text.label);
+  if (replay.result().has_rest) report.with_rest.push_back(text.label);
   if (!replay.result().identical())
     throw UserError(text.label + ": does not do again what it did, at " + replay.result().difference +
                     "; padr-lab replay says the same");
@@ -102,7 +103,7 @@ Report audit(const std::vector<TraceText>& texts, const Options& options) {
   trace::TraceReader first(texts.front().bytes, texts.front().label);
   const Replay setting(first);  // refuses a trace of another build
   const Limits limits(setting.scene(), first.header().slots);
-  Report r{{}, {}, read_evidence(texts, setting.scene()), {}, {}, {}, {}, 0, 0};
+  Report r{{}, {}, {}, read_evidence(texts, setting.scene()), {}, {}, {}, {}, 0, 0};
   for (const TraceText& t : texts) r.labels.push_back(t.label);
   const std::vector<Finding> two = find_two_updates(r.evidence, r.labels);
   std::vector<Finding> physics;
@@ -113,8 +114,7 @@ Report audit(const std::vector<TraceText>& texts, const Options& options) {
       if (!may_be_misled(f, two)) physics.push_back(f);
     r.pushes.insert(r.pushes.end(), judge.pushes().begin(), judge.pushes().end());
     r.judged += judge.judged();
-    for (std::size_t k = 0; k < kKinds; ++k)
-      if (judge.closest()[k].share() > r.closest[k].share()) r.closest[k] = judge.closest()[k];
+    for (std::size_t k = 0; k < kKinds; ++k) r.closest[k] = nearer(r.closest[k], judge.closest()[k]);
   }
   r.findings = merged(physics);
   r.pushes = merged(r.pushes);

@@ -21,6 +21,7 @@ struct OtherWorld {
 struct Report {
   std::vector<std::string> labels;     ///< of traces
   std::vector<std::string> truncated;  ///< of those of them that break off
+  std::vector<std::string> with_rest;  ///< of those that something follows which is no record
   Evidence evidence;
   std::vector<Finding> findings;  ///< by member, then kind, the worst first
   std::vector<Push> pushes;       ///< by member and tick

@@ -37,7 +37,14 @@ struct Measure {
   bool exceeds() const { return measured > allowed; }
   /// 1 at the limit.
   float share() const { return measured / (allowed > 0.001F ? allowed : 0.001F); }
+  /// Something was measured: every rule allows more than nothing.
+  bool is_set() const { return allowed > 0; }
 };
+
+/// Which of the two is nearer to its limit; one that is not set never is.
+inline const Measure& nearer(const Measure& a, const Measure& b) {
+  return b.is_set() && (!a.is_set() || b.share() > a.share()) ? b : a;
+}
 
 struct Finding {
   Kind kind = Kind::kTwoUpdates;

@@ -211,7 +211,7 @@ void Judge::judge_body(Sitter& s, const sync::Bundle& update, const sync::BodyUp
 
 void Judge::weigh(const Sitter& s, const sync::Bundle& update, EntityId body, const Measure& e) {
   Measure& closest = closest_[static_cast<std::size_t>(e.kind)];
-  if (e.share() > closest.share()) closest = e;
+  closest = nearer(closest, e);
   if (!e.exceeds()) return;
   Finding f;
   f.kind = e.kind;

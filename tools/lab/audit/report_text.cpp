@@ -141,6 +141,15 @@ void put_traces(shell::Json& j, const Report& r, const std::vector<std::size_t>&
   j.end_array();
 }
 
+void put_closest(shell::Json& j, const Measure& m, std::size_t kind) {
+  j.key(kKindNames[kind]).begin_object();
+  if (m.is_set())
+    j.field("measured", static_cast<double>(m.measured)).field("allowed", static_cast<double>(m.allowed));
+  else
+    j.key("measured").null().key("allowed").null();
+  j.field("unit", kKindUnits[kind]).end_object();
+}
+
 void put_finding(shell::Json& j, const Report& r, const Finding& f) {
   const auto kind = static_cast<std::size_t>(f.kind);
   j.begin_object();
@@ -172,7 +181,11 @@ std::string text(const Report& r, int worst) {
   }
   out += pushes_text(r) + other_worlds_text(r);
   for (const std::string& label : r.truncated) out += "Note: " + label + " breaks off, and counts as far as it goes\n";
-  const std::string found = r.findings.empty() ? "nothing found" : std::to_string(r.findings.size()) + " findings";
+  for (const std::string& label : r.with_rest)
+    out += "Note: " + label + " has something behind its end that is no part of a trace\n";
+  const std::string found = r.findings.empty()       ? "nothing found"
+                            : r.findings.size() == 1 ? "1 finding"
+                                                     : std::to_string(r.findings.size()) + " findings";
   return out + found + ": " + std::to_string(r.labels.size()) + (r.labels.size() == 1 ? " trace, " : " traces, ") +
          std::to_string(r.updates) + " updates compared, " + std::to_string(r.judged) + " held against physics\n";
 }
@@ -187,10 +200,7 @@ std::string json(const Report& r, const std::vector<std::string>& command) {
     return all;
   }());
   j.key("closest").begin_object();
-  for (std::size_t k = 1; k < kKinds; ++k) {
-    j.key(kKindNames[k]).begin_object().field("measured", static_cast<double>(r.closest[k].measured));
-    j.field("allowed", static_cast<double>(r.closest[k].allowed)).field("unit", kKindUnits[k]).end_object();
-  }
+  for (std::size_t k = 1; k < kKinds; ++k) put_closest(j, r.closest[k], k);
   j.end_object().key("findings").begin_array();
   for (const Finding& f : r.findings) put_finding(j, r, f);
   j.end_array().key("pushes").begin_array();

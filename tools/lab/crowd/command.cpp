@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <iostream>
 #include <limits>
@@ -116,14 +117,27 @@ std::string footnote_of(const CrowdRow& r) {
       static_cast<unsigned long long>(r.bodies_over), r.bodies.lost, r.bodies.doubled);
 }
 
+std::vector<int> sizes_of(const std::string& text) {
+  std::vector<int> sizes;
+  const char* at = text.data();
+  const char* const end = text.data() + text.size();
+  for (bool more = true; more;) {
+    int size = 0;
+    const auto [next, error] = std::from_chars(at, end, size);
+    more = next != end && *next == ',';
+    if (error != std::errc() || size < 1 || size > kMostPeers || (next != end && !more))
+      throw UserError("--peers: '" + text + "' is not allowed; give numbers from 1 to " + std::to_string(kMostPeers) +
+                      " with commas between them");
+    sizes.push_back(size);
+    at = next + (more ? 1 : 0);
+  }
+  return sizes;
+}
+
 }  // namespace
 
 void CrowdCommand::declare(CLI::App& app) {
-  app.add_option("--peers", peers_, "Sizes of crowds")
-      ->delimiter(',')
-      ->check(shell::range(1, kMostPeers))
-      ->type_name("N,N,...")
-      ->capture_default_str();
+  app.add_option("--peers", peers_text_, "Sizes of crowds, 1 to 10000 [4,50,200]")->type_name("N,N,...");
   app.add_option("--seconds", seconds_, "Virtual length of the measurement")
       ->check(shell::range(1.0, 3600.0))
       ->capture_default_str();
@@ -346,6 +360,7 @@ std::string CrowdCommand::json(const std::vector<std::string>& command, const st
 }
 
 int CrowdCommand::run(const std::vector<std::string>& command) {
+  peers_ = sizes_of(peers_text_);
   (void)config_of(1, seed_);
   shell::check_writable("--json", json_);
   const bool table = json_ != "-";

@@ -56,7 +56,8 @@ class CrowdCommand {
   std::string json(const std::vector<std::string>& command, const std::vector<CrowdRow>& rows) const;
 
   shell::TechniqueFlags technique_;
-  std::vector<int> peers_{4, 50, 200};
+  std::string peers_text_ = "4,50,200";
+  std::vector<int> peers_;
   double seconds_ = 20;
   double warm_up_ = 4;
   double arrivals_ = 20;
