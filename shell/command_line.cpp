@@ -123,6 +123,7 @@ std::string name_of(const CLI::Option& o) {
 /// impairments may be empty: there are none then.
 void refuse_empty_values(const CLI::App& app) {
   for (const CLI::Option* o : app.get_options()) {
+    if (o->get_expected_min() == 0) continue;  // its value may be left out
     const std::string type = o->get_type_name();
     const std::vector<std::string>& values = o->results();
     if (type.find("SPEC") != std::string::npos || std::find(values.begin(), values.end(), "") == values.end()) continue;

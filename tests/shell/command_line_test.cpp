@@ -144,6 +144,7 @@ TEST(CommandLine, AnEmptyValueIsNotAnOptionThatIsLeftOut) {
     app.require_subcommand(0, 1);
     std::string text;
     app.add_option("--netem", text)->type_name("SPEC");
+    app.add_option("--liar", text)->expected(0, 1)->type_name("[NAME]");
     CLI::App& command = *app.add_subcommand("audit");
     command.add_option("TRACE", text)->type_name("FILE");
     command.add_option("--json", text)->type_name("FILE|-");
@@ -161,6 +162,7 @@ TEST(CommandLine, AnEmptyValueIsNotAnOptionThatIsLeftOut) {
   EXPECT_EQ(answer({"audit", "a", "--json="}), "--json: no value; give FILE|- (see --help)");
   EXPECT_EQ(answer({"audit", ""}), "TRACE: is empty; leave TRACE out");
   EXPECT_EQ(answer({"--netem", "", "audit", "a"}), "") << "no impairments";
+  EXPECT_EQ(answer({"--liar"}), "") << "its value may be left out";
 }
 
 // CLI11 takes a number that begins with 0 for octal.
