@@ -17,8 +17,9 @@ constexpr Tick kBehind = 2 * kStuck;
 constexpr Tick kInVain = 10 * kTicksPerSecond;
 /// Time for which that member then counts as silent, ticks.
 constexpr Tick kGivenUp = 60 * kTicksPerSecond;
-/// Time for which it is remembered who has let this peer in anew as their hashes differed, ticks.
-constexpr Tick kDiffered = 60 * kTicksPerSecond;
+/// Time for which it is remembered who has let this peer in anew as their hashes differed, ticks: so often a
+/// coordinator that tells a false hash can make this peer begin anew.
+constexpr Tick kDiffered = 10 * 60 * kTicksPerSecond;
 /// Time for which a peer that knows of no living member asks one place, ticks.
 constexpr Tick kInTurn = 2 * kTicksPerSecond;
 /// Time after which such a peer founds the session anew, ticks; and how much later each one does for every more senior

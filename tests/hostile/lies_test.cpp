@@ -160,7 +160,7 @@ TEST(Lying, ACoordinatorWhoseHashesAreNoneMakesNobodyBeginAnewTwice) {
     t.liar().begin([&](sync::StatePacket& p, PeerId to) {
       if (p.check_tick >= 0 && (to_all || to == 1)) p.check_hash ^= 2U;
     });
-    t.party().run(40);
+    t.party().run(90);
     for (int person = 1; person < 4; ++person) {
       const node::Participant& peer = t.party().net().peer(person);
       EXPECT_TRUE(peer.playing() && !peer.returning()) << person << "\n" << t.party().story();
