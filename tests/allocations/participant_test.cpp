@@ -34,7 +34,7 @@ class Pair {
       c.session.seed = n + 1;
       if (seal != wire::SealMode::kNone) {
         c.channels.emplace();
-        c.channels->seed[0] = static_cast<std::uint8_t>(n);
+        c.channels->seed[0] = static_cast<std::uint8_t>(n + 1);
         c.channels->random = [own = Rng(n)](std::span<std::byte> out) mutable {
           for (std::byte& b : out) b = static_cast<std::byte>(own.below(256));
         };
