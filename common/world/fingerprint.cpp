@@ -42,9 +42,10 @@ Scene empty_scene() {
 }
 
 /// Circles and tilted boxes, each far from all others, fall on a slope: no step solves two contacts together, so the
-/// order of contacts has no part in it.
+/// order of contacts has no part in it. The last one begins beyond where the world ends.
 Scene loners() {
   Scene s = empty_scene();
+  s.upper = {110, 40};
   Rng rng(0x616C6F6E);
   for (int i = 0; i < 8; ++i)
     s.bodies.push_back(thrown(i, {20.0F * static_cast<float>(i), 10.0F + static_cast<float>(i)}, 1, rng));
