@@ -227,7 +227,7 @@ void Participant::after_step(Micros local) {
 // The clock that counts is that of the most senior peer present. After its machine was suspended, a peer would be
 // steered for minutes, and all confirmed worlds would wait for it.
 void Participant::steer(Micros local) {
-  if (replica().now() - skipped_ < kClocksShowOf) return current_.session->steer(local, 0);
+  if (std::abs(replica().now() - skipped_) < kClocksShowOf) return current_.session->steer(local, 0);
   if (const Micros lag = replica().least_clock_lag(); lag >= Replica::kFarBehind) {
     skipped_ = replica().now();
     return current_.session->skip(local, lag);
