@@ -117,7 +117,8 @@ class Membership {
   bool is_overtaken() const;
   /// Leaves this peer's seat if it is the coordinator and has to join anew.
   void step_down();
-  /// The most senior living member but this peer and whoever has misled it; kNoPeer if there is none.
+  /// The most senior living member but this peer, whoever has misled it, and those whom it has cut off; kNoPeer if
+  /// there is none.
   PeerId guide() const;
   void follow_changes();
   void count_present();

@@ -77,7 +77,10 @@ void Membership::step_down() {
 
 PeerId Membership::guide() const {
   const auto liar = testimony_.misled_by();
-  return evictions_.first_of(view(), only(session_.self) | (liar ? only(*liar) : 0));
+  PeerSet unfit = only(session_.self) | (liar ? only(*liar) : 0);
+  for (PeerId p = 0; p < session_.slots; ++p)
+    if (!hears(p)) unfit |= only(p);
+  return evictions_.first_of(view(), unfit);
 }
 
 void Membership::watch_confirmed() {

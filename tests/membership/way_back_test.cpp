@@ -177,6 +177,20 @@ TEST(WayBack, ACoordinatorThatIsStuckWhileAnotherMemberIsNotJoinsAnew) {
   EXPECT_EQ(trio.membership().way_back(), trio.place(1));
 }
 
+// Once, it waited for one whom it had cut off, and stayed in a world of its own.
+TEST(WayBack, NobodyGoesBackByWhomItHasCutOff) {
+  Group four(4, 0);
+  four.run_to(120, {0, 1, 2, 3});
+  four.state().config.sealed = true;  // or nobody would be cut off
+  for (std::size_t n = 0; n < node::MisbehaviourPolicy::kNonsense; ++n)
+    four.membership().on_drop(1, sync::DropReason::kMalformed, tick_start(120));
+  four.state().config.sealed = false;  // or all would be, as none of them has a key
+  four.unheard = {3};
+  four.run_to(120 + 13 * kTicksPerSecond, {0, 1, 2, 3});
+  EXPECT_TRUE(four.has_left());
+  EXPECT_EQ(four.membership().way_back(), four.place(2));
+}
+
 // The coordinator before it had lied, and is about to be evicted. Once, the next one took that one's confirmed world
 // for a reason to leave its seat; so did all others, one after the other.
 TEST(WayBack, ACoordinatorThatIsStuckStaysIfTheMemberThatIsNotIsSilent) {
