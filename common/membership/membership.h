@@ -77,7 +77,6 @@ class Membership {
   bool convicts(const PublicKey& key) const { return testimony_.convicts(key); }
   /// Whether the peer with this key is barred: it may not join.
   bool bars(const PublicKey& key) const;
-  bool bars_for_good(const PublicKey& key) const;
   /// Bans, proofs and places that this peer's former incarnation knew. `let_in_by`: key of who has let this peer in
   /// anew, if anybody has.
   void inherit(const Membership& before, const PublicKey& let_in_by);
@@ -100,6 +99,7 @@ class Membership {
   std::vector<MemberChange> take_changes();
 
  private:
+  bool bars_for_good(const PublicKey& key) const;
   const Roster& roster() const { return replica_.replica().roster(); }
   View view() const {
     View view = view_of(replica_.replica());

@@ -15,6 +15,17 @@ namespace padr::test {
 namespace {
 
 /// The message, or nothing if the words are taken.
+std::string answer_of(CLI::App& app, const std::vector<const char*>& words) {
+  std::vector<const char*> argv{"program"};
+  argv.insert(argv.end(), words.begin(), words.end());
+  try {
+    shell::parse(app, static_cast<int>(argv.size()), argv.data());
+  } catch (const UserError& e) {
+    return e.what();
+  }
+  return "";
+}
+
 std::string answer_to(const std::vector<const char*>& words) {
   double seconds = 1;
   int peers = 2;
@@ -25,14 +36,7 @@ std::string answer_to(const std::vector<const char*>& words) {
   app.add_option("--peers", peers)->check(shell::range(1, 64));
   app.add_option("--factor", factor);
   app.add_option("--seed", seed)->check(shell::whole_number());
-  std::vector<const char*> argv{"program"};
-  argv.insert(argv.end(), words.begin(), words.end());
-  try {
-    shell::parse(app, static_cast<int>(argv.size()), argv.data());
-  } catch (const UserError& e) {
-    return e.what();
-  }
-  return "";
+  return answer_of(app, words);
 }
 
 TEST(CommandLine, AWrongValueIsNamedWithWhatIsAllowed) {
@@ -96,15 +100,7 @@ TEST(CommandLine, NoTwoOptionsNameOneFile) {
     app.add_option("--netem", read)->type_name("SPEC");
     app.add_option("--netem-to", read)->type_name("WHERE=SPEC");
     app.add_option("--scenario", read)->type_name("NAMES|FILES");
-    std::vector<const char*> argv{"program"};
-    argv.insert(argv.end(), r.words.begin(), r.words.end());
-    std::string answer;
-    try {
-      shell::parse(app, static_cast<int>(argv.size()), argv.data());
-    } catch (const UserError& e) {
-      answer = e.what();
-    }
-    EXPECT_EQ(answer, r.answer);
+    EXPECT_EQ(answer_of(app, r.words), r.answer);
   }
 }
 
@@ -122,13 +118,7 @@ TEST(CommandLine, TwoHardLinksAreOneFile) {
   app.add_option("TRACE", trace)->type_name("FILE");
   app.add_option("--json", json)->type_name("FILE|-");
   const auto answer = [&](const std::string& read, const std::string& written) {
-    const std::array argv{"program", read.c_str(), "--json", written.c_str()};
-    try {
-      shell::parse(app, static_cast<int>(argv.size()), argv.data());
-    } catch (const UserError& e) {
-      return std::string(e.what());
-    }
-    return std::string();
+    return answer_of(app, {read.c_str(), "--json", written.c_str()});
   };
   EXPECT_EQ(answer(path("trace"), path("link")),
             "TRACE and --json: both name the file '" + path("link") + "'; give each its own");
@@ -148,14 +138,7 @@ TEST(CommandLine, AnEmptyValueIsNotAnOptionThatIsLeftOut) {
     CLI::App& command = *app.add_subcommand("audit");
     command.add_option("TRACE", text)->type_name("FILE");
     command.add_option("--json", text)->type_name("FILE|-");
-    std::vector<const char*> argv{"program"};
-    argv.insert(argv.end(), words.begin(), words.end());
-    try {
-      shell::parse(app, static_cast<int>(argv.size()), argv.data());
-    } catch (const UserError& e) {
-      return e.what();
-    }
-    return "";
+    return answer_of(app, words);
   };
   EXPECT_EQ(answer({"audit", "a", "--json", "b"}), "");
   EXPECT_EQ(answer({"audit", "a", "--json", ""}), "--json: is empty; give FILE|-, or leave --json out");

@@ -55,8 +55,8 @@ std::size_t place_of(const std::vector<std::string>& names, std::string_view nam
   return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
-double number_in(const StoredRow& row, std::size_t column) {
-  return std::strtod(fields_of(row.text)[column].c_str(), nullptr);
+double as_number(const std::string& field) {
+  return std::strtod(field.c_str(), nullptr);
 }
 
 /// Where the columns are that the table shows.
@@ -87,7 +87,7 @@ std::vector<Group> grouped(const StoredRows& stored, std::size_t seed) {
     const auto [found, fresh] = place.try_emplace(key, groups.size());
     if (fresh) groups.push_back({std::move(key), std::vector<Column>(row.size())});
     Group& g = groups[found->second];
-    for (std::size_t c = seed + 1; c < row.size(); ++c) g.columns[c].add(std::strtod(row[c].c_str(), nullptr));
+    for (std::size_t c = seed + 1; c < row.size(); ++c) g.columns[c].add(as_number(row[c]));
   }
   return groups;
 }
@@ -155,7 +155,7 @@ bool agreed(const StoredRows& stored) {
   const std::size_t mismatches = place_of(names, "confirmed_mismatches");
   return mismatches == names.size() ||
          std::all_of(stored.rows.begin(), stored.rows.end(),
-                     [mismatches](const StoredRow& row) { return number_in(row, mismatches) == 0; });
+                     [mismatches](const StoredRow& row) { return as_number(fields_of(row.text)[mismatches]) == 0; });
 }
 
 std::string doubt(const StoredRows& stored) {
@@ -166,8 +166,9 @@ std::string doubt(const StoredRows& stored) {
   std::size_t rows = 0;
   std::pair<double, std::size_t> least{1, 0};  // share, run
   for (const StoredRow& row : stored.rows) {
-    const double ticks = number_in(row, seconds) * kTicksPerSecond;
-    const double share = number_in(row, confirmed) / ticks;
+    const std::vector<std::string> fields = fields_of(row.text);
+    const double ticks = as_number(fields[seconds]) * kTicksPerSecond;
+    const double share = as_number(fields[confirmed]) / ticks;
     if (!Simulation::is_little(share, static_cast<Tick>(ticks))) continue;
     ++rows;
     least = std::min(least, {share, row.run});
