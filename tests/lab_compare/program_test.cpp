@@ -25,8 +25,11 @@ TEST_F(CompareProgram, ARefusedCommandLineTouchesNoFile) {
   refused("compare --input path:nowhere.csv" + files, "--input: ");
   refused("compare --input sleep" + files, "--input: ");
   refused("compare --peers 1 --input rest --input wander" + files, "--input: given 2 times, but --peers is 1");
+  refused("compare --json old.json --csv no/where.csv", "--csv: cannot write 'no/where.csv'");
+  refused("compare --csv old.csv --out old.json/pictures --json new.json", "--out: ");
   EXPECT_EQ(read("old.json"), "{}");
   EXPECT_EQ(read("old.csv"), "a,b\n");
+  EXPECT_FALSE(std::filesystem::exists(path("new.json")));
 }
 
 // Once, the second one's pictures replaced the first one's.

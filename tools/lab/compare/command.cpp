@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iostream>
-#include <optional>
 
 #include "shell/command_line.h"
 #include "shell/files.h"
@@ -10,30 +9,8 @@
 #include "tools/plot/gnuplot.h"
 
 namespace padr::lab {
-namespace {
 
 using namespace compare;
-
-/// A file for results. It is opened before the runs, so that a wrong path shows at once.
-class Sink {
- public:
-  Sink(const std::string& flag, const std::string& path) : to_terminal_(path == "-") {
-    if (!path.empty() && !to_terminal_) file_.emplace(flag, path);
-  }
-  bool to_terminal() const { return to_terminal_; }
-  void write(const std::string& text) {
-    if (to_terminal_) std::cout << text;
-    if (!file_) return;
-    file_->write(text);
-    file_->close();
-  }
-
- private:
-  bool to_terminal_;
-  std::optional<shell::OutputFile> file_;
-};
-
-}  // namespace
 
 void CompareCommand::declare(CLI::App& app) {
   flags_.declare(app);
@@ -63,15 +40,17 @@ void CompareCommand::declare(CLI::App& app) {
 int CompareCommand::run(const std::vector<std::string>& command) const {
   Plan p = flags_.plan();
   p.setting.processor_time = processor_time_;
-  if (!out_.empty()) plot::write_into("--out", out_, {});
-  Sink json_sink("--json", json_);
-  Sink csv_sink("--csv", csv_);
+  if (!out_.empty()) plot::write_into("--out", out_, {});  // the other files may lie in it
+  shell::check_writable("--json", json_);
+  shell::check_writable("--csv", csv_);
   const std::vector<Row> rows = run_plan(p);
   warn_of_unmeasured(rows, p.setting.ticks);
   const std::string all = json(rows, p, shell::shell_line(command));
-  json_sink.write(all);
-  csv_sink.write(csv(rows, p));
-  if (!json_sink.to_terminal() && !csv_sink.to_terminal()) std::cout << table(rows, p);
+  const auto write = [](const char* flag, const std::string& file, const std::string& text) {
+    if (!file.empty()) shell::write_text(flag, file, text);
+  };
+  if (json_ != "-" && csv_ != "-") std::cout << table(rows, p);
+  shell::do_all({[&] { write("--json", json_, all); }, [&] { write("--csv", csv_, csv(rows, p)); }});
   plot::Drawing drawing;
   if (!out_.empty()) {
     plot::write_into("--out", out_,
