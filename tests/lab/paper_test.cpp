@@ -61,7 +61,8 @@ TEST(Paper, TighterThresholdsGiveSmallerErrorsAndMoreUpdates) {
   }
 }
 
-// Nothing is lost or late: an avatar's error never exceeds the threshold, in no view, at no tick.
+// Nothing is lost or late: in no view and at no tick does an avatar's error exceed the threshold by more than the way
+// of two ticks.
 TEST(Paper, WithoutImpairmentAvatarsStayWithinTheirThreshold) {
   for (const char* name : {"fixed", "full"}) {
     Technique t = technique_by_name(name);
