@@ -244,9 +244,10 @@ void Replica::take_on_rounded(const sync::Bundle& told) {
   live_.place(s);
 }
 
-// The paper predicts at every turn of its loop; its techniques here do so every kLookEvery ticks. Other techniques look
-// ahead at most as often, and only if the result decides whether an update goes out: an avatar whose model is right
-// within the low threshold may be as near to bodies as it likes.
+// The paper predicts at every turn of its loop in which no contact begins or ends; its techniques here do so every
+// kLookEvery ticks, with or without one. Other techniques look ahead at most as often, and only if the result decides
+// whether an update goes out: an avatar whose model is right within the low threshold may be as near to bodies as it
+// likes.
 void Replica::look_ahead(Vec2 target) {
   const bool always = config_.technique.update_every_contact;
   if (always ? now() % kLookEvery == 0 : now() - looked_ >= kLookEvery) {
