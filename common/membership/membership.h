@@ -163,8 +163,9 @@ class Membership {
   struct Asked {
     std::uint32_t incarnation = 0;
     Tick since = 0;
+    bool spared = false;
   };
-  /// Members that count as silent, as they did not let this peer in anew, or spare who is silent.
+  /// Members that count as silent, as they did not let this peer in anew, or spared who was silent.
   std::map<PeerId, Asked> in_vain_;
   PublicKey differed_{};          ///< who has let this peer in anew though its hash differed
   Tick differed_until_ = 0;       ///< until when that counts

@@ -124,7 +124,10 @@ void Membership::give_up_guide() {
   if (!is_alone()) alone_since_ = now;
   std::erase_if(in_vain_, [&](const auto& entry) {
     const auto& [slot, asked] = entry;
-    return now - asked.since >= kGivenUp || roster().seats[slot].incarnation != asked.incarnation;
+    // Others may have heard for a while who was silent here. Then that one is gone by now, or has told what was
+    // missing.
+    const bool cleared = asked.spared && confirmed_at_ > asked.since;
+    return cleared || now - asked.since >= kGivenUp || roster().seats[slot].incarnation != asked.incarnation;
   });
   const bool returns = !why_back().empty();
   told_ = told_ && returns;
@@ -133,8 +136,9 @@ void Membership::give_up_guide() {
   if (const PeerId c = coordinator(); std::exchange(coordinates_, c) != c) coordinates_since_ = now;
   if (!session_.config.sealed || (roster().leaving && !stands_down_) || by == kNoPeer) {
     back_since_ = now;
-  } else if (now - back_since_ >= (by == coordinator() ? kInVain : 2 * kInVain) || spares_silent(by)) {
-    in_vain_[by] = {roster().seats[by].incarnation, now};
+  } else if (const bool spares = spares_silent(by);
+             spares || now - back_since_ >= (by == coordinator() ? kInVain : 2 * kInVain)) {
+    in_vain_[by] = {roster().seats[by].incarnation, now, spares};
     evictions_.forget_asker(by);
     back_since_ = now;
   }

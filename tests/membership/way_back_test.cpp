@@ -32,6 +32,7 @@ class Group {
   void run_to(Tick until, const std::vector<PeerId>& speaking) {
     while (++now_ <= until) {
       for (const PeerId p : speaking) nodes_[p]->step({});
+      for (const PeerId p : apart) nodes_[p]->step({});
       membership_->advance(tick_start(now_));
       for (const PeerId p : unheard) {
         own().freeze(p, true);
@@ -47,6 +48,8 @@ class Group {
   const Endpoint& place(PeerId p) { return own().replica().seat(p).at; }
   node::SessionState& state() { return session_; }
   bool has_left() { return own().replica().roster().leaving; }
+  /// These go on, but neither hear anybody nor are heard.
+  std::vector<PeerId> apart;
   /// The peer that is looked at takes no updates of these.
   std::vector<PeerId> unheard;
   /// Nor does this one.
@@ -147,6 +150,23 @@ TEST(WayBack, ACoordinatorThatDoesNotAskAboutASilentPeerCountsAsSilentItself) {
       EXPECT_TRUE(four.membership().way_back()) << "the next one has as long to ask";
     }
   }
+}
+
+// Others had heard the silent one for a little longer. Once, the coordinator counted as silent for a minute all the
+// same: its questions found no reply and its orders were refused, until it was cut off.
+TEST(WayBack, ACoordinatorThatHasSparedASilentPeerIsFollowedAgainOnceSomethingIsConfirmed) {
+  Group four(4);
+  four.state().config.sealed = true;
+  four.run_to(120, {0, 1, 2, 3});
+  four.apart = {3};
+  four.run_to(180, {0, 1, 2});
+  const Tick stuck = four.confirmed() + 12 * kTicksPerSecond;
+  four.run_to(stuck + kTicksPerSecond, {0, 1, 2});
+  ASSERT_NE(four.membership().coordinator(), 0);
+  four.apart.clear();
+  four.run_to(stuck + 3 * kTicksPerSecond, {0, 1, 2, 3});
+  ASSERT_GT(four.confirmed(), stuck);
+  EXPECT_EQ(four.membership().coordinator(), 0);
 }
 
 // The last falls silent, and the others never say what they have of it, as if they followed another coordinator.
