@@ -13,6 +13,9 @@ constexpr Tick kPhase = 11;
 constexpr float kCalmLoss = 0.02F;
 // Time for which updates are kept although all peers have them: a joiner has only what its source had when it asked.
 constexpr Tick kKept = 15 * kTicksPerSecond;
+// Time for which others' updates are kept at most. A member that is further behind joins anew, or tells no hash, which
+// says what it has confirmed.
+constexpr Tick kKeptAtMost = 64 * kTicksPerSecond;
 // Interval between hashes when updates leave no room for marks; otherwise each hash goes out once, with a mark.
 constexpr Tick kTellCheck = 60;
 constexpr double kBytesPerKbit = 125;
@@ -76,7 +79,7 @@ void Replica::keep_logs(std::uint32_t everyone) {
   Tick all = std::min(agreed_.confirmed().tick, now() - kKept);
   for (PeerId p = 0; p < config_.slots; ++p)
     if (p != config_.self && seat(p).there()) all = std::min(all, seat(p).confirmed);
-  agreed_.keep_from(all);
+  agreed_.keep_from(std::max(all, now() - kKeptAtMost));
 }
 
 void Replica::fill(sync::StatePacket& packet, PeerId p) {

@@ -79,6 +79,22 @@ TEST(Floods, WhoAcknowledgesNothingIsDeclaredGone) {
   t.expect_no_harm();
 }
 
+// Whoever tells no hash does not say what it has confirmed. Once, others kept all updates for it, for as long as it was
+// there.
+TEST(Floods, WhoTellsNoHashIsKeptUpdatesForOnlySoLong) {
+  for (const auto mode : {wire::SealMode::kNone, wire::SealMode::kAuth}) {
+    Trial t(3, 2, mode, 306);
+    t.liar().begin([](sync::StatePacket& p, PeerId) { p.check_tick = -1; });
+    t.party().run(70);
+    const std::size_t early = t.replica(0).kept().log_ticks;
+    EXPECT_GT(early, 15U * 30U) << "or nothing has been tested";
+    t.party().run(140);
+    EXPECT_LT(t.replica(0).kept().log_ticks, early + early / 2);
+    EXPECT_TRUE(t.replica(0).seat(2).there()) << "it need not compute any";
+    t.expect_no_harm();
+  }
+}
+
 // Asked what it has of a lost peer, it says: far more than there is, which nobody can ever send. Once, that kept the
 // lost one in, and everybody's confirmed world where it was, for ever.
 TEST(Floods, WhoClaimsToHaveMoreOfALostPeerThanItCanShow) {
