@@ -85,6 +85,8 @@ class Membership {
   /// Address at which to join anew after an eviction, a difference of confirmed worlds, a standstill or a lost merge of
   /// partitions; nothing if all is well.
   std::optional<Endpoint> way_back() const;
+  /// How many Joins may go there now, which count as sent; absent: any number.
+  std::optional<int> joins_for(const Endpoint& at) { return merge_.joins_for(at, view()); }
   /// Whether this peer should ask at way_back() rather than at this address, where it has asked to join anew: the
   /// member there has left, or nobody is known to live.
   bool asks_in_vain(const Endpoint& at) const;

@@ -156,6 +156,10 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
     return;  // sent by another incarnation
   }
   Witness& witness = note_witness(from, sender, probe.incarnation, view.roster.now);
+  if (!session_.config.sealed) {
+    std::size_t& credit = credit_of(from).bytes;
+    credit = std::min(credit + bytes, wire::kMaxDatagram);
+  }
   const Side us = ours(view);
   // Whoever has left to join anew and knows nobody any more has nothing to lose.
   const bool is_lost = view.roster.leaving && us.size() == 1;
@@ -174,21 +178,38 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
   if (view.roster.leaving || view.roster.now - witness.answered < kAnswerPace || !out.may_answer(local)) return;
   witness.answered = view.roster.now;
   if (known) return out.send(from, our_probe(true, view));
-  reply_within_credit(from, bytes, view, out);
+  reply_within_credit(from, view, out);
 }
 
-// Without a key the address is unproven, and gets at most as many bytes as it sent: in a large session, a reply to only
-// some of its Probes.
-void PartitionMerge::reply_within_credit(const Endpoint& to, std::size_t bytes, const View& view, Commands& out) {
+bool PartitionMerge::is_unproven(const Endpoint& at, const View& view) const {
+  if (session_.config.sealed) return false;
+  const auto& seats = view.roster.seats;
+  return std::none_of(seats.begin(), seats.end(), [&](const Seat& s) { return s.at == at; }) &&
+         std::none_of(gone_.begin(), gone_.end(), [&](const Remembered& r) { return r.gone.at == at; });
+}
+
+PartitionMerge::Credit& PartitionMerge::credit_of(const Endpoint& at) {
+  const auto it = std::find_if(credits_.begin(), credits_.end(), [&](const Credit& c) { return c.at == at; });
+  if (it != credits_.end()) return *it;
+  keep(credits_, {at, 0}, kMost);
+  return credits_.back();
+}
+
+// Without a key the address gets at most as many bytes as it sent: in a large session, a reply to only some of its
+// Probes.
+void PartitionMerge::reply_within_credit(const Endpoint& to, const View& view, Commands& out) {
   if (session_.config.sealed) return out.send(to, our_probe(false, view));
-  auto it = std::find_if(credits_.begin(), credits_.end(), [&](const Credit& c) { return c.at == to; });
-  if (it == credits_.end()) {
-    if (credits_.size() == kMost) credits_.erase(credits_.begin());
-    credits_.push_back({to, 0});
-    it = std::prev(credits_.end());
-  }
-  it->bytes = std::min(it->bytes + bytes, wire::kMaxDatagram);
-  it->bytes -= out.send_at_most(it->bytes, to, our_probe(false, view));
+  std::size_t& credit = credit_of(to).bytes;
+  credit -= out.send_at_most(credit, to, our_probe(false, view));
+}
+
+// A Join fills a datagram.
+std::optional<int> PartitionMerge::joins_for(const Endpoint& at, const View& view) {
+  if (!is_unproven(at, view)) return std::nullopt;
+  std::size_t& credit = credit_of(at).bytes;
+  const std::size_t joins = credit / wire::kMaxDatagram;
+  credit -= joins * wire::kMaxDatagram;
+  return static_cast<int>(joins);
 }
 
 // The winner may be a liar that lets nobody in, and as long as this peer asks there, it lets nobody in either.

@@ -63,6 +63,8 @@ class PartitionMerge {
   Tick since(PeerId p, const View& view) const;
   /// Address of a winning part that was heard lately, to join it anew.
   std::optional<Endpoint> winner(const View& view) const;
+  /// How many Joins may go to a winner's address now, which count as sent; absent: any number.
+  std::optional<int> joins_for(const Endpoint& at, const View& view);
 
   static constexpr Tick kPace = kTicksPerSecond / 3;
   /// Least time between two Probes in reply to one peer, ticks: each of its Probes is replied to, but not its replies.
@@ -174,8 +176,11 @@ class PartitionMerge {
   /// Stops trying to join the winner for a while, if this peer has tried for long and has others in its part.
   void give_winner_up(const View& view);
   wire::Probe our_probe(bool knows, const View& view) const;
+  /// Whether anybody could have named this address as its own: no member has been there, and the session has no key.
+  bool is_unproven(const Endpoint& at, const View& view) const;
+  Credit& credit_of(const Endpoint& at);
   /// Sends a Probe in reply; without a key, only if it is no larger than what that address has sent so far.
-  void reply_within_credit(const Endpoint& to, std::size_t bytes, const View& view, Commands& out);
+  void reply_within_credit(const Endpoint& to, const View& view, Commands& out);
 
   const SessionView& session_;
   std::vector<Remembered> gone_;

@@ -228,6 +228,8 @@ void Participant::look_for_way_back(Micros local) {
   if (next_.session || local < try_again_ || !where || !where->is_set()) return;
   SessionConfig c = config_.session;
   c.join = *where;
+  c.joins = current_.membership->joins_for(*where);
+  if (c.joins == 0) return;
   c.seed = derive_seed(c.seed, 0xBAC, ++tries_);
   c.patience = kReturnPatience;
   c.most_offset = most_offset_;

@@ -104,6 +104,7 @@ void Joiner::advance(Micros local) {
   give_up_if_late(local);
   if (session_.phase == SessionPhase::kFailed) return;
   start_over_if_unheard(local);
+  if (session_.config.joins && redirects_ == 0 && asks_ >= *session_.config.joins) return;
   if (local - asked_ >= (asks_ <= SessionPace::kJoins ? SessionPace::kJoin : SessionPace::kRareJoin)) ask(local);
 }
 

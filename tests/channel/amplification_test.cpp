@@ -124,6 +124,22 @@ TEST(Amplification, WithoutAKeyNothingUnprovenGetsBackMoreThanItSentEither) {
   }
   EXPECT_GT(out, 0) << "or nothing has been tested";
   EXPECT_LE(out, 20 * (static_cast<double>(newcomer.size()) + kHeaders));
+  // Of a side that wins. Once, each Probe was worth ten Joins.
+  std::vector<wire::Seat> many;
+  for (PeerId p = kElsewhere; p < kElsewhere + 12; ++p) many.push_back({p, 90U + p, 0});
+  const wire::Bytes winning = membership(wire::Probe{99, many, false, 120});
+  const double one = static_cast<double>(winning.size()) + kHeaders;
+  out = 0;
+  party.net().inject(stranger, 1, winning);
+  party.run(8);
+  EXPECT_LE(out, one);
+  for (int i = 0; i < 100; ++i) {
+    party.net().inject(stranger, 1, winning);
+    party.run(0.3);
+  }
+  party.run(8);
+  EXPECT_GT(out, 1200) << "it is asked, at last";
+  EXPECT_LE(out, 101 * one);
   EXPECT_TRUE(party.united()) << party.story();
 }
 
