@@ -27,25 +27,41 @@ TEST(Digest, ASummaryHasEveryMeasureWithItsInterval) {
   StoredRows s = stored();
   s.heading += ",setting";
   for (StoredRow& r : s.rows) r.text += ",\"full, as is\"";
-  // Means of 1 and 3, and so on; two seeds have 12.706 standard errors on either side.
+  // Means of 1 and 3, and so on; two seeds have 12.7062 standard errors on either side.
   EXPECT_EQ(summary(s),
             "scenario,delay_ms,runs,mean_m,mean_m_interval,avatar_mean_m,avatar_mean_m_interval,body_mean_m,"
             "body_mean_m_interval,peak_m,peak_m_interval,wire_kbps,wire_kbps_interval\n"
-            "arena,0,2,2,12.706,1.4,11.4354,0.6,1.2706,2.5,6.353,15,63.53\n"
-            "arena,50,2,4,0,3,0,1,0,8.5,6.353,30,0\n");
+            "arena,0,2,2,12.7062,1.4,11.4356,0.6,1.27062,2.5,6.3531,15,63.531\n"
+            "arena,50,2,4,0,3,0,1,0,8.5,6.3531,30,0\n");
   EXPECT_EQ(summary({}), "");
 }
 
-// Student's t for 11 degrees of freedom is 2.20099; values 0 and 1 in turn have a standard deviation of 0.52223.
-TEST(Digest, IntervalsOfTwelveSeedsAreStudents) {
+/// The interval of the mean of so many values, 0 and 1 in turn, as a summary prints it.
+std::string interval_of(std::size_t n) {
   StoredRows s;
   s.heading = stored().heading;
-  for (std::size_t i = 0; i < 12; ++i)
+  const std::string of = std::to_string(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::string run = std::to_string(i);
     s.rows.push_back(
-        {"g", i, 12,
-         "g," + std::to_string(i) + ",12,arena,0," + std::to_string(i) + "," + std::to_string(i % 2) + ",0,0,0,0",
-         i + 2});
-  EXPECT_NE(summary(s).find("arena,0,12,0.5,0.331"), std::string::npos) << summary(s);
+        {"g", i, n, "g," + run + "," + of + ",arena,0," + run + "," + std::to_string(i % 2) + ",0,0,0,0", i + 2});
+  }
+  const std::string key = "arena,0," + of + ",0.5,";
+  const std::string text = summary(s);
+  const std::size_t at = text.find(key);
+  return at == std::string::npos ? text
+                                 : text.substr(at + key.size(), text.find(',', at + key.size()) - at - key.size());
+}
+
+// By scipy.stats.t.ppf(0.975, n - 1): once, the third or fourth digit that is printed was wrong already.
+TEST(Digest, IntervalsAreStudentsToTheLastDigitThatIsPrinted) {
+  EXPECT_EQ(interval_of(4), "0.918693");
+  EXPECT_EQ(interval_of(6), "0.5748");
+  EXPECT_EQ(interval_of(12), "0.331811");
+  EXPECT_EQ(interval_of(16), "0.275169");
+  EXPECT_EQ(interval_of(18), "0.255853");
+  EXPECT_EQ(interval_of(40), "0.161945");
+  EXPECT_EQ(interval_of(1000), "0.0310429");
 }
 
 TEST(Digest, OfTooManyCombinationsIsANote) {
