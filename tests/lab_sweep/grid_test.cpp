@@ -44,9 +44,9 @@ TEST(Grid, HasEveryCombinationOnce) {
   std::set<std::string> seen;
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const Point p = grid.point(i);
-    seen.insert(std::to_string(p.delay_ms) + " " + std::to_string(p.loss_percent) + " " + std::to_string(p.peers) +
-                " " + std::to_string(p.bodies.value_or(0)) + " " + shell::describe(p.technique) + " " +
-                std::to_string(p.seed));
+    seen.insert(std::to_string(p.delay_ms) + " " + std::to_string(p.loss_percent.value_or(-1)) + " " +
+                std::to_string(p.peers) + " " + std::to_string(p.bodies.value_or(0)) + " " +
+                shell::describe(p.technique) + " " + std::to_string(p.seed));
   }
   EXPECT_EQ(seen.size(), grid.size());
   EXPECT_EQ(grid.point(0).seed, 1U);

@@ -1,5 +1,6 @@
 // padr-lab sweep and merge as a user meets them.
 #include <algorithm>
+#include <array>
 #include <regex>
 
 #include "tests/shell.h"
@@ -56,6 +57,30 @@ TEST_F(SweepProgram, ADoubtfulNetworkIsNamedOnce) {
   EXPECT_EQ(r.status, 0);
   EXPECT_NE(r.err.find("warning: in some runs: --netem: "), std::string::npos) << r.err;
   EXPECT_EQ(std::ranges::count(r.err, '\n'), 1) << r.err;
+}
+
+// Once, a row told of no delay and no loss where --netem had them, and nothing of what else all runs had alike.
+TEST_F(SweepProgram, RowsTellWhatWasPlayed) {
+  const std::string grid = "sweep --technique fixed --bodies 8 --seconds 0.5 ";
+  // The heading, and of the row what comes before the seconds.
+  const auto starts = [this](const std::string& file) {
+    const std::string text = read(file);
+    const std::size_t row = text.find('\n') + 1;
+    return std::array{text.substr(0, row), text.substr(row, text.find(",0.5,", row) - row)};
+  };
+  ASSERT_EQ(lab(grid + "--netem 'delay 50ms 10ms loss 5% duplicate 1%' --csv a.csv").status, 0);
+  EXPECT_TRUE(starts("a.csv")[0].starts_with(
+      "grid,run,of,scenario,bodies,peers,delay_ms,jitter_ms,loss_percent,technique,netem,seed,seconds,mean_m,"));
+  EXPECT_TRUE(starts("a.csv")[1].ends_with(",arena,8,2,50,10,5,fixed,delay 50ms 10ms loss 5% duplicate 1%,1"))
+      << starts("a.csv")[1];
+  // A model of loss has no share that is its own.
+  ASSERT_EQ(lab(grid + "--delay 50ms --netem 'loss gemodel 1% 30%' --csv b.csv").status, 0);
+  EXPECT_TRUE(starts("b.csv")[1].ends_with(",arena,8,2,50,0,,fixed,loss gemodel 1% 30%,1")) << starts("b.csv")[1];
+  ASSERT_EQ(lab(grid + "--input wander:3 --input rest --watch 1 --settle 2 --csv c.csv").status, 0);
+  EXPECT_TRUE(
+      starts("c.csv")[0].starts_with("grid,run,of,scenario,bodies,peers,delay_ms,jitter_ms,loss_percent,"
+                                     "technique,input,watched_peer,settle_s,seed,seconds,mean_m,"));
+  EXPECT_TRUE(starts("c.csv")[1].ends_with(",arena,8,2,0,0,0,fixed,wander:3 rest,1,2,1")) << starts("c.csv")[1];
 }
 
 // Once, the mean of the first few ticks was that of the run, without a word.

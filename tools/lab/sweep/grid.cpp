@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "common/model/hash.h"
@@ -42,12 +43,33 @@ std::string netem_text(double delay_ms, double jitter_ms, double loss_percent, c
   return s + more;
 }
 
+/// Whether this specification says so, as one of its words.
+bool says(const std::string& netem, const std::string& word) {
+  return (" " + netem + " ").find(" " + word + " ") != std::string::npos;
+}
+
 /// Rows would be named by the one and played by the other.
 void refuse_two_delays(const GridText& t) {
-  const bool has_delay = (" " + t.netem + " ").find(" delay ") != std::string::npos;
-  if (!has_delay || (t.delay.empty() && t.jitter.empty())) return;
+  if (!says(t.netem, "delay") || (t.delay.empty() && t.jitter.empty())) return;
   throw UserError("--netem: '" + t.netem + "' has a delay, and so " +
                   (t.delay.empty() ? "has --jitter" : "has --delay") + "; give delays in one of them");
+}
+
+double milliseconds(link::Nanos t) {
+  return static_cast<double>(t) / static_cast<double>(link::kNanosPerMilli);
+}
+
+/// As --netem has them, whatever the lists say: these are empty then, or the grid is refused.
+void take_from_netem(Point& p, const std::string& netem) {
+  if (says(netem, "delay")) {
+    p.delay_ms = milliseconds(p.netem.delay.mean);
+    p.jitter_ms = milliseconds(p.netem.delay.jitter);
+  }
+  if (!says(netem, "loss")) return;
+  p.loss_percent.reset();
+  constexpr double kDigits = 1e6;  // a chance is a 32-bit number, and no whole per cent
+  if (const auto* random = std::get_if<link::Knob>(&p.netem.loss))
+    p.loss_percent = std::round(100 * kDigits * random->chance / link::kAlways) / kDigits;
 }
 
 bool sets(const std::string& technique, std::string_view flag) {
@@ -99,7 +121,17 @@ Grid::Grid(const GridText& t)
   }
   check_techniques();
   check_sessions();
+  note_given(t);
   id_ = identify();
+}
+
+void Grid::note_given(const GridText& t) {
+  if (!t.netem.empty()) given_.emplace_back("netem", t.netem);
+  std::string inputs;
+  for (const std::string& input : t.inputs) inputs += (inputs.empty() ? "" : " ") + input;
+  if (!inputs.empty()) given_.emplace_back("input", inputs);
+  if (t.watch) given_.emplace_back("watched_peer", std::to_string(*t.watch));
+  if (t.settle_seconds > 0) given_.emplace_back("settle_s", plain(t.settle_seconds));
 }
 
 Point Grid::point(std::size_t index) const {
@@ -113,7 +145,8 @@ Point Grid::point(std::size_t index) const {
   p.knobs.resize(knobs_.size());
   for (std::size_t k = knobs_.size(); k-- > 0;) p.knobs[k] = pick(knob_values_[k]);
   p.technique_name = pick(techniques_);
-  p.loss_percent = pick(loss_percent_);
+  const double loss_percent = pick(loss_percent_);
+  p.loss_percent = loss_percent;
   p.jitter_ms = pick(jitter_ms_);
   p.delay_ms = pick(delay_ms_);
   p.peers = static_cast<int>(pick(peers_));
@@ -121,7 +154,8 @@ Point Grid::point(std::size_t index) const {
   p.scenario = pick(scenarios_);
   p.technique = shell::technique_of(p.technique_name);
   for (std::size_t k = 0; k < knobs_.size(); ++k) shell::knobs()[knobs_[k]].set(p.technique, p.knobs[k]);
-  p.netem = shell::parse_netem_flag("--netem", netem_text(p.delay_ms, p.jitter_ms, p.loss_percent, netem_), nullptr);
+  p.netem = shell::parse_netem_flag("--netem", netem_text(p.delay_ms, p.jitter_ms, loss_percent, netem_), nullptr);
+  take_from_netem(p, netem_);
   return p;
 }
 

@@ -37,9 +37,9 @@ struct Point {
   int peers = 0;
   double delay_ms = 0;
   double jitter_ms = 0;
-  double loss_percent = 0;
-  std::string technique_name;      ///< as given, with the knobs that came with it
-  std::vector<std::string> knobs;  ///< values of the knobs that are in the grid
+  std::optional<double> loss_percent;  ///< nothing: --netem has a model of loss, with no share of its own
+  std::string technique_name;          ///< as given, with the knobs that came with it
+  std::vector<std::string> knobs;      ///< values of the knobs that are in the grid
   std::uint64_t seed = 0;
   Technique technique;  ///< with its knobs set
   link::NetemSpec netem;
@@ -56,6 +56,8 @@ class Grid {
   Point point(std::size_t index) const;
   /// Flags of the knobs that are in the grid, without dashes before and with '_' for those within.
   const std::vector<std::string>& knob_columns() const { return knob_columns_; }
+  /// Name and value of the columns of flags that are no lists and were given: all rows have them alike.
+  const std::vector<std::pair<std::string, std::string>>& given() const { return given_; }
   double seconds() const { return seconds_; }
   double settle_seconds() const { return settle_seconds_; }
   const std::vector<std::string>& inputs() const { return inputs_; }
@@ -67,6 +69,7 @@ class Grid {
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
+  void note_given(const GridText& t);
   void check_sessions() const;
   void check_techniques();
   std::string identify() const;
@@ -85,6 +88,7 @@ class Grid {
   double settle_seconds_;
   std::vector<std::string> inputs_;
   std::optional<PeerId> watched_;
+  std::vector<std::pair<std::string, std::string>> given_;
   std::size_t size_ = 0;
   std::string id_;
   std::vector<std::string> warnings_;

@@ -67,6 +67,7 @@ std::string outcome(const Simulation& s, const Technique& technique, std::option
 std::string heading_of(const Grid& grid) {
   std::string knobs;
   for (const std::string& k : grid.knob_columns()) knobs += k + ",";
+  for (const auto& [name, value] : grid.given()) knobs += name + ",";
   return "grid,run,of,scenario,bodies,peers,delay_ms,jitter_ms,loss_percent,technique," + knobs + "seed,seconds," +
          kOutcome;
 }
@@ -94,9 +95,10 @@ Row run_point(const Grid& grid, std::size_t index) {
 
   std::string text = grid.id() + "," + std::to_string(index) + "," + std::to_string(grid.size()) + "," +
                      shell::csv_field(p.scenario) + "," + std::to_string(bodies) + "," + std::to_string(p.peers) + "," +
-                     plain(p.delay_ms) + "," + plain(p.jitter_ms) + "," + plain(p.loss_percent) + "," +
-                     shell::csv_field(p.technique_name) + ",";
+                     plain(p.delay_ms) + "," + plain(p.jitter_ms) + "," +
+                     (p.loss_percent ? plain(*p.loss_percent) : "") + "," + shell::csv_field(p.technique_name) + ",";
   for (const std::string& k : p.knobs) text += shell::csv_field(k) + ",";
+  for (const auto& [name, value] : grid.given()) text += shell::csv_field(value) + ",";
   text += std::to_string(p.seed) + "," + plain(grid.seconds()) + "," + outcome(simulation, p.technique, grid.watched());
   return {std::move(text), simulation.measured_share()};
 }
