@@ -57,6 +57,25 @@ TEST_F(CompareProgram, WarnsWhereLittleWasConfirmedInTime) {
   }
 }
 
+// Once, only standard error said so, and of a benchmark only while it played: what remained showed a mean of 0.
+TEST_F(CompareProgram, WhatIsHardlyMeasuredSaysSoWhereItIsShown) {
+  const std::string words = " --techniques full,dis --seeds 1 --seconds 4 --netem 'delay 0ms' --netem 'delay 3s'";
+  const std::string note = "Measured at the first ticks only, as the others were not confirmed in time: full (";
+  const auto times = [&note](const std::string& text) {
+    std::size_t n = 0;
+    for (std::size_t at = text.find(note); at != std::string::npos; at = text.find(note, at + 1)) ++n;
+    return n;
+  };
+  const auto r = lab("compare" + words + " --csv a.csv");
+  EXPECT_EQ(times(r.out), 1U) << r.out;
+  EXPECT_NE(read("a.csv").find(",measured_share,"), std::string::npos);
+  for (const char* time : {"first", "again, with nothing left to play"}) {
+    EXPECT_NE(lab("benchmark --out results" + words).err, "") << time;
+    EXPECT_EQ(times(read("results/results.txt")), 1U) << time;
+    EXPECT_EQ(times(read("results/index.html")), 1U) << time;
+  }
+}
+
 TEST_F(CompareProgram, AGnuplotThatFailsIsExit1AndLeavesNoOlderPicture) {
   std::filesystem::create_directories(path("bin"));
   write("bin/gnuplot", "#!/bin/sh\nexit 3\n");

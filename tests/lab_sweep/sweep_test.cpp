@@ -144,7 +144,7 @@ TEST_F(Sweep, MergeRefusesWhatIsNoWhole) {
 // Once, the rows of one of the two were gone.
 TEST_F(Sweep, TwoAtOnceDoNotWriteOneFile) {
   std::string second;
-  Runs runs{"id", 2, "grid,run,of,seed", [](std::size_t run) { return Row{"id," + std::to_string(run) + ",2,1", 1}; }};
+  Runs runs{"id", 2, "grid,run,of,seed", [](std::size_t run) { return "id," + std::to_string(run) + ",2,1"; }};
   Runs first = runs;
   first.row = [&](std::size_t run) {
     second = error_of([&] { run_missing(runs, {2, 2}, path("file"), {.quiet = true}); });

@@ -86,14 +86,14 @@ std::string Benchmark::heading() const {
   return text + "," + compare::kProcessorColumn;
 }
 
-sweep::Row Benchmark::play(std::size_t run) const {
+std::string Benchmark::play(std::size_t run) const {
   const Place at = place(run);
   const compare::Score score = compare::run_trial(*at.who, *at.network, plan_.setting, at.seed);
   std::string text = id_ + "," + std::to_string(run) + "," + std::to_string(size()) + "," +
                      shell::csv_field(shell::revision()) + "," + shell::csv_field(at.who->id) + "," +
                      shell::csv_field(at.network->text) + "," + std::to_string(at.seed);
   for (const compare::Field& f : compare::fields()) text += "," + number(f.of(score));
-  return {text + "," + number(score.processor_steps.value_or(0)), score.measured_share};
+  return text + "," + number(score.processor_steps.value_or(0));
 }
 
 sweep::SweepResult Benchmark::run(const std::string& file) const {

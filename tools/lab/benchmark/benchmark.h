@@ -37,7 +37,7 @@ class Benchmark {
   Place place(std::size_t run) const;
   std::string identify() const;
   std::string heading() const;
-  sweep::Row play(std::size_t run) const;
+  std::string play(std::size_t run) const;
 
   compare::Plan plan_;
   std::string id_;

@@ -39,9 +39,7 @@ int BenchmarkCommand::run(const std::vector<std::string>& command) const {
   }
   const sweep::SweepResult done = b.run(file);
   benchmark::write_material(b.plan(), out_);
-  std::vector<compare::Row> rows = b.rows(file);
-  const std::size_t seeds = b.plan().seeds.size();
-  for (const auto& [run, share] : done.measured_share) rows[run / seeds].scores[run % seeds].measured_share = share;
+  const std::vector<compare::Row> rows = b.rows(file);
   compare::warn_of_unmeasured(rows, b.plan().setting.ticks);
   const std::string line = shell::shell_line(command);
   plot::write_into("--out", out_,

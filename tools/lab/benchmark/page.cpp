@@ -101,6 +101,8 @@ std::string page(const std::vector<Row>& rows, const compare::Plan& plan, const 
     for (const Row& r : rows)
       if (r.network == n.text) t += line_of(r, rows);
     t += "</table>\n";
+    if (const std::string note = compare::little_measured(rows, n.text, plan.setting.ticks); !note.empty())
+      t += "<p>" + escaped(note) + "</p>\n";
   }
   return t + "</body></html>\n";
 }

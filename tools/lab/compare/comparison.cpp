@@ -1,8 +1,11 @@
 #include "tools/lab/compare/comparison.h"
 
+#include <fmt/printf.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "tools/lab/simulation.h"
 #include "tools/lab/unmeasured.h"
 
 namespace padr::lab::compare {
@@ -55,10 +58,28 @@ std::vector<Row> run_plan(const Plan& plan) {
   return rows;
 }
 
+namespace {
+
+double measured_share(const Row& row) {
+  return row.over([](const Score& s) { return s.measured_share; }).mean;
+}
+
+}  // namespace
+
 void warn_of_unmeasured(const std::vector<Row>& rows, Tick ticks) {
-  for (const Row& r : rows)
-    lab::warn_of_unmeasured(r.who.id + ", netem '" + r.network + "'",
-                            r.over([](const Score& s) { return s.measured_share; }).mean, ticks);
+  for (const Row& r : rows) lab::warn_of_unmeasured(r.who.id + ", netem '" + r.network + "'", measured_share(r), ticks);
+}
+
+std::string little_measured(const std::vector<Row>& rows, const std::string& network, Tick ticks) {
+  std::string list;
+  for (const Row& r : rows) {
+    const double share = measured_share(r);
+    if (r.network == network && Simulation::is_little(share, ticks))
+      list += (list.empty() ? "" : ", ") + r.who.id + fmt::sprintf(" (%.0f %%)", 100 * share);
+  }
+  return list.empty() ? ""
+                      : "Measured at the first ticks only, as the others were not confirmed in time: " + list +
+                            ". Its figures are not to be compared.";
 }
 
 Standing standing(const Row& row, const std::vector<Row>& rows) {

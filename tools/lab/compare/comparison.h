@@ -60,6 +60,10 @@ std::optional<double> full_for_no_more(const Row& row, const std::vector<Row>& r
 /// A warning on standard error for each row that is mostly not measured, see lab::warn_of_unmeasured().
 void warn_of_unmeasured(const std::vector<Row>& rows, Tick ticks);
 
+/// A sentence that names those rows of a network, and at which part of the ticks each is measured; empty if there are
+/// none.
+std::string little_measured(const std::vector<Row>& rows, const std::string& network, Tick ticks);
+
 std::string table(const std::vector<Row>& rows, const Plan& plan);
 std::string json(const std::vector<Row>& rows, const Plan& plan, const std::string& command);
 /// One line for each run.

@@ -110,6 +110,7 @@ std::string table(const std::vector<Row>& rows, const Plan& plan) {
     for (const Row& r : rows)
       if (r.network == n.text) t += meeting_of(r, rows, width);
     if (full_of(rows, n.text) != nullptr) t += better_than_full(rows, n.text);
+    if (const std::string note = little_measured(rows, n.text, s.ticks); !note.empty()) t += "  " + note + "\n";
   }
   t += "\n+-: standard error of the mean over the seeds. ~: the difference from full, run by run with the same seeds, "
        "is below\ntwo standard errors. Peak: mean of the seeds' peaks; highest: the highest of all seeds. kbit/s: sent "

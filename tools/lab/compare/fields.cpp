@@ -27,7 +27,7 @@ constexpr Field field(const char* name, bool (*has)(const Score&) = has_any) {
 using trace::Fidelity;
 using trace::Inconsistency;
 
-constexpr std::array<Field, 28> kFields{{
+constexpr std::array<Field, 29> kFields{{
     field<&Score::off, &Inconsistency::mean_m>("mean_m"),
     field<&Score::off, &Inconsistency::avatar_mean_m>("avatar_mean_m"),
     field<&Score::off, &Inconsistency::body_mean_m>("body_mean_m"),
@@ -55,6 +55,7 @@ constexpr std::array<Field, 28> kFields{{
     field<&Score::fidelity, &Fidelity::nobody_mean_m>("fidelity_nobody_mean_m"),
     field<&Score::fidelity, &Fidelity::p95_m>("fidelity_p95_m"),
     field<&Score::fidelity, &Fidelity::peak_m>("fidelity_peak_m"),
+    field<&Score::measured_share>("measured_share"),
     field<&Score::mismatches>("confirmed_mismatches"),
 }};
 

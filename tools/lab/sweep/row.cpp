@@ -72,7 +72,7 @@ std::string heading_of(const Grid& grid) {
          kOutcome;
 }
 
-Row run_point(const Grid& grid, std::size_t index) {
+std::string run_point(const Grid& grid, std::size_t index) {
   const Point p = grid.point(index);
   SimulationConfig config;
   config.scene = scene_of(p);
@@ -100,7 +100,7 @@ Row run_point(const Grid& grid, std::size_t index) {
   for (const std::string& k : p.knobs) text += shell::csv_field(k) + ",";
   for (const auto& [name, value] : grid.given()) text += shell::csv_field(value) + ",";
   text += std::to_string(p.seed) + "," + plain(grid.seconds()) + "," + outcome(simulation, p.technique, grid.watched());
-  return {std::move(text), simulation.measured_share()};
+  return text;
 }
 
 }  // namespace padr::lab::sweep

@@ -10,13 +10,8 @@ namespace padr::lab::sweep {
 /// everything for all peers together. Without a newline.
 std::string heading_of(const Grid& grid);
 
-struct Row {
-  std::string text;           ///< one line of CSV without its newline
-  double measured_share = 1;  ///< of ticks, of those with inconsistency
-};
-
-/// Runs point `index` of the grid. The same grid and index give the same row, to the byte. Throws UserError, for bodies
-/// there is no room for with this seed.
-Row run_point(const Grid& grid, std::size_t index);
+/// Runs point `index` of the grid, and returns its line of CSV without a newline. The same grid and index give the same
+/// line, to the byte. Throws UserError, for bodies there is no room for with this seed.
+std::string run_point(const Grid& grid, std::size_t index);
 
 }  // namespace padr::lab::sweep

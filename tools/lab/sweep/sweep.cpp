@@ -81,12 +81,11 @@ SweepResult run_missing(const Runs& runs, const Shard& shard, const std::string&
   run_parallel(
       todo.size(),
       [&](std::size_t i) {
-        Row row = runs.row(todo[i]);
+        std::string row = runs.row(todo[i]);
         const std::lock_guard guard(mutex);
-        out.write(row.text + "\n");
+        out.write(row + "\n");
         out.flush();
-        result.measured_share[todo[i]] = row.measured_share;
-        rows[todo[i]] = std::move(row.text);
+        rows[todo[i]] = std::move(row);
       },
       parallel);
   out.close();

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -23,9 +22,8 @@ struct Shard {
 Shard shard_of(const std::string& text);
 
 struct SweepResult {
-  std::size_t runs = 0;                          ///< of the shard
-  std::size_t done_now = 0;                      ///< the rest was in the file already
-  std::map<std::size_t, double> measured_share;  ///< by run, of those done now
+  std::size_t runs = 0;      ///< of the shard
+  std::size_t done_now = 0;  ///< the rest was in the file already
 };
 
 /// Runs of which each gives a row of a CSV file.
@@ -33,7 +31,7 @@ struct Runs {
   std::string id;  ///< runs of one number and one id give the same row; stands in every row
   std::size_t size = 0;
   std::string heading;  ///< without a newline; begins grid,run,of
-  std::function<Row(std::size_t)> row;
+  std::function<std::string(std::size_t)> row;
   std::string flag = "--csv";  ///< for messages
 };
 
