@@ -9,6 +9,7 @@
 #include "common/model/user_error.h"
 #include "shell/files.h"
 #include "shell/netem_text.h"
+#include "tools/lab/alternatives/replica.h"
 #include "tools/lab/benchmark/material.h"
 #include "tools/lab/benchmark/page.h"
 #include "tools/lab/compare/fields.h"
@@ -124,6 +125,33 @@ TEST(Benchmark, IdIsOfAllThatResultsDependOn) {
   others[3].contestants[1].id = "rollback-2";
   others[4].networks = {{"trace mobile", shell::parse_netem("trace mobile", nullptr)}};
   for (const compare::Plan& p : others) EXPECT_NE(Benchmark(p).id(), id);
+}
+
+/// A contestant that tells nothing.
+class Mute final : public alternatives::Replica {
+ public:
+  Mute(const Scene& scene, const alternatives::AlternativeConfig& config) : Replica(scene, config) {}
+
+ protected:
+  bool take(PeerId, alternatives::BitReader&) override { return false; }
+  void place_others() override {}
+  void send() override {}
+};
+
+// Once, who changed a contestant's file and built it was shown the figures of before: the revision is the same then.
+TEST(Benchmark, IdIsOfWhatTheCodeOfAContestantDoes) {
+  const auto id_with = [](alternatives::Maker make) {
+    compare::Plan p = small_plan();
+    p.contestants = compare::chosen_contestants("positions");
+    if (make != nullptr) std::get<alternatives::Spec>(p.contestants[0].how).make = make;
+    return Benchmark(p).id();
+  };
+  EXPECT_EQ(id_with(nullptr), id_with(nullptr));
+  EXPECT_NE(id_with(nullptr),
+            id_with([](const Scene& scene,
+                       const alternatives::AlternativeConfig& config) -> std::unique_ptr<alternatives::Alternative> {
+              return std::make_unique<Mute>(scene, config);
+            }));
 }
 
 TEST(Benchmark, GivesOthersItsInputsAndLinks) {

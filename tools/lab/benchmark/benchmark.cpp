@@ -9,6 +9,7 @@
 #include "common/world/fingerprint.h"
 #include "shell/files.h"
 #include "shell/input_text.h"
+#include "shell/netem_text.h"
 #include "shell/revision.h"
 #include "shell/scenario_flags.h"
 #include "shell/text.h"
@@ -33,6 +34,16 @@ void add_alternative(Hasher& h, const alternatives::Spec& s) {
 
 std::string number(double v) {
   return fmt::sprintf("%.6g", v);
+}
+
+/// What its code does, which nothing but a run can tell: a file in entrants/ may have changed since the revision.
+void add_entrant(Hasher& h, const compare::Contestant& c) {
+  compare::Setting setting;
+  setting.peers = 3;
+  setting.ticks = 4 * kTicksPerSecond;
+  constexpr const char* kLink = "delay 50ms 20ms loss 10%";
+  const compare::Score score = compare::run_trial(c, {kLink, shell::parse_netem(kLink, nullptr)}, setting, 1);
+  for (const compare::Field& f : compare::fields()) h.add(std::string_view(number(f.of(score))));
 }
 
 double number_of(const std::string& text, const std::string& where) {
@@ -68,7 +79,10 @@ std::string Benchmark::identify() const {
   for (const compare::Contestant& c : plan_.contestants) {
     h.add(std::string_view(c.id));
     h.add(std::string_view(c.setting()));
-    if (const auto* spec = std::get_if<alternatives::Spec>(&c.how)) add_alternative(h, *spec);
+    const auto* spec = std::get_if<alternatives::Spec>(&c.how);
+    if (spec == nullptr) continue;
+    add_alternative(h, *spec);
+    if (spec->kind == alternatives::Kind::kEntrant) add_entrant(h, c);
   }
   for (const std::uint64_t seed : plan_.seeds) h.add(seed);
   return fmt::sprintf("%08x", static_cast<unsigned>(h.value() >> 32U));
