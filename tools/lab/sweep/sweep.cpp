@@ -29,7 +29,8 @@ std::map<std::size_t, std::string> rows_done(const Runs& runs, const Shard& shar
     const std::string where = runs.flag + ": " + file + ":" + std::to_string(row.line);
     if (row.grid != runs.id || row.of != runs.size)
       throw UserError(where + ": is of grid " + row.grid + ", this one is " + runs.id +
-                      " (other lists, another revision or another machine's physics); give another file");
+                      " (other lists, a file or a contestant that has changed, another revision or another machine's "
+                      "physics); give another file");
     if (!shard.has(row.run))
       throw UserError(where + ": run " + std::to_string(row.run) + " is not of shard " + std::to_string(shard.index) +
                       "/" + std::to_string(shard.count) + "; give another file");
