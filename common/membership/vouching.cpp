@@ -47,7 +47,8 @@ bool Vouching::vouches(PeerId from, const wire::Poll& poll, const View& view, Ti
   bool any = false;
   for (const wire::Seat& s : poll.lost) {
     if (s.slot >= session_.slots || s.slot == session_.self || s.slot == from) continue;
-    const bool has_to_go = relay.note_unheard(from, s.slot, view) >= Relay::kUnheardForLong;  // one of the two
+    // One of the two. With a key others carry for both, and that one does not hear the other is but its word.
+    const bool has_to_go = relay.note_unheard(from, s.slot, view) >= Relay::kUnheardForLong && !session_.config.sealed;
     if (has_to_go || !is_well(s, view, due) || !misbehaviour.hears(s.slot, view)) continue;
     any |= vouches_for(s, from, view, due, number, out);
   }

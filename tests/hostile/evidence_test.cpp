@@ -2,6 +2,7 @@
 #include <memory>
 #include <set>
 
+#include "common/paths/relay.h"
 #include "common/trace/trace_reader.h"
 #include "tests/hostile/liar.h"
 #include "tests/trace/recorded_lives.h"
@@ -41,6 +42,22 @@ TEST(Evidence, TheCoordinatorCannotHaveAPeerThrownOutThatOthersHear) {
     EXPECT_TRUE(t.liar_is_out()) << t.party().story();
     t.expect_no_harm();
   }
+}
+
+// Once, members took its word for it after 290 s.
+TEST(Evidence, TheCoordinatorCannotHaveAPeerThrownOutByNotHearingItForMinutes) {
+  Trial t(4, 0, wire::SealMode::kAuth, 601);
+  t.liar().send_too([&t](const wire::Header& h, PeerId) {
+    return std::vector<wire::Bytes>{message(0, h, wire::Fetch{2, t.incarnation(2), 1'000'000})};
+  });
+  t.party().run(node::Relay::kUnheardForLong / kTicksPerSecond + 5);
+  throw_out(t, 2);
+  t.party().run(8);
+  EXPECT_TRUE(t.replica(1).seat(2).there()) << t.party().story();
+  EXPECT_TRUE(t.replica(3).seat(2).there()) << t.party().story();
+  t.liar().stop();
+  t.party().run(4);
+  t.expect_no_harm();
 }
 
 /// It tells one member other things than the rest.
