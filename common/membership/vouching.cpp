@@ -26,7 +26,7 @@ bool has_evidence(PeerId p, const View& view, Tick due) {
 }  // namespace
 
 bool Vouching::vouches_for(const wire::Seat& s, PeerId from, const View& view, Tick due, std::uint32_t number,
-                           Commands& out) {
+                           Relay& relay, Commands& out) {
   const Tick now = view.roster.now;
   Doubted& d = doubted_[{from, s.slot}];
   if (d.incarnation != s.incarnation || now - d.last > 2 * kGrace) d = {s.incarnation, now, now, -kAskAgain};
@@ -37,7 +37,7 @@ bool Vouching::vouches_for(const wire::Seat& s, PeerId from, const View& view, T
   }
   if (!has_evidence(s.slot, view, due)) return now - d.since < kGrace;
   const wire::Fetched evidence{s.slot, s.incarnation, view.log.of(s.slot, s.have)};
-  if (!evidence.updates.empty()) out.send(view.roster.seats[from].at, evidence);
+  if (!evidence.updates.empty() && relay.may_serve(from, view)) out.send(view.roster.seats[from].at, evidence);
   return true;
 }
 
@@ -50,7 +50,7 @@ bool Vouching::vouches(PeerId from, const wire::Poll& poll, const View& view, Ti
     // One of the two. With a key others carry for both, and that one does not hear the other is but its word.
     const bool has_to_go = relay.note_unheard(from, s.slot, view) >= Relay::kUnheardForLong && !session_.config.sealed;
     if (has_to_go || !is_well(s, view, due) || !misbehaviour.hears(s.slot, view)) continue;
-    any |= vouches_for(s, from, view, due, number, out);
+    any |= vouches_for(s, from, view, due, number, relay, out);
   }
   return any;
 }

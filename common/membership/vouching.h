@@ -42,7 +42,8 @@ class Vouching {
     Tick last = 0;
     Tick asked = -kAskAgain;
   };
-  bool vouches_for(const wire::Seat& s, PeerId from, const View& view, Tick due, std::uint32_t number, Commands& out);
+  bool vouches_for(const wire::Seat& s, PeerId from, const View& view, Tick due, std::uint32_t number, Relay& relay,
+                   Commands& out);
 
   const SessionView& session_;
   std::map<std::pair<PeerId, PeerId>, Doubted> doubted_;  ///< by asker and slot

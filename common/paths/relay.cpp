@@ -9,13 +9,14 @@ void Relay::on_fetch(PeerId from, const wire::Fetch& fetch, const View& view, Co
   const Seat& of = view.roster.seats[fetch.slot];
   if (!of.reachable() || of.frozen || of.incarnation != fetch.incarnation) return;
   note_unheard(from, fetch.slot, view);
+  const wire::Fetched f{fetch.slot, fetch.incarnation, view.log.of(fetch.slot, fetch.from)};
+  if (!f.updates.empty() && may_serve(from, view)) out.send(view.roster.seats[from].at, f);
+}
+
+bool Relay::may_serve(PeerId from, const View& view) {
   Service& s = services_[from];
   if (view.roster.now - s.since >= kPace) s = {view.roster.now, 0};
-  if (s.times >= kServed) return;
-  const wire::Fetched f{fetch.slot, fetch.incarnation, view.log.of(fetch.slot, fetch.from)};
-  if (f.updates.empty()) return;
-  ++s.times;
-  out.send(view.roster.seats[from].at, f);
+  return s.times < kServed && ++s.times > 0;
 }
 
 Tick Relay::note_unheard(PeerId from, PeerId about, const View& view) {

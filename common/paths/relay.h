@@ -25,6 +25,9 @@ class Relay {
   void on_fetched(PeerId from, const wire::Fetched& fetched, const View& view, Commands& out);
   /// Once a tick.
   void advance(const View& view, Commands& out);
+  /// Whether member `from` may be sent one more datagram of another peer's updates, which it has asked for; if so, it
+  /// is counted.
+  bool may_serve(PeerId from, const View& view);
   /// Member `from` does not hear `about`. Returns for how long it has been saying so, ticks.
   Tick note_unheard(PeerId from, PeerId about, const View& view);
   /// Time after which a member that does not hear a peer may have it evicted, though others hear it; ticks. A little
@@ -34,7 +37,7 @@ class Relay {
   static constexpr Tick kPace = 15;      ///< between two requests for one peer's updates, ticks
   static constexpr Tick kHurry = 6;      ///< until the next request after a reply, ticks
   static constexpr Tick kPatience = 60;  ///< a later reply is ignored, ticks
-  static constexpr int kServed = 8;      ///< most replies to one peer in kPace ticks
+  static constexpr int kServed = 8;      ///< most replies to one member in kPace ticks
   /// A member that has not asked for this time hears the peer again, ticks. It asks the others in turn; and once it
   /// must ask no more it still waits for a while before it polls.
   static constexpr Tick kAsksOn = 15 * kTicksPerSecond;

@@ -122,6 +122,25 @@ TEST_F(Vouched, NotForEverIfTheAskerNeverHearsItButWithAKey) {
   }
 }
 
+// It is as long as a datagram may be, and the question for it is short.
+TEST_F(Vouched, WithNoMoreEvidenceThanTheAskersShare) {
+  s_.log.begin(2, 1, kNow - 50);
+  s_.tells(2, 1, kNow - 3);
+  s_.log.mark(2, kNow, 2);
+  std::size_t shown = 0;
+  const auto ask = [&] {
+    for (int i = 0; i < 10 * node::Relay::kServed; ++i) {
+      EXPECT_TRUE(polls());
+      shown += evidence().size();
+    }
+  };
+  ask();
+  EXPECT_EQ(shown, static_cast<std::size_t>(node::Relay::kServed));
+  pass(node::Relay::kPace);
+  ask();
+  EXPECT_EQ(shown, static_cast<std::size_t>(2 * node::Relay::kServed));
+}
+
 TEST(ProveAlive, WhoIsAskedPublishesAnUpdateButNotOften) {
   Situation s(4, 2);
   Vouching rules(s.session);
