@@ -75,7 +75,13 @@ void Admissions::on_join(const Endpoint& from, const wire::Join& join, const Vie
 
 Admissions::Guest* Admissions::take_in(const Endpoint& from, const wire::Join& join, const View& view, Micros local,
                                        Commands& out) {
-  std::erase_if(guests_, [&](const Guest& g) { return same_place(g.at, from) && !g.ordered; });  // restarted
+  std::size_t sent = 0;
+  Micros counted = local;
+  std::erase_if(guests_, [&](const Guest& g) {  // restarted
+    if (!same_place(g.at, from) || g.ordered) return false;
+    if (local - g.counted <= kStay) sent = g.sent, counted = g.counted;
+    return true;
+  });
   const auto slot = free_slot(from, view);
   if (!slot) {
     const bool has_one = std::any_of(view.roster.seats.begin(), view.roster.seats.end(),
@@ -93,6 +99,8 @@ Admissions::Guest* Admissions::take_in(const Endpoint& from, const wire::Join& j
   g.cookie = cookie_for(from, join.nonce);
   g.slot = *slot;
   g.since = local;
+  g.sent = sent;
+  g.counted = counted;
   g.spectator = join.spectator;
   g.incarnation = incarnation_for(join.nonce, view);
   if (g.incarnation >= sync::kEndOfNumbers) {

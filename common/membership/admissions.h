@@ -34,7 +34,7 @@ class Admissions {
   /// Time after which a joiner no longer keeps other joiners waiting, us: it may have vanished, or be slow.
   static constexpr Micros kTurn = 2 * kMicrosPerSecond;
 
-  /// Most times that all the pieces of a transfer are sent to one joiner; three quarters of them may get lost.
+  /// Most times that all the pieces of a transfer are sent to one joiner in 8 s; three quarters of them may get lost.
   static constexpr std::size_t kMostTimes = 8;
 
   /// Forgets joiners whose time is up.
@@ -54,7 +54,8 @@ class Admissions {
     std::uint32_t incarnation = 0;
     Micros since = 0;  ///< local time of its Join, then of each Pull until its turn begins
     std::vector<wire::Bytes> pieces;
-    std::size_t sent = 0;             ///< pieces sent, each time counted
+    std::size_t sent = 0;             ///< pieces sent, each time counted, also to who joined from there a moment before
+    Micros counted = 0;               ///< local time from which these are counted
     std::vector<std::uint32_t> have;  ///< by slot: with the pieces, the joiner has all updates below this
     bool ordered = false;
     bool spectator = false;

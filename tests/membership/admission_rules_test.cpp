@@ -134,12 +134,16 @@ class Admitting : public testing::Test {
   Admitting() {
     for (PeerId p = 1; p < 12; ++p) s_.empty(p);
   }
-  wire::Welcome welcome(int n) {
+  wire::Welcome welcome(int n) { return welcome(n, static_cast<std::uint64_t>(n), kLocal); }
+  wire::Welcome welcome(int n, std::uint64_t nonce, Micros local) {
     ListedCommands out;
-    rules_.on_join(joiner(n), join(static_cast<std::uint64_t>(n)), s_.view(), kLocal, out);
+    rules_.on_join(joiner(n), join(nonce), s_.view(), local, out);
     return out.all<wire::Welcome>().at(0).message;
   }
   std::size_t pieces(int n, std::uint64_t cookie, Micros local) {
+    return pieces(n, static_cast<std::uint64_t>(n), cookie, local);
+  }
+  std::size_t pieces(int n, std::uint64_t nonce, std::uint64_t cookie, Micros local) {
     ListedCommands out;
     const auto world = [] {
       sync::Transfer t;
@@ -147,7 +151,7 @@ class Admitting : public testing::Test {
       t.slots.resize(12);
       return t;
     };
-    rules_.on_pull(joiner(n), {static_cast<std::uint64_t>(n), 0, ~std::uint64_t{0}, cookie}, world, local, out);
+    rules_.on_pull(joiner(n), {nonce, 0, ~std::uint64_t{0}, cookie}, world, local, out);
     return out.all<wire::Piece>().size();
   }
 
@@ -177,6 +181,24 @@ TEST_F(Admitting, ACrowdTakesTurns) {
   EXPECT_EQ(served, Admissions::kAtOnce);
   EXPECT_EQ(pieces(5, cookies[4], kLocal + Admissions::kTurn - 1), 0U);
   EXPECT_GT(pieces(5, cookies[4], kLocal + Admissions::kTurn), 0U) << "who takes long does not keep others waiting";
+}
+
+// Once, whoever asked again and again could have the coordinator send as much as its link carries.
+TEST_F(Admitting, WhoBeginsAnewIsNotSentMoreForThat) {
+  std::size_t sent = 0;
+  std::size_t whole = 0;
+  for (std::uint64_t nonce = 1; nonce <= 50; ++nonce) {
+    const Micros local = kLocal + static_cast<Micros>(nonce) * 100'000;
+    const wire::Welcome w = welcome(1, nonce, local);
+    for (int again = 0; again < 20; ++again) sent += pieces(1, nonce, w.cookie, local);
+    if (nonce == 1) whole = sent / Admissions::kMostTimes;
+    rules_.advance(local);
+  }
+  EXPECT_GT(whole, 0U);
+  EXPECT_EQ(sent, Admissions::kMostTimes * whole);
+  const Micros later = kLocal + 60 * kMicrosPerSecond;
+  rules_.advance(later);
+  EXPECT_EQ(pieces(1, 60, welcome(1, 60, later).cookie, later), whole) << "it is another occasion";
 }
 
 TEST_F(Admitting, ComesInByAnOrderOnceItHasTheWorld) {
