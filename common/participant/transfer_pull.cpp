@@ -5,7 +5,7 @@
 namespace padr::node {
 
 TransferPull::TransferPull(SessionState& session, const Endpoint& by, const wire::Welcome& welcome, Micros local)
-    : session_(session), by_(by), nonce_(welcome.nonce), cookie_(welcome.cookie), heard_(local) {
+    : session_(session), by_(by), nonce_(welcome.nonce), cookie_(welcome.cookie), begun_(local), heard_(local) {
   advance(local);
 }
 
@@ -92,7 +92,7 @@ void TransferPull::on_unreachable(const Endpoint& at) {
 }
 
 void TransferPull::advance(Micros local) {
-  lost_ = lost_ || local - heard_ > kPatience || comes_to_nothing(local);
+  lost_ = lost_ || local - heard_ > kPatience || local - begun_ > kLongest || comes_to_nothing(local);
   if (lost_)
     return session_.fail(
         "peer at " + to_string(by_) +

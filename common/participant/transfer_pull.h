@@ -32,8 +32,8 @@ class TransferPull {
   /// The transfer is complete, and the session's clock is set.
   bool ready() const { return ready_; }
   const wire::Bytes& transfer() const { return transfer_; }
-  /// The introducer has ended, fallen silent, stopped sending pieces, redirected us, or told times that do not fit each
-  /// other.
+  /// The introducer has ended, fallen silent, stopped sending pieces, redirected us, told times that do not fit each
+  /// other, or not let us in for kLongest.
   bool lost() const { return lost_; }
   const Endpoint& by() const { return by_; }
   Micros round_trip() const { return offset_.round_trip(); }
@@ -50,6 +50,9 @@ class TransferPull {
   static constexpr int kMostWanted = 64;          ///< pieces that a Pull asks for
   static constexpr Micros kPatience = 2'500'000;  ///< longest silence of the introducer
   static constexpr int kMostFruitless = 8;        ///< Pulls in a row without a new piece, after the first one
+  /// Time from the Welcome to the admission after which this peer asks anew: as long as the last of 63 waits for its
+  /// turn, and 8 s, after which an honest introducer forgets it.
+  static constexpr Micros kLongest = 40'000'000;
 
  private:
   void pull(Micros local);
@@ -62,6 +65,7 @@ class TransferPull {
   Endpoint by_;
   std::uint64_t nonce_;
   std::uint64_t cookie_;
+  Micros begun_;
   OffsetEstimator offset_;
   Micros least_offset_ = std::numeric_limits<Micros>::min();
   std::vector<wire::Bytes> pieces_;

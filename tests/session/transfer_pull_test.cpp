@@ -42,6 +42,30 @@ TEST(TransferPull, GivesUpAnIntroducerThatSendsNothingMore) {
   }
 }
 
+// It answers Pings for ever, but lets nobody in. Once, a peer that joined anew waited by it for ever.
+TEST(TransferPull, GivesUpAnIntroducerThatOnlyTellsTheTime) {
+  for (const bool sends_all : {false, true}) {
+    node::SessionState session;
+    const Endpoint by = ipv4({10, 0, 0, 1}, 7000);
+    TransferPull pull(session, by, {}, 0);
+    Micros local = 0;
+    const auto go_on_until = [&](Micros until) {
+      for (; local < until && session.phase != node::SessionPhase::kFailed; local += node::SessionPace::kTick) {
+        pull.on_pong(by, {std::max<Micros>(0, local - kRoundTrip), local}, local);
+        pull.advance(local);
+      }
+    };
+    if (sends_all) pull.on_piece(by, {0, 0, 1, wire::Bytes(10)}, 1);
+    go_on_until(kMicrosPerSecond);
+    EXPECT_EQ(pull.ready(), sends_all);
+    if (sends_all) pull.enter(local);
+    go_on_until(TransferPull::kLongest);
+    EXPECT_FALSE(pull.lost()) << "there may be a crowd";
+    go_on_until(TransferPull::kLongest + kMicrosPerSecond);
+    EXPECT_TRUE(pull.lost());
+  }
+}
+
 // What most others have told of this peer's clock counts more than what an introducer says of its own.
 TEST(TransferPull, TakesNoTimeThatIsLaterThanTheOthersProve) {
   for (const Micros most : {Micros{-500'000}, Micros{500'000}}) {
