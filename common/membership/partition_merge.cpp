@@ -35,6 +35,7 @@ void PartitionMerge::on_change(const MemberChange& change, const View& view) {
     for (PeerId p = 0; p < view.roster.slots(); ++p)
       if (p != change.slot && view.roster.seats[p].at.key == change.at.key)
         before.since = std::min(before.since, view.roster.seats[p].since);
+    std::erase_if(returned_, [&](const Gone& g) { return g.at.key == change.at.key; });
     if (before.since < change.tick && change.at.has_key()) keep(returned_, before, kMost);
     const auto is_it = [&](const Remembered& r) { return !r.gone.at.has_key() || r.gone.at.key == change.at.key; };
     std::erase_if(gone_, [&](const Remembered& r) { return same_place(r.gone.at, change.at) && is_it(r); });

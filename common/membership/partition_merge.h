@@ -184,7 +184,7 @@ class PartitionMerge {
 
   const SessionView& session_;
   std::vector<Remembered> gone_;
-  std::vector<Gone> returned_;                   ///< those of them that were admitted anew; kMost at most
+  std::vector<Gone> returned_;                   ///< those that were admitted anew, once each; the latest kMost
   std::vector<Witness> witnesses_;               ///< kMost at most
   std::vector<Told> told_;                       ///< kMostTold at most
   PublicKey own_key_{};                          ///< by the order that admitted this peer

@@ -340,6 +340,24 @@ TEST(PartitionMerge, WhoComesBackIsAsSeniorAsBefore) {
   EXPECT_EQ(rules.gone()[0].since, 100);
 }
 
+// Once, one that came back again and again was remembered once for each time, and others were forgotten for it.
+TEST(PartitionMerge, WhoComesBackOftenTakesNobodysSeniority) {
+  test::Situation s(9, 2);
+  s.session.config.sealed = true;
+  for (PeerId p = 0; p < 9; ++p) s.roster.seats[p].at = keyed(p);
+  PartitionMerge rules(s.session);
+  const auto comes_back = [&](PeerId p, Tick tick) {
+    s.roster.now = tick;
+    s.roster.seats[p].since = tick;
+    rules.on_change({MemberChange::Kind::kRemoved, p, 5, keyed(p), tick - 1, 0, 100}, s.view());
+    rules.on_change({MemberChange::Kind::kAdmitted, p, 6, keyed(p), tick, 0, tick}, s.view());
+  };
+  comes_back(4, 1000);
+  for (Tick n = 0; n < 100; ++n) comes_back(5, 2000 + 60 * n);
+  EXPECT_EQ(rules.since(5, s.view()), 100);
+  EXPECT_EQ(rules.since(4, s.view()), 100);
+}
+
 // They left to join anew, and have found others than those who stayed. Once, whoever had stayed alone stayed so.
 TEST(PartitionMerge, WhoHasLeftCountsInTheOtherPartAndIsNotLookedFor) {
   test::Situation s(9, 2);
