@@ -60,8 +60,7 @@ std::optional<float> Paths::cost(const Roster& roster, const std::vector<Link>& 
   if (!w.known || !roster.seats[by].there() || w.by != kNoPeer) return std::nullopt;
   const bool reached = has_told(w, roster.now) ? w.hears.contains(roster.self) : hears(roster, by);
   if (!reached || unanswered(roster, links, by) >= kUnheard) return std::nullopt;
-  const auto failed = to.failed.find(by);
-  const float first = links[by].delay + (failed != to.failed.end() && roster.now < failed->second.until ? kLast : 0);
+  const float first = links[by].delay + (to.has_failed(by, w.incarnation, roster.now) ? kLast : 0);
   if (!has_told(to, roster.now)) return first;
   const auto second = to.hears.find(by);
   if (second == to.hears.end()) return std::nullopt;
@@ -94,10 +93,16 @@ bool Paths::leads_nowhere(const Roster& roster, const std::vector<Link>& links, 
   return lasts >= patience && unanswered(roster, links, p) >= patience;
 }
 
-void Paths::Way::fail(Tick now) {
+void Paths::Way::fail(std::uint32_t carrier, Tick now) {
   Failure& f = failed[by];
+  if (f.incarnation != carrier) f = {carrier, 0, 0};
   if (now < f.until) return;
   f.until = now + (kFailed << std::min(f.times++, kMostDoublings));
+}
+
+bool Paths::Way::has_failed(PeerId carrier, std::uint32_t as, Tick now) const {
+  const auto f = failed.find(carrier);
+  return f != failed.end() && f->second.incarnation == as && now < f->second.until;
 }
 
 void Paths::change(Way& w, PeerId by, Tick now) {
@@ -123,7 +128,7 @@ std::vector<Paths::Change> Paths::advance(const Roster& roster, const std::vecto
   for (PeerId p = 0; p < roster.slots(); ++p) {
     Way& w = ways_[p];
     if (!w.known) continue;
-    if (w.by != kNoPeer && leads_nowhere(roster, links, p)) w.fail(roster.now);
+    if (w.by != kNoPeer && leads_nowhere(roster, links, p)) w.fail(ways_[w.by].incarnation, roster.now);
     const bool needs = needs_carrier(roster, links, p);
     const PeerId by = needs ? choose(roster, links, p) : kNoPeer;
     if (by != w.by) change(w, by, roster.now);

@@ -78,6 +78,7 @@ class Paths {
 
  private:
   struct Failure {
+    std::uint32_t incarnation = 0;  ///< of the carrier
     Tick until = 0;
     int times = 0;
   };
@@ -95,7 +96,8 @@ class Paths {
     PeerSet hears_carried = 0;              ///< whom it hears only by others
     std::vector<Endpoint> at;               ///< its own addresses
     std::map<PeerId, Failure> failed;       ///< by carrier
-    void fail(Tick now);
+    void fail(std::uint32_t incarnation, Tick now);
+    bool has_failed(PeerId carrier, std::uint32_t incarnation, Tick now) const;
   };
   bool has_told(const Way& w, Tick now) const { return now - w.told_at < kFresh; }
   static Tick unanswered(const Roster& roster, const std::vector<Link>& links, PeerId p);

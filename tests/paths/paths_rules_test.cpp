@@ -249,6 +249,18 @@ TEST(PathsRules, WhoIsReachedThroughWhom) {
   }
 }
 
+// Once, whoever came into the slot of a carrier that had failed was passed over for that, for half an hour at last.
+TEST(PathsRules, WhatACarrierFailedAtIsNotHeldAgainstWhoComesAfterIt) {
+  for (const bool another : {false, true}) {
+    Scene s;
+    s.tell_for(Paths::kUnanswered + 1, {{1, 2}, {3, 20}});
+    ASSERT_EQ(s.paths.carrier(2), 3);
+    if (another) s.roster.seats[1].incarnation = 9;
+    s.tell_for(2, {{0, 2, true}, {1, 2}, {3, 20}});
+    EXPECT_EQ(s.paths.carrier(2), another ? 1 : 3);
+  }
+}
+
 TEST(PathsRules, WhatIsToldAndWhen) {
   Scene s;
   s.run(200);
