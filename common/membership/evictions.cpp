@@ -212,7 +212,7 @@ bool Evictions::is_vetoed(PeerId p, const Lost& lost, const View& view) const {
 // still lost. Who was awaited before has no more time for it: once, vetoes about one peer, again and again, kept
 // everybody from being left out.
 void Evictions::take_back(PeerSet who, const View& view, Commands& out) {
-  if (ordered() || number_ == wire::kMostPollNumber) return;
+  if (ordered()) return;
   const Tick now = view.roster.now;
   const bool decides = coordinator(view) == session_.self;
   taken_back_.clear();
@@ -232,7 +232,7 @@ void Evictions::take_back(PeerSet who, const View& view, Commands& out) {
     lost.hears.clear();
   }
   missing_.reset();
-  ++number_;
+  number_ = number_ < wire::kMostPollNumber ? number_ + 1 : 1;  // the members take a lower one after kLease
   polled_ = now - kAskAgain;
   taken_back_at_ = now;
   unaware_.clear();

@@ -166,7 +166,7 @@ class Evictions {
   Tick doubts_asked_ = 0;
   std::map<PeerId, Lost> lost_;         ///< as the coordinator
   std::set<PeerId> withholds_;          ///< members whose replies do not count for these
-  std::uint32_t number_ = 0;            ///< of this peer's polls; grows with each that is taken back
+  std::uint32_t number_ = 0;            ///< of this peer's polls; the next with each that is taken back
   std::vector<wire::Seat> taken_back_;  ///< the peers of the poll that was taken back last
   Tick taken_back_at_ = 0;              ///< when that was
   std::set<PeerId> unaware_;            ///< members that may not know yet that it is taken back

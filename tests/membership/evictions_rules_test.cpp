@@ -178,6 +178,24 @@ TEST_F(Eviction, IsTakenBackIfAMemberHearsItAgain) {
   EXPECT_FALSE(s_.roster.seats[3].frozen);
 }
 
+// In a day somebody may fall silent for a moment so often. Once, nothing could be taken back after the last number.
+TEST_F(Eviction, IsTakenBackHoweverOftenThatWasSoBefore) {
+  for (std::uint32_t n = 0; n < wire::kMostPollNumber + 3; ++n) {
+    s_.log.mark(3, s_.roster.now, 1);
+    s_.silence(3, s_.roster.now - node::kDoubt);
+    number_ = rules_.number();
+    begin();
+    heard_again_ = false;
+    reply(1, false, 1, 2);
+    ASSERT_TRUE(heard_again_) << n;
+    ASSERT_FALSE(rules_.busy()) << n;
+    ASSERT_NE(rules_.number(), number_);
+    ASSERT_LE(rules_.number(), wire::kMostPollNumber);
+    pass(1);
+    ASSERT_FALSE(s_.roster.seats[3].frozen) << n;
+  }
+}
+
 // Once, only members could say so; but the lost peer was the one through which they would have got the polls.
 TEST_F(Eviction, IsTakenBackIfTheCoordinatorItselfHearsItAgain) {
   begin();
