@@ -120,7 +120,9 @@ void Membership::receive_of_member(PeerId member, const wire::MembershipMessage&
 
 void Membership::on_newcomer(PeerId by, const wire::Newcomer& newcomer, Micros local) {
   const Endpoint& at = newcomer.at;
-  if (coordinator() != session_.self || bars(at.key)) return;
+  if (coordinator() != session_.self) return;
+  misbehaviour_.pardon(at.key);  // the member that tells of it does not bar it
+  if (bars(at.key)) return;
   for (const Seat& s : roster().seats)
     if (s.reachable() && (at.has_key() ? s.at.key == at.key : same_place(s.at, at))) return;
   introductions_.on_newcomer(roster().seats[by].at, newcomer, local, commands_);
@@ -191,7 +193,10 @@ void Membership::follow_changes() {
   const std::vector<MemberChange> changes = replica_.take_changes();
   for (const MemberChange& c : changes) {
     commands_.tell({.kind = kind_of(c, session_.self), .peer = c.slot, .tick = c.tick, .at = c.at});
-    if (c.kind == MemberChange::Kind::kAdmitted) evictions_.forget_asker(c.slot);
+    if (c.kind == MemberChange::Kind::kAdmitted) {
+      evictions_.forget_asker(c.slot);
+      misbehaviour_.pardon(c.at.key);
+    }
     merge_.on_change(c, view());
     changes_.push_back(c);
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "common/membership/evictions.h"
 #include "common/membership/signers.h"
@@ -249,6 +250,7 @@ void MisbehaviourPolicy::advance(const View& view, Commands& out) {
     const Tick lasted = tells ? patience : View::kArrears;
     const std::string what = tells ? "acknowledged no updates" : "not sent the updates that it promised";
     cut_off(p, false, "has " + what + " for " + std::to_string(lasted / kTicksPerSecond) + " s", view, out);
+    if (session_.config.sealed) offender(p, view).pardonable = tells && offender(p, view).times == 1;
   }
 }
 
@@ -273,6 +275,7 @@ Tick MisbehaviourPolicy::bar(PeerId p, bool for_good, const View& view) {
   o.barred_until = for_good ? kForGood : std::max(o.barred_until, until);
   o.nonsense.clear();
   ++o.times;
+  o.pardonable = false;
   return for_good ? kForGood : until - view.roster.now;
 }
 
@@ -280,6 +283,11 @@ void MisbehaviourPolicy::inherit(const MisbehaviourPolicy& before, const PublicK
   offenders_ = before.offenders_;
   for (Offender& o : offenders_)
     if (o.key == let_in_by && o.barred_until != kForGood) o.barred_until = 0;
+}
+
+void MisbehaviourPolicy::pardon(const PublicKey& key) {
+  for (Offender& o : offenders_)
+    if (o.key == key && std::exchange(o.pardonable, false)) o.barred_until = 0;
 }
 
 bool MisbehaviourPolicy::bars_for_good(const PublicKey& key) const {

@@ -43,6 +43,10 @@ class MisbehaviourPolicy {
   void advance(const View& view, Commands& out);
   /// Whether a joiner with this key is still barred.
   bool bars(const PublicKey& key, const View& view) const;
+  /// Ends the ban of a joiner that another member has not barred, or that is in anew, if that is its first, and for
+  /// acknowledging nothing: who has cut off this peer acknowledges nothing to it, and owes it nothing once it is in
+  /// anew.
+  void pardon(const PublicKey& key);
   /// Whether it is for ever.
   bool bars_for_good(const PublicKey& key) const;
   /// Keys with offences on record; kMostOffenders at most.
@@ -106,6 +110,7 @@ class MisbehaviourPolicy {
     std::deque<Tick> nonsense;  ///< the latest, kNonsense at most
     Tick barred_until = 0;
     int times = 0;
+    bool pardonable = false;  ///< see pardon
   };
   bool is_heard(PeerId p, const View& view) const;
   Offender& offender(PeerId p, const View& view);

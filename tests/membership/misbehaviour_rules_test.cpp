@@ -388,6 +388,37 @@ TEST(MisbehaviourRules, WhoHasLetThisPeerInAnewIsHeardUnlessItIsBarredForGood) {
   }
 }
 
+// It may have cut off this peer itself. All is acknowledged once it is in anew.
+TEST(MisbehaviourRules, WhoHasAcknowledgedNothingMayComeInAnewOnce) {
+  Situation s(4, 0);
+  s.session.config.sealed = true;
+  for (PeerId p = 1; p < 4; ++p) s.roster.seats[p].at.key.fill(p);
+  MisbehaviourPolicy rules(s.session);
+  const auto ignores = [&](PeerId p) {
+    ListedCommands out;
+    s.roster.seats[p].unacknowledged = s.roster.now - MisbehaviourPolicy::kPatience;
+    rules.advance(s.view(), out);
+    s.roster.seats[p].unacknowledged = -1;
+  };
+  const auto may_join = [&](PeerId p) {
+    rules.pardon(s.roster.seats[p].at.key);
+    return !rules.bars(s.roster.seats[p].at.key, s.view());
+  };
+  ignores(2);
+  EXPECT_TRUE(may_join(2));
+  EXPECT_FALSE(rules.hears(2, s.view())) << "in its present incarnation it is not heard";
+  ++s.roster.seats[2].incarnation;
+  EXPECT_TRUE(rules.hears(2, s.view()));
+  ignores(2);
+  EXPECT_FALSE(may_join(2)) << "once";
+  ListedCommands out;
+  rules.distrust(1, s.view(), out);
+  EXPECT_FALSE(may_join(1));
+  ignores(3);
+  rules.convict(3, s.view(), out);
+  EXPECT_FALSE(may_join(3));
+}
+
 // It may have been its network.
 TEST(MisbehaviourRules, WhoHeldUpEverybodyIsHeardAgainAfterAMinuteAndThenTwo) {
   Situation s(4, 0);
