@@ -187,6 +187,8 @@ class SecureChannels {
     Parcel waiting;  ///< what was to be sent last
   };
   static constexpr Micros kNever = -(Micros{1} << 60U);
+  /// Whoever has said nothing for so long is greeted anew.
+  static constexpr Micros kQuiet = 2'000'000;
   /// A cookie is good for this long at its maker's, and then some.
   static constexpr Micros kCookieAge = 10'000'000;
 
