@@ -4,9 +4,12 @@
 Usage: compose_test.py REPOSITORY [unittest arguments]
 """
 
+import contextlib
 import os
 import shutil
 import subprocess
+import threading
+import time
 import unittest
 
 from stand_in import REPOSITORY, Case
@@ -53,7 +56,95 @@ class Compose(Case):
                      "peer1.health"} | others:  # fmt: skip
             self.put(f"data/{name}", "")
         self.peer(1)
-        self.assertEqual(set(os.listdir(self.path("data"))), others)
+        self.assertEqual(set(os.listdir(self.path("data"))), others | {".founded"})
+
+    def tell_health(self, number, age=0):
+        """That peer's health file, as one that plays writes it once a second."""
+        name, new = (self.path("data", f"peer{number}.{end}") for end in ("health", "health.new"))
+        self.put(new, '{\n  "healthy": true,\n  "playing": true,\n  "present": 4\n}\n')
+        os.utime(new, (time.time() - age,) * 2)
+        os.replace(new, name)
+
+    @contextlib.contextmanager
+    def playing(self, number):
+        """Meanwhile that peer plays."""
+        stop = threading.Event()
+
+        def play():
+            while not stop.wait(0.2):
+                self.tell_health(number)
+
+        self.tell_health(number, age=1)
+        thread = threading.Thread(target=play)
+        thread.start()
+        try:
+            yield
+        finally:
+            stop.set()
+            thread.join()
+
+    def test_who_comes_back_joins_one_that_lives(self):
+        self.tell_health(1, age=1)
+        self.tell_health(2, age=2)
+        self.put("data/peer1.trace", "of the life before")
+        with self.playing(3):
+            words = self.peer(1)
+        self.assertEqual(words[words.index("--join") + 1], "peer3:7001")
+        self.assertEqual(words[words.index("--trace") + 1], self.path("data/peer1.back1.trace"))
+        self.assertFalse(os.path.exists(self.path("data/peer1.health")), "the health check would take the former life for this one")
+
+    # After `kill` and `up` each peer took the files for a session, and all waited for one another.
+    def test_files_of_the_killed_are_no_session(self):
+        for number in (1, 2, 3, 4):
+            self.tell_health(number, age=1)
+        self.assertIn("--wait-peers", self.peer(1))
+
+    # Who came a second after the founder kept the files of the session before, and the report had two sessions in it.
+    def test_who_comes_late_begins_without_files_of_an_older_session(self):
+        for name in ["peer2.trace", "peer2.back1.trace", "peer2.json", "peer2.back1.pcapng", "peer22.trace", "peer1.trace"]:
+            self.put(f"data/{name}", "of the session before")
+            os.utime(self.path("data", name), (time.time() - 60,) * 2)
+        self.peer(1)
+        with self.playing(1):
+            words = self.peer(2)
+            self.assertEqual(words[words.index("--trace") + 1], self.path("data/peer2.trace"))
+            self.assertEqual(self.recorded(), {"peer22.trace"})
+            self.put("data/peer2.trace", "of this session")
+            words = self.peer(2)
+        self.assertEqual(words[words.index("--trace") + 1], self.path("data/peer2.back1.trace"))
+        self.assertEqual(self.recorded(), {"peer22.trace", "peer2.trace"})
+
+    # Where nobody could begin, the session before was reported as if it were this one.
+    def test_the_report_has_traces_of_this_session_only(self):
+        self.borrow("tools/compose/image/report.sh")
+        self.put("bin/padr-report", "#!/bin/sh\necho \"$@\" >&2\nexit 5\n")
+        self.peer(1)
+        for name, age in [("peer1.trace", -1), ("peer2.trace", -1), ("peer2.back1.trace", 60), ("peer1.json", -1), ("peer2.json", -1)]:
+            self.put(f"data/{name}", "{}")
+            os.utime(self.path("data", name), (time.time() - age,) * 2)
+        said = self.report()
+        self.assertIn(f"{self.path('data/peer1.trace')} {self.path('data/peer2.trace')} --csv", said)
+        os.utime(self.path("data/peer2.trace"), (time.time() - 60,) * 2)
+        self.assertEqual(self.report(), "compose-report: peer 2 has left no trace\n")
+
+    def report(self):
+        done = self.run_script("tools/compose/image/report.sh", PADR_DATA=self.path("data"), PADR_PEERS="2")
+        self.assertNotEqual(done.returncode, 0)
+        return done.stderr
+
+    def recorded(self):
+        return {name for name in os.listdir(self.path("data")) if name.endswith((".trace", ".json", ".pcapng")) and "peer2" in name}
+
+    # The shell computed with the seed, and its messages were about that.
+    def test_the_peer_sees_every_seed_as_it_is(self):
+        for seed, netem_seed in [("", "102"), ("0", "2"), ("7", "702"), ("1000000000000000007", "702"),
+                                 ("18446744073709551615", "74407370955161502")]:  # fmt: skip
+            words = self.peer(2, PADR_SEED=seed)
+            self.assertEqual(words[words.index("--seed") + 1], seed or "1")
+            self.assertEqual(words[words.index("--netem-seed") + 1], netem_seed)
+        for seed in ["x", "08", "1.5", "1 2", "-1"]:
+            words = self.peer(2, PADR_SEED=seed)
+            self.assertEqual(words[words.index("--seed") + 1], seed)
 
     @unittest.skipUnless(yaml and shutil.which("docker-compose"), "no docker-compose and yaml")
     def test_compose_hands_on_what_is_set_and_nothing_else(self):

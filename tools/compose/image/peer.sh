@@ -13,10 +13,22 @@ patience=${PADR_JOIN_TIMEOUT:-60}
 trap 'exit 143' TERM INT # the first process of a container would not mind them otherwise
 say() { echo "compose-peer: $*" >&2; }
 
-# Names one that has been in a session within the last seconds, playing or waiting; nothing when there is none.
-somebody_there() {
-  find "$data" -maxdepth 1 -name 'peer*.health' ! -name "peer$number.health" -newermt '-5 seconds' \
+# Names one that is in a session, playing or waiting; nothing when there is none. Those that were killed leave their files,
+# so one counts that is written after this began. Until all that are there have become old, there may be such a one.
+began=$(date +%s.%N)
+written_since() { # WHEN, as find has it
+  find "$data" -maxdepth 1 -name 'peer*.health' ! -name "peer$number.health" -newermt "$1" \
     -exec grep -l '"present": [1-9]' {} + 2>/dev/null | sed -n 's|.*/\(peer[0-9]*\)[.]health$|\1|p' | head -n 1
+}
+somebody_there() {
+  while [ -n "$(written_since '-5 seconds')" ]; do
+    living=$(written_since "@$began")
+    if [ -n "$living" ]; then
+      echo "$living"
+      return
+    fi
+    sleep 0.2
+  done
 }
 
 # In a Swarm the name of a service stands for a balanced address; that of the peer itself is under tasks. there.
@@ -41,17 +53,23 @@ wait_for_name() { # NAME
 }
 
 file=$data/peer$number
+rm -f "$file.health" # of a life before
+remove_recordings() { # FIND'S TESTS
+  find "$data" -maxdepth 1 "$@" \( -name "peer$number.*trace" -o -name "peer$number.*json" -o -name "peer$number.*pcapng" \) \
+    -exec rm -f {} + 2>/dev/null || true
+}
 member=$(somebody_there)
 if [ -n "$member" ]; then
-  # What was recorded before this process belongs to the same session.
+  # What was recorded since the session was founded belongs to it.
+  remove_recordings ! -newer "$data/.founded"
   times=1
   while [ -e "$file.trace" ]; do
     file=$data/peer$number.back$times
     times=$((times + 1))
   done
 else
-  rm -f "$file".trace "$file".*.trace "$file".json "$file".*.json "$file".pcapng "$file".*.pcapng "$file".health
-  if [ "$number" -ne 1 ]; then member=peer1; fi
+  remove_recordings
+  if [ "$number" -eq 1 ]; then touch "$data/.founded" || true; else member=peer1; fi
 fi
 
 # A capture that shall have everything has to be there first. It says so again and again, in a file: one that an earlier
@@ -89,10 +107,15 @@ else
   set -- "$@" --input "${PADR_INPUT:-wander}"
 fi
 
+# The seed, and two digits for the peer: another one for each. Of a long one the end is enough.
+seed=${PADR_SEED:-1}
+netem_seed=$(printf '%s%02d' "$seed" "$number" | tail -c 17)
+netem_seed=${netem_seed#"${netem_seed%%[!0]*}"}
+
 # PADR_ARGS is a list of words.
 # shellcheck disable=SC2086
 exec padr-peer "$@" --listen "0.0.0.0:$port" --join-timeout "$patience" \
-  --scenario "${PADR_SCENARIO:-arena}" --seed "${PADR_SEED:-1}" --technique "${PADR_TECHNIQUE:-full}" \
+  --scenario "${PADR_SCENARIO:-arena}" --seed "$seed" --technique "${PADR_TECHNIQUE:-full}" \
   --duration "${PADR_DURATION:-60}" \
-  --netem-seed "$((${PADR_SEED:-1} * 100 + number))" \
+  --netem-seed "$netem_seed" \
   --trace "$file.trace" --json "$file.json" --health "$data/peer$number.health" ${PADR_ARGS:-}

@@ -13,7 +13,10 @@ trap 'stopping=yes' TERM INT
 say() { echo "compose-report: $*" >&2; }
 fail() { say "$@"; exit 1; }
 
-anybody_alive() { find "$data" -maxdepth 1 -name 'peer*.health' -newermt '-5 seconds' 2>/dev/null | grep -q .; }
+# One that was killed before this began has left its file.
+anybody_alive() {
+  find "$data" -maxdepth 1 -name 'peer*.health' -newermt '-5 seconds' -newermt "@$started" 2>/dev/null | grep -q .
+}
 
 # A peer removes its health file and completes its summary last of all.
 has_ended() { # NUMBER
@@ -43,13 +46,18 @@ wait_for_end() {
   done
 }
 
+# Older traces are of a session before. In a Swarm the founder may be on another node, and its sign there.
+of_this_session() {
+  [ -s "$1" ] && { [ ! -e "$data/.founded" ] || [ -n "$(find "$1" -newer "$data/.founded")" ]; }
+}
+
 wait_for_end
 n=1
 set --
 while [ "$n" -le "$peers" ]; do
   before=$#
   for trace in "$data/peer$n.trace" "$data/peer$n".*.trace; do
-    if [ -s "$trace" ]; then set -- "$@" "$trace"; fi
+    if of_this_session "$trace"; then set -- "$@" "$trace"; fi
   done
   if [ $# -eq "$before" ]; then fail "peer $n has left no trace"; fi
   n=$((n + 1))
