@@ -12,7 +12,7 @@ import threading
 import time
 import unittest
 
-from stand_in import REPOSITORY, Case
+from stand_in import PATIENCE, REPOSITORY, Case
 
 try:
     import yaml
@@ -56,7 +56,7 @@ class Compose(Case):
                      "peer1.health"} | others:  # fmt: skip
             self.put(f"data/{name}", "")
         self.peer(1)
-        self.assertEqual(set(os.listdir(self.path("data"))), others | {".founded"})
+        self.assertEqual(set(os.listdir(self.path("data"))), others | {".founded", "peer1.health"})
 
     def tell_health(self, number, age=0):
         """That peer's health file, as one that plays writes it once a second."""
@@ -91,7 +91,7 @@ class Compose(Case):
             words = self.peer(1)
         self.assertEqual(words[words.index("--join") + 1], "peer3:7001")
         self.assertEqual(words[words.index("--trace") + 1], self.path("data/peer1.back1.trace"))
-        self.assertFalse(os.path.exists(self.path("data/peer1.health")), "the health check would take the former life for this one")
+        self.assertNotIn("true", self.text("data/peer1.health"), "the health check would take the former life for this one")
 
     # After `kill` and `up` each peer took the files for a session, and all waited for one another.
     def test_files_of_the_killed_are_no_session(self):
@@ -119,6 +119,7 @@ class Compose(Case):
         self.borrow("tools/compose/image/report.sh")
         self.put("bin/padr-report", "#!/bin/sh\necho \"$@\" >&2\nexit 5\n")
         self.peer(1)
+        os.remove(self.path("data/peer1.health"))
         for name, age in [("peer1.trace", -1), ("peer2.trace", -1), ("peer2.back1.trace", 60), ("peer1.json", -1), ("peer2.json", -1)]:
             self.put(f"data/{name}", "{}")
             os.utime(self.path("data", name), (time.time() - age,) * 2)
@@ -134,6 +135,28 @@ class Compose(Case):
 
     def recorded(self):
         return {name for name in os.listdir(self.path("data")) if name.endswith((".trace", ".json", ".pcapng")) and "peer2" in name}
+
+    # The report waited for a minute and a half where no peer could begin.
+    def test_the_report_sees_that_peers_have_come_and_gone(self):
+        self.borrow("tools/compose/image/report.sh")
+        self.put("bin/padr-peer", "#!/bin/sh\nexit 2\n")
+        self.put("bin/sleep", '#!/bin/sh\nexec /bin/sleep "$(echo "$1" | sed "s/^[1-9]/0.1/")"\n')
+        report = subprocess.Popen(["tools/compose/image/report.sh"], cwd=self.folder, stderr=subprocess.PIPE, text=True,
+                                  env=self.environment(PADR_DATA=self.path("data")))  # fmt: skip
+        self.run_script("tools/compose/image/peer.sh", PADR_DATA=self.path("data"), PADR_NUMBER="1")
+        self.assertEqual(report.communicate(timeout=120)[1], "compose-report: peer 1 has left no trace\n")
+        self.assertEqual(report.returncode, 1)
+
+    def test_who_waits_gives_signs_of_life_and_takes_them_away(self):
+        peer = subprocess.Popen(["tools/compose/image/peer.sh"], cwd=self.folder, stderr=subprocess.PIPE, text=True,
+                                env=self.environment(PADR_DATA=self.path("data"), PADR_NUMBER="1", PADR_AFTER_FILE="none"))  # fmt: skip
+        self.addCleanup(peer.communicate)
+        time.sleep(2)
+        sign = self.path("data/peer1.health")
+        self.assertLess(time.time() - os.stat(sign).st_mtime, 1.9)
+        peer.terminate()
+        self.assertEqual(peer.wait(timeout=PATIENCE), 143)
+        self.assertFalse(os.path.exists(sign))
 
     # The shell computed with the seed, and its messages were about that.
     def test_the_peer_sees_every_seed_as_it_is(self):

@@ -11,6 +11,11 @@ port=${PADR_PORT:-7001}
 patience=${PADR_JOIN_TIMEOUT:-60}
 
 trap 'exit 143' TERM INT # the first process of a container would not mind them otherwise
+# As padr-peer's own, so that the report knows of us, and nobody takes that of a life before for this one.
+alive=$data/peer$number.health
+trap 'rm -f "$alive"' EXIT
+tell_alive() { { echo '{ "healthy": false, "playing": false }' >"$alive"; } 2>/dev/null || true; }
+tell_alive
 say() { echo "compose-peer: $*" >&2; }
 
 # Names one that is in a session, playing or waiting; nothing when there is none. Those that were killed leave their files,
@@ -43,6 +48,7 @@ address_of() { # SERVICE
 wait_for_name() { # NAME
   waited=0
   while ! getent hosts "$1" >/dev/null; do
+    tell_alive
     if [ "$waited" -ge "$patience" ]; then
       say "there is no '$1' on this network after $patience s"
       exit 1
@@ -53,7 +59,6 @@ wait_for_name() { # NAME
 }
 
 file=$data/peer$number
-rm -f "$file.health" # of a life before
 remove_recordings() { # FIND'S TESTS
   find "$data" -maxdepth 1 "$@" \( -name "peer$number.*trace" -o -name "peer$number.*json" -o -name "peer$number.*pcapng" \) \
     -exec rm -f {} + 2>/dev/null || true
@@ -76,6 +81,7 @@ fi
 # run has left behind is old.
 waited=0
 while [ -n "${PADR_AFTER_FILE:-}" ] && [ -z "$(find "$PADR_AFTER_FILE" -newermt '-5 seconds' 2>/dev/null)" ]; do
+  tell_alive
   if [ "$waited" -ge "$((patience * 10))" ]; then
     say "no fresh $PADR_AFTER_FILE after $patience s"
     exit 1
@@ -118,4 +124,4 @@ exec padr-peer "$@" --listen "0.0.0.0:$port" --join-timeout "$patience" \
   --scenario "${PADR_SCENARIO:-arena}" --seed "$seed" --technique "${PADR_TECHNIQUE:-full}" \
   --duration "${PADR_DURATION:-60}" \
   --netem-seed "$netem_seed" \
-  --trace "$file.trace" --json "$file.json" --health "$data/peer$number.health" ${PADR_ARGS:-}
+  --trace "$file.trace" --json "$file.json" --health "$alive" ${PADR_ARGS:-}
