@@ -158,6 +158,18 @@ class Compose(Case):
         self.assertEqual(peer.wait(timeout=PATIENCE), 143)
         self.assertFalse(os.path.exists(sign))
 
+    # A lookup that nobody answers takes 20 s, and was counted as one.
+    def test_the_wait_for_a_name_is_as_long_as_it_says(self):
+        self.borrow("tools/compose/image/firewall.sh")
+        self.put("bin/getent", "#!/bin/sh\n/bin/sleep 6\nexit 2\n")
+        for script in ("peer", "firewall"):
+            started = time.monotonic()
+            done = self.run_script(f"tools/compose/image/{script}.sh", PADR_DATA=self.path("data"), PADR_NUMBER="2",
+                                   PADR_JOIN_TIMEOUT="3", PADR_FIREWALL="cut peer1")  # fmt: skip
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(f"compose-{script}: there is no 'peer1' on this network after 3 s\n", done.stderr)
+            self.assertLess(time.monotonic() - started, 15)
+
     # The shell computed with the seed, and its messages were about that.
     def test_the_peer_sees_every_seed_as_it_is(self):
         for seed, netem_seed in [("", "102"), ("0", "2"), ("7", "702"), ("1000000000000000007", "702"),

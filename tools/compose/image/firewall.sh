@@ -8,6 +8,7 @@ set -u
 
 ready=${PADR_DATA:-/data}/firewall${PADR_NUMBER:?}.ready
 port=${PADR_PORT:-7001}
+patience=${PADR_JOIN_TIMEOUT:-60}
 rm -f "$ready"
 fail() {
   echo "compose-firewall: $1" >&2
@@ -16,10 +17,9 @@ fail() {
 
 # The engine may start us before those whose addresses are asked for.
 address_of() { # NAME
-  waited=0
+  deadline=$(($(date +%s) + patience)) # one look can take 20 s
   until address=$(getent ahostsv4 "$1") && [ -n "$address" ]; do
-    if [ "$waited" -ge 60 ]; then fail "there is no '$1' on this network after 60 s"; fi
-    waited=$((waited + 1))
+    if [ "$(date +%s)" -ge "$deadline" ]; then fail "there is no '$1' on this network after $patience s"; fi
     sleep 1
   done
   echo "$address" | { read -r first _; echo "$first"; }
