@@ -5,6 +5,7 @@ Usage: compose_test.py REPOSITORY [unittest arguments]
 """
 
 import contextlib
+import fcntl
 import os
 import shutil
 import subprocess
@@ -56,7 +57,7 @@ class Compose(Case):
                      "peer1.health"} | others:  # fmt: skip
             self.put(f"data/{name}", "")
         self.peer(1)
-        self.assertEqual(set(os.listdir(self.path("data"))), others | {".founded", "peer1.health"})
+        self.assertEqual(set(os.listdir(self.path("data"))), others | {".founded", ".peer1.lock", "peer1.health"})
 
     def tell_health(self, number, age=0):
         """That peer's health file, as one that plays writes it once a second."""
@@ -157,6 +158,18 @@ class Compose(Case):
         peer.terminate()
         self.assertEqual(peer.wait(timeout=PATIENCE), 143)
         self.assertFalse(os.path.exists(sign))
+
+    # By --scale two wrote one trace, which nobody could read.
+    def test_a_second_container_for_one_peer_is_refused(self):
+        self.put("data/peer4.trace", "of the first")
+        with open(self.path("data/.peer4.lock"), "w", encoding="utf-8") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            done = self.run_script("tools/compose/image/peer.sh", PADR_DATA=self.path("data"), PADR_NUMBER="4")
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(done.stderr, "compose-peer: another container is peer 4 already; for more peers than four see "
+                         "tools/compose/crowd.yml, not --scale\n")  # fmt: skip
+        self.assertEqual(set(os.listdir(self.path("data"))), {".peer4.lock", "peer4.trace"})
+        self.peer(4)
 
     # A lookup that nobody answers takes 20 s, and was counted as one.
     def test_the_wait_for_a_name_is_as_long_as_it_says(self):

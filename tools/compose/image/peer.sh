@@ -11,12 +11,22 @@ port=${PADR_PORT:-7001}
 patience=${PADR_JOIN_TIMEOUT:-60}
 
 trap 'exit 143' TERM INT # the first process of a container would not mind them otherwise
+say() { echo "compose-peer: $*" >&2; }
+
+# The lock goes with the last process that has it open.
+if [ -w "$data" ]; then
+  exec 9>"$data/.peer$number.lock"
+  if ! flock --nonblock 9; then
+    say "another container is peer $number already; for more peers than four see tools/compose/crowd.yml, not --scale"
+    exit 1
+  fi
+fi
+
 # As padr-peer's own, so that the report knows of us, and nobody takes that of a life before for this one.
 alive=$data/peer$number.health
 trap 'rm -f "$alive"' EXIT
 tell_alive() { { echo '{ "healthy": false, "playing": false }' >"$alive"; } 2>/dev/null || true; }
 tell_alive
-say() { echo "compose-peer: $*" >&2; }
 
 # Names one that is in a session, playing or waiting; nothing when there is none. Those that were killed leave their files,
 # so one counts that is written after this began. Until all that are there have become old, there may be such a one.
