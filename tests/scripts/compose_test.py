@@ -7,6 +7,7 @@ Usage: compose_test.py REPOSITORY [unittest arguments]
 import contextlib
 import fcntl
 import os
+import re
 import shutil
 import subprocess
 import threading
@@ -214,6 +215,18 @@ class Compose(Case):
             inside = yaml.safe_load(done.stdout)["services"][f"peer{number}"]["environment"]
             inside = {name: value for name, value in inside.items() if name.startswith("PADR_NETEM") and value is not None}
             self.assertEqual(self.netem(number, **inside), wanted, (files, outside))
+
+    @unittest.skipUnless(yaml and shutil.which("docker-compose"), "no docker-compose and yaml")
+    def test_each_variable_that_is_listed_counts(self):
+        with open(os.path.join(REPOSITORY, "docker-compose.yml"), encoding="utf-8") as f:
+            listed = set(re.findall("^#   (PADR_[A-Z]+)=", f.read(), re.MULTILINE))
+        self.assertLessEqual({"PADR_SEED", "PADR_INPUT", "PADR_ARGS"}, listed)
+        done = subprocess.run(["docker-compose", "-f", "docker-compose.yml", "config"], cwd=REPOSITORY, check=True, stdout=subprocess.PIPE,
+                              text=True, env=self.environment(**{name: f"set-{name}".lower() for name in listed}))  # fmt: skip
+        peer = yaml.safe_load(done.stdout)["services"]["peer2"]
+        for name in listed - {"PADR_IMAGE"}:
+            self.assertEqual(peer["environment"][name], f"set-{name}".lower())
+        self.assertEqual(peer["image"], "set-padr_image")
 
 
 if __name__ == "__main__":
