@@ -111,6 +111,10 @@ containers() { # [SERVICE]: ids, also of those that have ended
     ${1:+--filter "label=com.docker.compose.service=$1"}
 }
 state() { docker inspect --format "{{.State.$2}}" "$(containers "$1")"; } # SERVICE FIELD
+# Two at a time would have the same containers.
+if [[ -n $(containers report) && $(state report Running) == true ]]; then
+  fail "'$name' is being played already; wait for it, or end it by: ${compose[*]} --project-name $project down --volumes --remove-orphans"
+fi
 peers=()
 cars=() # beside them
 for service in $(compose config --services | sort -V); do

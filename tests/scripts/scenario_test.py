@@ -58,6 +58,22 @@ class Scenario(Case):
         os.mkdir(self.path("here"))
         self.assertEqual(self.scenario("--out", "here").returncode, 0)
 
+    # It took the containers of the other away.
+    def test_what_is_being_played_is_left_alone(self):
+        self.put("bin/docker", f"""#!/bin/sh
+echo "$*" >>{self.path("calls")}
+case "$*" in
+  ps*) echo 0123456789ab ;;
+  *State.Running*) echo true ;;
+esac
+""")
+        done = self.scenario("--out", "here")
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(done.stderr, "scenario.sh: 'lan' is being played already; wait for it, or end it by: "
+                         "docker compose --project-name padr-lan down --volumes --remove-orphans\n")  # fmt: skip
+        self.assertNotIn("down", self.text("calls"))
+        self.assertFalse(os.path.exists(self.path("here")))
+
 
 if __name__ == "__main__":
     unittest.main()
