@@ -11,8 +11,9 @@ usage: tools/figures.py [--bin DIR] [--kept FILE] list | make [NAME...] | check 
   --bin DIR    where padr-lab is                        (default: build/release/bin)
   --kept FILE  what was made when, with its short form  (default: docs/figures.json)
 
-A table stands in its document between <!-- figures NAME --> and <!-- end NAME -->. The lab is deterministic to the bit, so a
-short form that comes out as before means that the whole would, too.
+A table stands in its document between <!-- figures NAME --> and <!-- end NAME -->. The lab is deterministic to the bit: a short form
+that comes out otherwise than before means that something has changed. One that comes out as before does not mean that
+nothing has: a change may show only in long runs, or with a seed that the short form does not play.
 Exit status: 0; 1 if something is stale or a measurement failed; 2 for wrong arguments.
 """
 

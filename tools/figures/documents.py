@@ -52,11 +52,11 @@ PAPERS_THRESHOLDS = ["--threshold", "0.8:0.3", "--body-threshold", "0.1"]
 
 
 def on_a_bad_network(m):
-    return m.sweep("--technique", ",".join(WHAT_THEY_ARE), "--peers", "4", *BAD, "--seeds", SEEDS, "--seconds", ("60", "4"))
+    return m.sweep("--technique", ",".join(WHAT_THEY_ARE), "--peers", "4", *BAD, "--seeds", SEEDS, "--seconds", ("60", "30"))
 
 
 def with_papers_thresholds(m):
-    return m.sweep("--technique", "full", *PAPERS_THRESHOLDS, "--peers", "4", *BAD, "--seeds", SEEDS, "--seconds", ("60", "4"))
+    return m.sweep("--technique", "full", *PAPERS_THRESHOLDS, "--peers", "4", *BAD, "--seeds", SEEDS, "--seconds", ("60", "30"))
 
 
 def rows_of(rows, **values):
@@ -95,7 +95,7 @@ def techniques_in_full(m):
     return table(["flags", "mean (m)", "avatars", "bodies", "peak", "kbit/s a peer"], lines)
 
 
-ONE_RUN = ["--peers", "4", "--netem", "delay 100ms 50ms loss 10%", "--seconds", ("60", "4"), "--seed", "3", "--csv", "-"]
+ONE_RUN = ["--peers", "4", "--netem", "delay 100ms 50ms loss 10%", "--seconds", "60", "--seed", "3", "--csv", "-"]
 
 
 def techniques_over_time(m):
@@ -149,7 +149,7 @@ def copied(*words, file):
 
 def one_run(m):
     """What a run prints, but for how fast this machine was."""
-    text, _ = m.lab("run", "--scenario", "arena", "--peers", "4", "--netem", "delay 100ms 50ms loss 10%", "--seconds", ("60", "4"), "--seed", "3")  # fmt: skip
+    text, _ = m.lab("run", "--scenario", "arena", "--peers", "4", "--netem", "delay 100ms 50ms loss 10%", "--seconds", "60", "--seed", "3")  # fmt: skip
     lines = [line for line in text.splitlines() if "times real time" not in line]
     return "\n".join(("    " + line).rstrip() for line in lines)
 
@@ -161,7 +161,7 @@ def chaos(m):
 
 # --- what is shown
 
-CONVERGENCE = ["convergence", "--netem", "delay 100ms 30ms loss 2%", "--seconds", ("60", "10")]
+CONVERGENCE = ["convergence", "--netem", "delay 100ms 30ms loss 2%", "--seconds", "60"]
 
 
 def convergence(m):
