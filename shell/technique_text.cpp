@@ -133,7 +133,8 @@ constexpr std::array<Knob, kKnobCount> kKnobs{{
     {"--time-stamps", "on|off", "Without replay: extrapolate an update by its age on arrival; off: apply it unchanged",
      named<&Technique::time_stamps, kSwitch>},
     {"--budget", "KBIT|off",
-     "Tell no more than fits into so many kbit/s to all other peers together, IP and UDP headers included",
+     "Tell no more than fits into so many kbit/s to all other peers together, IP and UDP headers included; marks and "
+     "repeats go out even beyond it",
      [](Technique& t, Text flag, Text v) {
        t.budget = v == "off" ? 0 : in_range(flag, v, 1.0F, 100'000.0F, "kbit/s, or off");
      }},

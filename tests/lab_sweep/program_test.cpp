@@ -73,6 +73,8 @@ TEST_F(SweepProgram, RowsTellWhatWasPlayed) {
       "grid,run,of,scenario,bodies,peers,delay_ms,jitter_ms,loss_percent,technique,netem,seed,seconds,mean_m,"));
   EXPECT_TRUE(starts("a.csv")[1].ends_with(",arena,8,2,50,10,5,fixed,delay 50ms 10ms loss 5% duplicate 1%,1"))
       << starts("a.csv")[1];
+  ASSERT_EQ(lab(grid + "--netem 'lat 50ms drop 5%' --csv d.csv").status, 0);
+  EXPECT_TRUE(starts("d.csv")[1].ends_with(",arena,8,2,50,0,5,fixed,lat 50ms drop 5%,1")) << starts("d.csv")[1];
   // A model of loss has no share that is its own.
   ASSERT_EQ(lab(grid + "--delay 50ms --netem 'loss gemodel 1% 30%' --csv b.csv").status, 0);
   EXPECT_TRUE(starts("b.csv")[1].ends_with(",arena,8,2,50,0,,fixed,loss gemodel 1% 30%,1")) << starts("b.csv")[1];

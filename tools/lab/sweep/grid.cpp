@@ -43,33 +43,8 @@ std::string netem_text(double delay_ms, double jitter_ms, double loss_percent, c
   return s + more;
 }
 
-/// Whether this specification says so, as one of its words.
-bool says(const std::string& netem, const std::string& word) {
-  return (" " + netem + " ").find(" " + word + " ") != std::string::npos;
-}
-
-/// Rows would be named by the one and played by the other.
-void refuse_two_delays(const GridText& t) {
-  if (!says(t.netem, "delay") || (t.delay.empty() && t.jitter.empty())) return;
-  throw UserError("--netem: '" + t.netem + "' has a delay, and so " +
-                  (t.delay.empty() ? "has --jitter" : "has --delay") + "; give delays in one of them");
-}
-
 double milliseconds(link::Nanos t) {
   return static_cast<double>(t) / static_cast<double>(link::kNanosPerMilli);
-}
-
-/// As --netem has them, whatever the lists say: these are empty then, or the grid is refused.
-void take_from_netem(Point& p, const std::string& netem) {
-  if (says(netem, "delay")) {
-    p.delay_ms = milliseconds(p.netem.delay.mean);
-    p.jitter_ms = milliseconds(p.netem.delay.jitter);
-  }
-  if (!says(netem, "loss")) return;
-  p.loss_percent.reset();
-  constexpr double kDigits = 1e6;  // a chance is a 32-bit number, and no whole per cent
-  if (const auto* random = std::get_if<link::Knob>(&p.netem.loss))
-    p.loss_percent = std::round(100 * kDigits * random->chance / link::kAlways) / kDigits;
 }
 
 bool sets(const std::string& technique, std::string_view flag) {
@@ -93,7 +68,6 @@ Grid::Grid(const GridText& t)
       seconds_(t.seconds),
       settle_seconds_(t.settle_seconds),
       inputs_(t.inputs.empty() ? std::vector<std::string>{"wander"} : t.inputs) {
-  refuse_two_delays(t);
   const auto fewest = static_cast<int>(*std::min_element(peers_.begin(), peers_.end()));
   if (t.watch && (*t.watch < 0 || *t.watch >= fewest))
     throw UserError("--watch: '" + std::to_string(*t.watch) + "' is not allowed; give 0 to " +
@@ -120,9 +94,41 @@ Grid::Grid(const GridText& t)
     size_ *= n;
   }
   check_techniques();
+  look_into_netem(t);
   check_sessions();
   note_given(t);
   id_ = identify();
+}
+
+// Rows would be named by the lists and played by --netem. Of two delays, or losses, the last one counts: one that stays
+// whatever stands before it is --netem's own.
+void Grid::look_into_netem(const GridText& t) {
+  const auto after = [this](const std::string& before) {
+    return shell::parse_netem_flag("--netem", before + netem_, nullptr);
+  };
+  const link::NetemSpec one = after("delay 1ms 1ms loss 1% ");
+  const link::NetemSpec other = after("delay 2ms 1ms loss 2% ");
+  netem_has_delay_ = one.delay == other.delay;
+  netem_has_loss_ = one.loss == other.loss;
+  const auto refuse = [&t](bool has, const std::string& list, const char* what, const char* flag) {
+    if (has && !list.empty())
+      throw UserError("--netem: '" + t.netem + "' has a " + what + ", and so has " + flag + "; give it in one of them");
+  };
+  refuse(netem_has_delay_, t.delay, "delay", "--delay");
+  refuse(netem_has_delay_, t.jitter, "delay", "--jitter");
+  refuse(netem_has_loss_, t.loss, "loss", "--loss");
+}
+
+void Grid::take_from_netem(Point& p) const {
+  if (netem_has_delay_) {
+    p.delay_ms = milliseconds(p.netem.delay.mean);
+    p.jitter_ms = milliseconds(p.netem.delay.jitter);
+  }
+  if (!netem_has_loss_) return;
+  p.loss_percent.reset();
+  constexpr double kDigits = 1e6;  // a chance is a 32-bit number, and no whole per cent
+  if (const auto* random = std::get_if<link::Knob>(&p.netem.loss))
+    p.loss_percent = std::round(100 * kDigits * random->chance / link::kAlways) / kDigits;
 }
 
 void Grid::note_given(const GridText& t) {
@@ -155,7 +161,7 @@ Point Grid::point(std::size_t index) const {
   p.technique = shell::technique_of(p.technique_name);
   for (std::size_t k = 0; k < knobs_.size(); ++k) shell::knobs()[knobs_[k]].set(p.technique, p.knobs[k]);
   p.netem = shell::parse_netem_flag("--netem", netem_text(p.delay_ms, p.jitter_ms, loss_percent, netem_), nullptr);
-  take_from_netem(p, netem_);
+  take_from_netem(p);
   return p;
 }
 

@@ -69,6 +69,8 @@ class Grid {
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
+  void look_into_netem(const GridText& t);
+  void take_from_netem(Point& p) const;
   void note_given(const GridText& t);
   void check_sessions() const;
   void check_techniques();
@@ -88,6 +90,8 @@ class Grid {
   double settle_seconds_;
   std::vector<std::string> inputs_;
   std::optional<PeerId> watched_;
+  bool netem_has_delay_ = false;
+  bool netem_has_loss_ = false;
   std::vector<std::pair<std::string, std::string>> given_;
   std::size_t size_ = 0;
   std::string id_;
