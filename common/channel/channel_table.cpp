@@ -26,21 +26,16 @@ std::optional<SecureChannels::Channel> SecureChannels::channel_to(const PublicKe
   return c;
 }
 
-// A member may tell of any number of newcomers that never come. Once, they kept out those who did.
-bool SecureChannels::is_forgettable(const Channel& c, Micros local) {
-  return local - c.heard >= (c.hearsay && !c.met ? kQuiet : kForgettable);
-}
-
 // Whoever may be forgotten goes before all others. Once, as long as all had been met, of two that had just been told of
 // the first gave way to the second and the second to the first, and neither was ever heard.
 std::list<SecureChannels::Channel>::iterator SecureChannels::quietest(Micros local) {
-  const auto order = [local](const Channel& c) { return std::tuple(!is_forgettable(c, local), c.met, c.heard); };
+  const auto order = [local](const Channel& c) { return std::tuple(local - c.heard < kForgettable, c.met, c.heard); };
   return std::min_element(channels_.begin(), channels_.end(),
                           [&](const Channel& a, const Channel& b) { return order(a) < order(b); });
 }
 
 bool SecureChannels::has_room(Micros local) {
-  return channels_.size() < kMostChannels || is_forgettable(*quietest(local), local);
+  return channels_.size() < kMostChannels || local - quietest(local)->heard >= kForgettable;
 }
 
 // What the network has kept of a forgotten peer must not pass when the peer is back.

@@ -200,7 +200,6 @@ class SecureChannels {
   /// Without forgetting anybody who was there a moment ago.
   bool has_room(Micros local);
   std::list<Channel>::iterator quietest(Micros local);
-  static bool is_forgettable(const Channel& c, Micros local);
   /// A channel that was made just now. Room makes whoever may be forgotten, else who never said anything, else who has
   /// been quiet for the longest.
   Channel& keep(const Channel& c);

@@ -101,12 +101,6 @@ void Evictions::on_answer(PeerId from, const wire::Answer& answer, const View& v
   if (vetoed != 0) take_back(vetoed, view, out);
 }
 
-void Evictions::on_fetch(PeerId from, const wire::Fetch& fetch, const View& view, Commands& out) {
-  if (fetch.slot >= session_.slots || !view.roster.seats[fetch.slot].frozen) return;
-  wire::Fetched f{fetch.slot, fetch.incarnation, view.log.of(fetch.slot, fetch.from)};
-  if (!f.updates.empty()) out.send(view.roster.seats[from].at, f);
-}
-
 // Whether the peer has published something after it was frozen, or so shortly before that it cannot have been silent,
 // and nothing before that is missing. That may take many datagrams of a busy peer.
 bool Evictions::lives(PeerId p, const Lost& lost, const View& view) const {

@@ -33,7 +33,6 @@ class Evictions {
   /// peers that it is about, and so does not follow.
   void on_poll(PeerId from, const wire::Poll& poll, const View& view, Tick due, bool vouched, Commands& out);
   void on_answer(PeerId from, const wire::Answer& answer, const View& view, Commands& out);
-  void on_fetch(PeerId from, const wire::Fetch& fetch, const View& view, Commands& out);
   /// Updates of a lost peer; if they are new, they prove that it lives.
   void on_fetched(PeerId from, const wire::Fetched& fetched, const View& view, MisbehaviourPolicy& misbehaviour,
                   Commands& out);

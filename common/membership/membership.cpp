@@ -105,10 +105,7 @@ void Membership::receive_of_member(PeerId member, const wire::MembershipMessage&
     evictions_.on_poll(member, *poll, view, due, vouched, commands_);
   }
   if (const auto* answer = std::get_if<wire::Answer>(&message)) evictions_.on_answer(member, *answer, view, commands_);
-  if (const auto* fetch = std::get_if<wire::Fetch>(&message)) {
-    evictions_.on_fetch(member, *fetch, view, commands_);
-    relay_.on_fetch(member, *fetch, view, commands_);
-  }
+  if (const auto* fetch = std::get_if<wire::Fetch>(&message)) relay_.on_fetch(member, *fetch, view, commands_);
   if (const auto* reach = std::get_if<wire::Reach>(&message)) paths_.on_reach(member, *reach, view.roster.now);
   if (const auto* newcomer = std::get_if<wire::Newcomer>(&message)) on_newcomer(member, *newcomer, local);
   if (const auto* fetched = std::get_if<wire::Fetched>(&message)) {

@@ -43,9 +43,8 @@ class MisbehaviourPolicy {
   void advance(const View& view, Commands& out);
   /// Whether a joiner with this key is still barred.
   bool bars(const PublicKey& key, const View& view) const;
-  /// Ends the ban of a joiner that another member has not barred, or that is in anew, if that is its first, and for
-  /// acknowledging nothing: who has cut off this peer acknowledges nothing to it, and owes it nothing once it is in
-  /// anew.
+  /// Ends a joiner's first ban if it is for acknowledging nothing; for when another member tells of the joiner, or it
+  /// is in anew. A peer that has cut off this one acknowledges nothing to it.
   void pardon(const PublicKey& key);
   /// Whether it is for ever.
   bool bars_for_good(const PublicKey& key) const;

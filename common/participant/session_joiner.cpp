@@ -23,8 +23,10 @@ Joiner::Joiner(SessionState& session, Micros local) : session_(session), target_
 }
 
 void Joiner::ask(Micros local) {
+  if (session_.config.joins && joins_ == *session_.config.joins + passed_on_) return;
   asked_ = local;
   ++asks_;
+  ++joins_;
   const SessionConfig& c = session_.config;
   session_.send(target_, wire::Join{nonce_, c.scene_hash, c.fingerprint, c.authority, c.scenario, c.spectates});
 }
@@ -80,6 +82,7 @@ void Joiner::on_redirect(const Endpoint& from, const wire::Redirect& redirect, M
   if (session_.phase != SessionPhase::kJoining || !is_target(from) || redirect.nonce != nonce_) return;
   if (++redirects_ > kMostRedirects)
     return session_.fail("too many redirects from member to member, the last by " + to_string(from));
+  passed_on_ = std::min(passed_on_ + 1, kMostRedirects);
   redirected_ = local;
   target_ = as_seen_from(redirect.to, from);
   if (!introduction_ || introduction_->to != target_ || introduction_->by != from)
@@ -104,7 +107,6 @@ void Joiner::advance(Micros local) {
   give_up_if_late(local);
   if (session_.phase == SessionPhase::kFailed) return;
   start_over_if_unheard(local);
-  if (session_.config.joins && redirects_ == 0 && asks_ >= *session_.config.joins) return;
   if (local - asked_ >= (asks_ <= SessionPace::kJoins ? SessionPace::kJoin : SessionPace::kRareJoin)) ask(local);
 }
 

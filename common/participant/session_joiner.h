@@ -44,7 +44,9 @@ class Joiner {
   int redirects_ = 0;
   Micros redirected_ = 0;
   Micros asked_ = 0;
-  int asks_ = 0;  ///< of the present target
+  int asks_ = 0;       ///< of the present target
+  int joins_ = 0;      ///< of all targets
+  int passed_on_ = 0;  ///< times that a redirect was worth a Join of its own, if they are limited
   struct Refused {
     Endpoint at;
     Micros when = 0;

@@ -96,8 +96,8 @@ void TransferPull::advance(Micros local) {
   if (lost_)
     return session_.fail(
         "peer at " + to_string(by_) +
-        " has ended, is silent, sends too little, names another peer, or tells times that do not fit, before this peer "
-        "was admitted");
+        " has ended, is silent, sends too little, names another peer, tells times that do not fit, or takes too long, "
+        "before this peer was admitted");
   measure(local);
   if (pull_is_due(local)) pull(local);
   if (entering_ && local - entered_ >= (entries_ < kOften ? kAgain : kRarely)) enter(local);

@@ -22,23 +22,10 @@ void Introductions::redirect(const Endpoint& from, const wire::Join& join, const
 
 // In a session with a key the channel to the newcomer, which knows by now whom to expect, sends something there.
 void Introductions::on_newcomer(const Endpoint& by, const wire::Newcomer& newcomer, Micros local, Commands& out) {
-  if (newcomer.at.has_key() != session_.config.sealed || !may_tell(by, local)) return;
+  if (newcomer.at.has_key() != session_.config.sealed || !out.may_answer(local)) return;
   const Endpoint at = as_seen_from(newcomer.at, by);
   if (!session_.config.sealed) return out.send(at, wire::Newcomer{at});
   note(introduced_, {at, by, local});
-}
-
-bool Introductions::may_tell(const Endpoint& by, Micros local) {
-  auto it = std::find_if(tellers_.begin(), tellers_.end(), [&](const Teller& t) { return t.at == by; });
-  if (it == tellers_.end()) {
-    if (tellers_.size() == kMaxPeers) tellers_.erase(tellers_.begin());
-    it = tellers_.insert(tellers_.end(), {by, kTellings, local});
-  }
-  it->left = std::min(kTellings, it->left + static_cast<double>(local - it->since) * kTellings / kMicrosPerSecond);
-  it->since = local;
-  if (it->left < 1) return false;
-  it->left -= 1;
-  return true;
 }
 
 bool Introductions::may_carry(const Endpoint& from, const Endpoint& to) const {

@@ -36,24 +36,13 @@ class Introductions {
   static constexpr Micros kLease = 10 * kMicrosPerSecond;
   /// Newcomers that are remembered; the latest.
   static constexpr std::size_t kMost = 64;
-  /// Newcomers of which one member may tell, at once and each second. The coordinator's replies to those who join are
-  /// counted apart: a member that tells of many keeps nobody else out.
-  static constexpr double kTellings = 50;
 
  private:
-  /// A member, and of how many newcomers it may still tell.
-  struct Teller {
-    Endpoint at;
-    double left = kTellings;
-    Micros since = 0;
-  };
-  bool may_tell(const Endpoint& by, Micros local);
   static void note(std::vector<Introduction>& all, const Introduction& one);
 
   const SessionView& session_;
   std::vector<Introduction> redirected_;
   std::vector<Introduction> introduced_;
-  std::vector<Teller> tellers_;  ///< kMaxPeers at most
 };
 
 }  // namespace padr::node

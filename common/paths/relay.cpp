@@ -7,16 +7,19 @@ Relay::Relay(const SessionView& session) : session_(session), questions_(kMaxPee
 void Relay::on_fetch(PeerId from, const wire::Fetch& fetch, const View& view, Commands& out) {
   if (fetch.slot >= session_.slots || fetch.slot == session_.self) return;
   const Seat& of = view.roster.seats[fetch.slot];
-  if (!of.reachable() || of.frozen || of.incarnation != fetch.incarnation) return;
-  note_unheard(from, fetch.slot, view);
+  if (!of.frozen && (!of.reachable() || of.incarnation != fetch.incarnation)) return;
+  if (!of.frozen) note_unheard(from, fetch.slot, view);
+  if (!may_serve(from, view)) return;
   const wire::Fetched f{fetch.slot, fetch.incarnation, view.log.of(fetch.slot, fetch.from)};
-  if (!f.updates.empty() && may_serve(from, view)) out.send(view.roster.seats[from].at, f);
+  if (f.updates.empty()) return;
+  note_served(from);
+  out.send(view.roster.seats[from].at, f);
 }
 
 bool Relay::may_serve(PeerId from, const View& view) {
   Service& s = services_[from];
   if (view.roster.now - s.since >= kPace) s = {view.roster.now, 0};
-  return s.times < kServed && ++s.times > 0;
+  return s.times < kServed;
 }
 
 Tick Relay::note_unheard(PeerId from, PeerId about, const View& view) {

@@ -21,13 +21,15 @@ class Relay {
  public:
   explicit Relay(const SessionView& session);
 
+  /// Also from a coordinator that gathers what others have of a lost peer, which is frozen here.
   void on_fetch(PeerId from, const wire::Fetch& fetch, const View& view, Commands& out);
   void on_fetched(PeerId from, const wire::Fetched& fetched, const View& view, Commands& out);
   /// Once a tick.
   void advance(const View& view, Commands& out);
-  /// Whether member `from` may be sent one more datagram of another peer's updates, which it has asked for; if so, it
-  /// is counted.
+  /// Whether member `from` may be sent one more datagram of another peer's updates, which it has asked for.
   bool may_serve(PeerId from, const View& view);
+  /// It is sent one.
+  void note_served(PeerId from) { ++services_[from].times; }
   /// Member `from` does not hear `about`. Returns for how long it has been saying so, ticks.
   Tick note_unheard(PeerId from, PeerId about, const View& view);
   /// Time after which a member that does not hear a peer may have it evicted, though others hear it; ticks. A little

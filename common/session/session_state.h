@@ -39,7 +39,8 @@ struct SessionConfig {
   SessionId id{};  ///< of a session with a key; a joiner is told it
   /// The session's time is ahead of ours by this at most, us, whatever the introducer says; absent: not known.
   std::optional<Micros> most_offset{};
-  /// Joins that the address to join may get before something comes from there; absent: any number.
+  /// Joins that may be sent in all, but for one more for each of the first redirects: whoever sends them may have named
+  /// the address of somebody else. Absent: any number.
   std::optional<int> joins{};
   /// Longest time from this peer's start to the begin of play, us; 0: no limit.
   Micros patience = 30 * kMicrosPerSecond;

@@ -78,22 +78,6 @@ TEST(Expected, HasTheNameOfThePlaceFromWhichItAnswers) {
   EXPECT_EQ(g.names[1], named(g.a, 1));
 }
 
-// A member may tell of fifty a second. Once, they kept everybody else out for a minute.
-TEST(Expected, WhoNeverComesMakesRoomForWhoDoes) {
-  TwoPeers g;
-  for (std::uint64_t i = 0; i < 2 * SecureChannels::kMostChannels; ++i, g.now += 20'000) {
-    Endpoint told = place(9);
-    told.key = wire::public_key(key_of(5000 + i));
-    g.b.expect(told, g.now, g.now);
-    taken(g.b);
-  }
-  EXPECT_LE(g.b.channels(), SecureChannels::kMostChannels);
-  g.say("here");
-  g.carry();
-  EXPECT_EQ(g.dropped_at_b(ChannelDrop::kFull), 0U);
-  EXPECT_EQ(g.at_b, std::vector<wire::Bytes>{words("here")});
-}
-
 TEST(Expected, HasTheNameThatAllKnowOnceItIsAMember) {
   TwoPeers g;
   g.b.expect(named(g.a, 9), g.now, g.now);

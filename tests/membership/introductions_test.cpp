@@ -173,28 +173,12 @@ TEST(IntroductionRules, NothingBeyondTheRateLimitNorOfAnotherSort) {
   i.on_newcomer(Situation::at(1), wire::Newcomer{Situation::at(9)}, 0, out);
   EXPECT_TRUE(i.introduced().empty()) << "without a key";
   out.answers = false;
+  i.on_newcomer(Situation::at(1), wire::Newcomer{keyed(9)}, 0, out);
   i.redirect(keyed(9), a_join(), keyed(0), 0, out);
   EXPECT_TRUE(i.introduced().empty());
   EXPECT_TRUE(out.all<wire::Newcomer>().empty());
   EXPECT_TRUE(out.all<wire::Redirect>().empty());
   EXPECT_FALSE(i.may_carry(keyed(9), keyed(0)));
-}
-
-// What one member tells uses up nothing of what another one may.
-TEST(IntroductionRules, OfSoManyEachMemberMayTell) {
-  Situation s(3, 0);
-  Introductions i(s.session);
-  constexpr auto kEach = static_cast<std::size_t>(Introductions::kTellings);
-  ListedCommands out;
-  out.answers = false;
-  const auto told = [&](int by, Micros local) {
-    const std::size_t before = out.all<wire::Newcomer>().size();
-    for (int n = 0; n < 1000; ++n) i.on_newcomer(Situation::at(by), wire::Newcomer{Situation::at(9)}, local, out);
-    return out.all<wire::Newcomer>().size() - before;
-  };
-  EXPECT_EQ(told(1, 0), kEach);
-  EXPECT_EQ(told(2, 0), kEach);
-  EXPECT_EQ(told(1, kMicrosPerSecond / 2), kEach / 2);
 }
 
 TEST(IntroductionRules, LastForALeaseAndTheLatestOnes) {

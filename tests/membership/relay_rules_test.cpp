@@ -71,6 +71,17 @@ TEST(RelayRules, ServesWhatIsHereAndNoMoreThanItsShare) {
   EXPECT_EQ(out.all<wire::Fetched>().size(), static_cast<std::size_t>(Relay::kServed) + 1);
 }
 
+// Once, a coordinator that had made this peer freeze another one got a datagram of updates for each Fetch.
+TEST(RelayRules, ServesWhoGathersWhatALostPeerHasToldNoMoreThanItsShareEither) {
+  Situation s(4, 0);
+  s.tells(2, 0, 900);
+  s.roster.seats[2].frozen = true;
+  Relay rules(s.session);
+  ListedCommands out;
+  for (int i = 0; i < 2 * Relay::kServed; ++i) rules.on_fetch(1, {2, s.roster.seats[2].incarnation, 0}, s.view(), out);
+  EXPECT_EQ(out.all<wire::Fetched>().size(), static_cast<std::size_t>(Relay::kServed));
+}
+
 /// Peer 0 of four has not heard peer 2 for so long that it asks the others for its updates.
 struct Lacking {
   Lacking() {

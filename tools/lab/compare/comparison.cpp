@@ -78,8 +78,8 @@ std::string little_measured(const std::vector<Row>& rows, const std::string& net
       list += (list.empty() ? "" : ", ") + r.who.id + fmt::sprintf(" (%.0f %%)", 100 * share);
   }
   return list.empty() ? ""
-                      : "Measured at the first ticks only, as the others were not confirmed in time: " + list +
-                            ". Its figures are not to be compared.";
+                      : "Few ticks were confirmed in time, so only these were measured: " + list +
+                            ". Do not compare these figures.";
 }
 
 Standing standing(const Row& row, const std::vector<Row>& rows) {
