@@ -13,6 +13,7 @@ const SILENT_MS = 1500;
 const SHARPEST = 2; // canvas pixels per CSS pixel: more costs time and shows nothing
 const BACKGROUNDS = 4; // kept: all views are of one size, or one is larger
 const CAPTION = 40; // pixels below a picture
+const LEAST = 80; // pixels of a picture's width, also while the page itself has none
 const SMALL = 300; // pixels of a picture's width below which its caption has fewer buttons
 const TINY = 230; // and below which they have a row of their own
 const TINY_CAPTION = 60;
@@ -177,13 +178,13 @@ export class Views {
     } else if (!narrow) {
       best = this.widest(count, gap, aspect);
     }
-    best.w = Math.max(best.w, 80);
+    best.w = Math.max(best.w, LEAST);
     this.grid.style.gridTemplateColumns = `repeat(${best.columns}, ${best.w}px)`;
     this.sharp = Math.min(devicePixelRatio || 1, this.session.scene.bodies.length * count > PAINTED_WHOLE ? 1 : SHARPEST);
     let resized = false;
     for (const tile of this.tiles.values()) {
       const alone = tile.slot === big;
-      const w = alone ? Math.floor(width) : best.w;
+      const w = alone ? Math.max(Math.floor(width), LEAST) : best.w;
       tile.figure.classList.toggle("small", w < SMALL);
       tile.figure.classList.toggle("tiny", w < TINY);
       tile.figure.classList.toggle("big", alone);
