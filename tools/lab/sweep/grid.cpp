@@ -100,16 +100,15 @@ Grid::Grid(const GridText& t)
   id_ = identify();
 }
 
-// Rows would be named by the lists and played by --netem. Of two delays, or losses, the last one counts: one that stays
-// whatever stands before it is --netem's own.
+// Rows would be named by the lists and played by --netem. Of two delays the last one counts: one that stays whatever
+// stands before it is --netem's own.
 void Grid::look_into_netem(const GridText& t) {
   const auto after = [this](const std::string& before) {
     return shell::parse_netem_flag("--netem", before + netem_, nullptr);
   };
-  const link::NetemSpec one = after("delay 1ms 1ms loss 1% ");
-  const link::NetemSpec other = after("delay 2ms 1ms loss 2% ");
-  netem_has_delay_ = one.delay == other.delay;
-  netem_has_loss_ = one.loss == other.loss;
+  const link::NetemSpec one = after("delay 1ms 1ms ");
+  netem_has_delay_ = one.delay == after("delay 2ms 1ms ").delay;
+  netem_has_loss_ = one.loss != link::NetemSpec{}.loss;
   const auto refuse = [&t](bool has, const std::string& list, const char* what, const char* flag) {
     if (has && !list.empty())
       throw UserError("--netem: '" + t.netem + "' has a " + what + ", and so has " + flag + "; give it in one of them");
