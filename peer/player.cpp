@@ -99,7 +99,7 @@ void Player::advance(Micros now) {
     if (!participant_.step_due(now) || done(now)) break;
     step(now);
   }
-  tell();
+  tell(now);
 }
 
 Micros Player::next_due() const {
@@ -148,12 +148,12 @@ void Player::say_what_is_played() {
 }
 
 // A path, and the time to play, begin where play does or, for whoever comes later, where this peer comes in.
-void Player::follow_start() {
+void Player::follow_start(Micros now) {
   const sync::Start start = replica().start();
   if (start.wanted > 0 || first_tick_ >= 0) return;
   if (waited_) {
     waited_ = false;
-    tell_events();  // before what follows from them, even if both come in one step
+    tell_events(now);  // before what follows from them, even if both come in one step
     log_.session->info("session {} of {} peers starts in {:.2f} s; this is peer {}", session().number(), present(),
                        std::max(0.0, static_cast<double>(start.at - replica().now()) / kTicksPerSecond), self());
     say_what_is_played();
@@ -165,7 +165,7 @@ void Player::follow_start() {
 }
 
 void Player::step(Micros now) {
-  follow_start();
+  follow_start(now);
   watch_clock(now);
   if (!leaving() && replica().now() >= last_input_) leave("the time to play is over", true, now);
   const Tick of_input = has_begun() ? std::min(replica().now() + 1, last_input_) - first_tick_ : 0;
@@ -205,13 +205,20 @@ void Player::watch_hashes() {
                    replica().stats().first_mismatch);
 }
 
-void Player::tell_events() {
-  for (const node::SessionEvent& e : participant_.take_events())
-    log_.session->log(shell::is_problem(e) ? spdlog::level::warn : spdlog::level::info, "{}", shell::words_of(e));
+// Strangers may ask to join fifty times a second, and the log must not fill the disk.
+void Player::tell_events(Micros now) {
+  for (const node::SessionEvent& e : participant_.take_events()) {
+    if (e.kind == node::SessionEvent::Kind::kRefused && (refused_untold_ > 0 || !refusals_.take(1, now)))
+      ++refused_untold_;
+    else
+      log_.session->log(shell::is_problem(e) ? spdlog::level::warn : spdlog::level::info, "{}", shell::words_of(e));
+  }
+  if (refused_untold_ == 0 || !refusals_.take(1, now)) return;
+  log_.session->info("refused {} more", std::exchange(refused_untold_, 0));
 }
 
-void Player::tell() {
-  tell_events();
+void Player::tell(Micros now) {
+  tell_events(now);
   for (const node::MemberChange& c : participant_.take_changes()) {
     if (has_begun()) history_.change(c);
     if (watcher_ != nullptr) watcher_->changed(c);

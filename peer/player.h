@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/monitor/steering.h"
+#include "common/participant/allowance.h"
 #include "common/participant/participant.h"
 #include "common/scenarios/input.h"
 #include "peer/history.h"
@@ -124,12 +125,12 @@ class Player {
   void go_on(Micros now);
   void step(Micros now);
   void begin_incarnation();
-  void follow_start();
+  void follow_start(Micros now);
   void say_what_is_played();
   void watch_clock(Micros now);
   void watch_hashes();
-  void tell_events();
-  void tell();
+  void tell_events(Micros now);
+  void tell(Micros now);
 
   const Options& options_;
   Log& log_;
@@ -138,7 +139,9 @@ class Player {
   Technique technique_;  ///< as it is now
   monitor::Steering steering_;
   Standstill still_;
-  bool catching_up_ = false;  ///< after a standstill, which is nobody's fault
+  bool catching_up_ = false;                ///< after a standstill, which is nobody's fault
+  node::Allowance refusals_{1, 10, 10, 0};  ///< of which the log has a line each
+  int refused_untold_ = 0;
   History history_;
   node::Participant participant_;
   std::unique_ptr<scenarios::InputSource> input_;

@@ -7,6 +7,7 @@ Usage: peer_session.py PATH_TO_PADR_PEER [unittest arguments]
 import ctypes
 import os
 import struct
+import time
 import zlib
 
 from peers import Case, main, run, socket, time
@@ -127,6 +128,13 @@ class Refusal(Case):
             self.assertEqual(answer[2], 0x91, "an answer of its own version, for the newcomer to see")
             self.assertLess(len(answer), 1200)
             founder.wait_for("protocol version differs: 9 in the session, 10 in the newcomer")
+            # However often it asks: the log must not fill the disk.
+            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+                for _ in range(300):
+                    other.sendto(future(bytes(1190)), ("127.0.0.1", port))
+                    time.sleep(0.005)
+            founder.wait_for(r"refused \d+ more")
+            self.assertLess(founder.text().count("refused"), 20)
             # The other way round: a joiner is told by a member of the future.
             joiner = self.peer("--join", f"127.0.0.1:{s.getsockname()[1]}")
             _, sender = s.recvfrom(65536)
