@@ -36,11 +36,7 @@ bool Vouching::vouches_for(const wire::Seat& s, PeerId from, const View& view, T
     out.send(view.roster.seats[s.slot].at, wire::Poll{{{s.slot, s.incarnation, 0, 0}}, false, number});
   }
   if (!has_evidence(s.slot, view, due)) return now - d.since < kGrace;
-  if (!relay.may_serve(from, view)) return true;
-  const wire::Fetched evidence{s.slot, s.incarnation, view.log.of(s.slot, s.have)};
-  if (evidence.updates.empty()) return true;
-  relay.note_served(from);
-  out.send(view.roster.seats[from].at, evidence);
+  relay.serve(from, {s.slot, s.incarnation, s.have}, view, out);
   return true;
 }
 

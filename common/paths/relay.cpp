@@ -9,17 +9,17 @@ void Relay::on_fetch(PeerId from, const wire::Fetch& fetch, const View& view, Co
   const Seat& of = view.roster.seats[fetch.slot];
   if (!of.frozen && (!of.reachable() || of.incarnation != fetch.incarnation)) return;
   if (!of.frozen) note_unheard(from, fetch.slot, view);
-  if (!may_serve(from, view)) return;
-  const wire::Fetched f{fetch.slot, fetch.incarnation, view.log.of(fetch.slot, fetch.from)};
-  if (f.updates.empty()) return;
-  note_served(from);
-  out.send(view.roster.seats[from].at, f);
+  serve(from, fetch, view, out);
 }
 
-bool Relay::may_serve(PeerId from, const View& view) {
-  Service& s = services_[from];
+void Relay::serve(PeerId asker, const wire::Fetch& wanted, const View& view, Commands& out) {
+  Service& s = services_[asker];
   if (view.roster.now - s.since >= kPace) s = {view.roster.now, 0};
-  return s.times < kServed;
+  if (s.times >= kServed) return;
+  const wire::Fetched f{wanted.slot, wanted.incarnation, view.log.of(wanted.slot, wanted.from)};
+  if (f.updates.empty()) return;
+  ++s.times;
+  out.send(view.roster.seats[asker].at, f);
 }
 
 Tick Relay::note_unheard(PeerId from, PeerId about, const View& view) {

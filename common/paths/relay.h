@@ -26,10 +26,8 @@ class Relay {
   void on_fetched(PeerId from, const wire::Fetched& fetched, const View& view, Commands& out);
   /// Once a tick.
   void advance(const View& view, Commands& out);
-  /// Whether member `from` may be sent one more datagram of another peer's updates, which it has asked for.
-  bool may_serve(PeerId from, const View& view);
-  /// It is sent one.
-  void note_served(PeerId from) { ++services_[from].times; }
+  /// Sends a member what it wants of another peer's updates, if they are here and it has not had its share yet.
+  void serve(PeerId asker, const wire::Fetch& wanted, const View& view, Commands& out);
   /// Member `from` does not hear `about`. Returns for how long it has been saying so, ticks.
   Tick note_unheard(PeerId from, PeerId about, const View& view);
   /// Time after which a member that does not hear a peer may have it evicted, though others hear it; ticks. A little
