@@ -171,6 +171,7 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
     if (!winner_)
       out.tell({.kind = SessionEvent::Kind::kOutvoted, .at = from, .count = probe.members.size(), .own = us.size()});
     winner_ = from;
+    winner_yields_ = probe.yields;
     won_at_ = view.roster.now;
     return;
   }
@@ -213,13 +214,14 @@ std::optional<int> PartitionMerge::joins_for(const Endpoint& at, const View& vie
   return static_cast<int>(joins);
 }
 
-// The winner may be a liar that lets nobody in, and as long as this peer asks there, it lets nobody in either.
+// The winner may be a liar that lets nobody in, and as long as this peer asks there, it lets nobody in either. A winner
+// that yields may be kept waiting so itself: whoever waits for it has to be more patient, or neither lets the other in.
 void PartitionMerge::give_winner_up(const View& view) {
   const Tick now = view.roster.now;
-  if (!is_outvoted(view) || !has_company(view)) yields_since_ = now;
-  if (!session_.config.sealed || now - yields_since_ < kInVain) return;
+  if (!is_outvoted(view)) yields_since_ = now;
+  if (!session_.config.sealed || now - yields_since_ < (winner_yields_ ? 2 * kInVain : kInVain)) return;
   winner_.reset();
-  stays_until_ = now + kInVain;
+  stays_until_ = now + (has_company(view) ? kInVain : kStaysAlone);
 }
 
 bool PartitionMerge::is_outvoted(const View& view) const {

@@ -82,8 +82,10 @@ class PartitionMerge {
   static constexpr Tick kAlone = 15 * kTicksPerSecond;
   /// Time after which a peer that is alone yields though its part is not the smaller one, ticks.
   static constexpr Tick kLonely = 3 * kAlone;
-  /// Time for which a peer that has others in its part tries to join the winner, and then stays, ticks.
+  /// Time for which a peer tries to join the winner, and then stays, ticks; twice as long if the winner itself yields.
   static constexpr Tick kInVain = 10 * kTicksPerSecond;
+  /// Time for which a peer that is alone then stays, ticks. Longer than another one takes to come in.
+  static constexpr Tick kStaysAlone = 3 * kTicksPerSecond;
   /// Shorter than the time after which this peer would join its own part anew, ticks.
   static constexpr Tick kStalled = 10 * kTicksPerSecond;
   /// Time between two peers of the own part that a peer of another part is told of, ticks, after the first ones.
@@ -173,7 +175,7 @@ class PartitionMerge {
                  const View& view) const;
   /// Whether it has been so for kStrangers.
   bool is_larger_for_long(const wire::Probe& probe, const Side& us, const View& view);
-  /// Stops trying to join the winner for a while, if this peer has tried for long and has others in its part.
+  /// Stops trying to join the winner for a while, if this peer has tried for long.
   void give_winner_up(const View& view);
   wire::Probe our_probe(bool knows, const View& view) const;
   /// Whether anybody could have named this address as its own: no member has been there, and the session has no key.
@@ -191,6 +193,7 @@ class PartitionMerge {
   std::vector<Credit> credits_;                  ///< kMost at most
   std::map<PeerId, std::uint32_t> disowned_by_;  ///< members whose Probes disown us, and their incarnations
   std::optional<Endpoint> winner_;
+  bool winner_yields_ = false;  ///< by its latest Probe
   bool stalled_ = false;
   Tick probed_ = 0;
   Tick told_at_ = -kTell;

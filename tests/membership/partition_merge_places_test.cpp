@@ -21,7 +21,7 @@ TEST(PartitionMerge, WhoHasBeenAloneForLongGoesToThoseOfWhomAFormerMemberHasTold
     std::size_t looks_for;  ///< Probes to person 6 at the end
     bool yields;
   };
-  constexpr Tick kLong = PartitionMerge::kAlone + PartitionMerge::kStrangers;
+  constexpr Tick kLong = PartitionMerge::kAlone + PartitionMerge::kInVain / 2;
   const Row rows[] = {
       {"a former member", 1, true, kLong, 1, true},
       {"a short time", 1, true, PartitionMerge::kAlone - PartitionMerge::kPace, 0, false},

@@ -294,28 +294,40 @@ TEST(PartitionMerge, BothPartsMayHaveGivenOneSlotAndIncarnation) {
   }
 }
 
-// Once, two members tried for ever to join a more senior liar, which let nobody in, and let nobody in themselves.
-TEST(PartitionMerge, WhoJoinsAWinnerInVainStaysForAWhileUnlessItIsAlone) {
-  for (const bool alone : {false, true}) {
-    SCOPED_TRACE(alone ? "alone" : "three");
-    Met met({5, 6, 7}, 4);
-    if (alone)
-      for (const PeerId p : {PeerId{0}, PeerId{1}}) met.s.empty(p);
-    const Tick begin = met.s.roster.now;
-    Tick yields = 0;
-    bool replied = false;
-    for (Tick t = 0; t < 4 * PartitionMerge::kInVain; t += PartitionMerge::kPace) {
-      met.s.roster.now = begin + t;
-      for (PeerId p = 0; p < 2; ++p) met.s.roster.seats[p].answered = met.s.roster.now;
-      const std::size_t sent = met.out.all<wire::Probe>().size();
-      met.probed_by(5, 8);
-      replied |= t > PartitionMerge::kInVain && met.out.all<wire::Probe>().size() > sent;
-      yields += met.yields() ? PartitionMerge::kPace : 0;
+// Once, two members tried for ever to join a more senior liar, which let nobody in, and let nobody in themselves. And
+// of two that were alone, one tried to join the liar, and the other one to join the first.
+TEST(PartitionMerge, WhoJoinsAWinnerInVainStaysForAWhile) {
+  for (const bool alone : {false, true})
+    for (const bool it_yields : {false, true}) {
+      SCOPED_TRACE(std::string(alone ? "alone" : "three") + (it_yields ? ", the winner yields" : ""));
+      Met met({5, 6, 7}, 4);
+      if (alone)
+        for (const PeerId p : {PeerId{0}, PeerId{1}}) met.s.empty(p);
+      else if (it_yields)
+        continue;  // the senior one yields, and is not the larger one
+      met.probe.yields = it_yields;
       met.rules.advance(met.s.view(), met.out);
+      const Tick begin = met.s.roster.now + PartitionMerge::kPace;
+      const Tick tries = (it_yields ? 2 : 1) * PartitionMerge::kInVain;
+      const Tick stays = alone ? PartitionMerge::kStaysAlone : PartitionMerge::kInVain;
+      bool replied = false;
+      std::vector<std::pair<bool, Tick>> turns;  // whether it yields, and for how long
+      for (Tick t = 0; t < 2 * (tries + stays); t += PartitionMerge::kPace) {
+        met.s.roster.now = begin + t;
+        for (PeerId p = 0; p < 2; ++p) met.s.roster.seats[p].answered = met.s.roster.now;
+        const std::size_t sent = met.out.all<wire::Probe>().size();
+        met.probed_by(5, 8);
+        replied |= met.out.all<wire::Probe>().size() > sent;
+        if (turns.empty() || turns.back().first != met.yields()) turns.emplace_back(met.yields(), 0);
+        turns.back().second += PartitionMerge::kPace;
+        met.rules.advance(met.s.view(), met.out);
+      }
+      ASSERT_GE(turns.size(), 3U);
+      EXPECT_TRUE(turns[0].first);
+      EXPECT_NEAR(turns[0].second, tries, 2 * PartitionMerge::kPace);
+      EXPECT_NEAR(turns[1].second, stays, 2 * PartitionMerge::kPace);
+      EXPECT_TRUE(replied) << "the other part still hears of this one";
     }
-    EXPECT_NEAR(yields, (alone ? 4 : 2) * PartitionMerge::kInVain, 3 * PartitionMerge::kPace);
-    EXPECT_EQ(replied, !alone) << "the other part still hears of this one";
-  }
 }
 
 // A part's new coordinator tells its joiners who was first admitted when, even of a peer that has come back since.

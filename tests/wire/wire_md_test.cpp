@@ -412,6 +412,7 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("tell_pace", node::PartitionMerge::kTell);
   add("most_told", node::PartitionMerge::kMostTold);
   add("in_vain", node::PartitionMerge::kInVain);
+  add("stays_alone", node::PartitionMerge::kStaysAlone);
   add("alone", node::PartitionMerge::kAlone);
   add("lonely", node::PartitionMerge::kLonely);
   add("probe_remember", node::PartitionMerge::kRemember);
