@@ -82,7 +82,7 @@ class Evictions {
   static constexpr Tick kWithheld = 2 * kSilence + 90;
   /// The same for a member that has asked to be let in anew: if it hears this peer, it replies within a few round
   /// trips.
-  static constexpr Tick kReturning = kSilence;
+  static constexpr Tick kReturning = kSilence / 2;
 
  private:
   struct Lost {

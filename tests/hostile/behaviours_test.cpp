@@ -73,8 +73,9 @@ TEST(LyingScripts, NorWithSeedsThatHaveFailed) {
   how.seal = wire::SealMode::kAuth;
   how.quiet = seconds(50);
   how.differ = seconds(30);
-  for (const unsigned seed : {123U, 278U, 338U, 437U, 597U, 330320U, 240250U, 401108U, 411211U, 411184U, 410354U,
-                              450065U, 450089U, 460681U, 540416U, 540450U, 560319U, 570375U, 570390U}) {
+  for (const unsigned seed :
+       {123U,    278U,    338U,    437U,    597U,    330320U, 240250U, 401108U, 411211U, 411184U,
+        410354U, 450065U, 450089U, 460681U, 540416U, 540450U, 560319U, 570375U, 570390U, 581013U}) {
     how.spectators = seed >= 1000;
     how.scene = scenarios::load(scenarios::with_bodies(scenarios::embedded_text("arena"), "arena", 12), "arena", seed);
     const auto script = lab::with_liar(lab::make_script(seed, seconds(120), 8, 4), nullptr);
