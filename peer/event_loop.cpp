@@ -12,6 +12,9 @@
 namespace padr::peer {
 namespace {
 
+/// Time that a peer which has been told to leave goes on coming in. A transfer takes less, as a rule.
+constexpr Micros kComes = 2 * kMicrosPerSecond;
+
 node::SessionConfig session_config(const Options& o, const std::optional<Endpoint>& join, const Endpoint& local,
                                    const PortMapping* mapping) {
   node::SessionConfig c;
@@ -66,7 +69,7 @@ void EventLoop::start() {
 
 void EventLoop::finish() {
   player_->finish();
-  shell::do_all({[this] { recordings_->close(); }, [this] { Loop::finish(); },
+  shell::do_all({[this] { or_fail([this] { recordings_->close(); }); }, [this] { Loop::finish(); },
                  [this] {
                    if (health_) health_->remove();
                  }});
@@ -79,6 +82,8 @@ void EventLoop::receive(const Endpoint& from, std::span<const std::byte> datagra
 
 void EventLoop::advance(Micros now) {
   player_->advance(now);
+  give_up_coming(now);
+  if (ending()) return;
   send_out(now);
   end_if_over(now);
   if (player_->playing()) say_status(now);
@@ -115,19 +120,30 @@ Micros EventLoop::next_due() const {
   Micros due = player_->next_due();
   if (health_) due = std::min(due, health_->next_due());
   if (telemetry_) due = std::min(due, telemetry_->next_due());
+  if (comes_until_) due = std::min(due, *comes_until_);
   if (const auto over = cuts_.next_due()) due = std::min(due, *over);
   return due;
 }
 
 void EventLoop::stop(const std::string& signal, Micros now) {
+  signal_ = signal;
   if (player_->playing()) {
     if (!player_->leaving()) player_->leave(signal, false, now);
-    signal_ = signal;
   } else {
-    player_->give_up(now);
-    send_out(now);
-    end(shell::kExitFailure, signal + " before the session started");
+    // Once welcomed it may have been admitted already, and then the others would wait for it.
+    const bool comes = player_->session().phase() == node::SessionPhase::kEntering;
+    comes_until_ = comes ? now + kComes : now;
+    give_up_coming(now);
   }
+}
+
+void EventLoop::give_up_coming(Micros now) {
+  if (!comes_until_ || (now < *comes_until_ && !player_->playing())) return;
+  comes_until_.reset();
+  if (player_->playing()) return player_->leave(signal_, false, now);
+  player_->give_up(now);
+  send_out(now);
+  end(shell::kExitFailure, signal_ + " before the session started");
 }
 
 void EventLoop::end(int code, const std::string& reason) {

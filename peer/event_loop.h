@@ -33,6 +33,8 @@ class EventLoop final : public Loop {
   std::string summary_text() const override;
   void send_out(Micros now);
   void end_if_over(Micros now);
+  /// After a signal: ends, or leaves if it has come in meanwhile.
+  void give_up_coming(Micros now);
   void say_status(Micros now);
   Telemetry::Situation situation() const { return {*player_, *egress_, cuts_, local_}; }
 
@@ -43,6 +45,7 @@ class EventLoop final : public Loop {
   std::unique_ptr<Player> player_;
   std::unique_ptr<Controls> controls_;  ///< null: nobody orders anything
   std::string signal_;                  ///< that has told it to leave
+  std::optional<Micros> comes_until_;   ///< after a signal: it is being admitted
   Status status_;
 };
 

@@ -1,13 +1,13 @@
 #include "peer/loop.h"
 
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 
 #include "common/model/user_error.h"
 #include "peer/addresses.h"
 #include "shell/netem_flags.h"
 #include "shell/run_main.h"
+#include "shell/stop_signals.h"
 
 namespace padr::peer {
 namespace {
@@ -18,7 +18,8 @@ constexpr Micros kDrain = 300'000;
 }  // namespace
 
 Loop::Loop(const Options& options, Log& log, const shell::Clock& clock)
-    : options_(options), log_(log), clock_(clock), io_(1), signals_(io_, SIGINT, SIGTERM), timer_(io_) {
+    : options_(options), log_(log), clock_(clock), io_(1), signals_(io_), timer_(io_) {
+  shell::add_stop_signals(signals_);
   const std::optional<shell::Udp::endpoint> join = join_address(io_, options);
   socket_ = std::make_unique<shell::UdpSocket>(io_, listen_address(io_, options, join));
   local_ = shell::to_endpoint(socket_->local());
@@ -98,7 +99,17 @@ void Loop::finish() {
     if (packets_->dropped() > 0)
       log_.net->error("--pcap: the file lacks {} datagrams, because the disk was too slow", packets_->dropped());
   };
-  shell::do_all({close_packets, [this] { write_summary(); }});
+  shell::do_all({[&] { or_fail(close_packets); }, [this] { write_summary(); }});
+}
+
+void Loop::or_fail(const std::function<void()>& step) {
+  try {
+    step();
+  } catch (const std::exception& e) {
+    if (exit_code_ == shell::kExitFine) reason_ = e.what();
+    exit_code_ = shell::kExitFailure;
+    throw;
+  }
 }
 
 void Loop::take(const Endpoint& from, std::span<const std::byte> datagram) {
@@ -161,7 +172,7 @@ void Loop::set_timer(Micros now) {
 
 void Loop::await_signal() {
   signals_.async_wait([this](const boost::system::error_code& error, int signal) {
-    if (!error) on_signal(signal == SIGINT ? "SIGINT" : "SIGTERM");
+    if (!error) on_signal(std::string(shell::name_of_signal(signal)));
   });
 }
 

@@ -5,6 +5,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -68,6 +69,8 @@ class Loop {
   /// Nothing comes or goes any more: files are completed.
   virtual void finish();
   virtual std::string summary_text() const = 0;
+  /// Does this step of finish(). If it throws, the exit code and the reason say so in the summary.
+  void or_fail(const std::function<void()>& step);
 
   const Options& options_;
   Log& log_;

@@ -57,10 +57,10 @@ constexpr const char* kFooter =
 constexpr const char* kFooterEnd =
     "\n"
     "\n"
-    "Messages and the status line go to standard error. SIGINT or SIGTERM leaves the session properly; a second "
-    "signal\n"
-    "ends the program at once. Exit code: 0 on success; 1 if the peer could not join, the session did not start,\n"
-    "confirmed worlds differed, or a system call failed; 2 if the command line or a file that it names is wrong.";
+    "Messages and the status line go to standard error. SIGINT, SIGTERM or SIGHUP leaves the session properly;\n"
+    "a second signal ends the program at once. Exit code: 0 on success; 1 if the peer could not join, the session did\n"
+    "not start, confirmed worlds differed, or a system call failed; 2 if the command line or a file that it names is "
+    "wrong.";
 
 /// What CLI11 fills in, before anything is checked.
 struct Raw {

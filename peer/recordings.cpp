@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <stdexcept>
 
 #include "common/model/user_error.h"
 #include "shell/revision.h"
@@ -54,7 +55,8 @@ std::optional<node::RecordedReplica::Recording> Recordings::of(int incarnation) 
     try {
       files_[n] = open_trace(trace_file(options_.trace, incarnation));
     } catch (const UserError& e) {
-      log_.play->error("{}: the peer has joined again, and this is not recorded", e.what());
+      unopened_ = std::string(e.what()) + ": the peer has joined again, and this is not recorded";
+      log_.play->error("{}", unopened_);
       return std::nullopt;
     }
   }
@@ -78,6 +80,7 @@ void Recordings::close() {
   if (trouble_) std::rethrow_exception(trouble_);
   for (const auto& file : files_)
     if (file) file->close();
+  if (!unopened_.empty()) throw std::runtime_error(unopened_);
 }
 
 }  // namespace padr::peer

@@ -36,6 +36,7 @@ class Recordings {
   Log& log_;
   std::vector<std::unique_ptr<shell::OutputFile>> files_;  ///< by incarnation; null where there is none
   std::exception_ptr trouble_;                             ///< the first failure
+  std::string unopened_;                                   ///< the last file that could not be opened; empty: none
   bool begun_ = false;                                     ///< the first file has been written to, or may have been
 };
 

@@ -4,6 +4,8 @@
 Usage: peer_lives.py PATH_TO_PADR_PEER [unittest arguments]
 """
 
+import os
+
 import crowd
 from peers import PATIENCE, PLAYING, Case, main, signal, time
 
@@ -11,9 +13,9 @@ LINK = "delay 50ms"
 
 
 class Lives(Case):
-    def running(self, count, *arguments):
+    def running(self, count, *arguments, own=None):
         """A session of so many that has been playing for a second."""
-        peers = self.session(count, "--netem", LINK, *arguments)
+        peers = self.session(count, "--netem", LINK, *arguments, own=own)
         for p in peers:
             p.wait_for(r" status: ")
         return peers
@@ -100,7 +102,8 @@ class Lives(Case):
             self.assertEqual(p.summary()["others"]["removed"], 1)
 
     def test_standing_still_and_coming_back(self):
-        peers = self.running(3)
+        os.mkdir(os.path.join(self.folder.name, "one.2.trace"))  # so it cannot be written
+        peers = self.running(3, own=[[], ["--trace", os.path.join(self.folder.name, "one.trace")], []])
         frozen = peers[1]
         frozen.process.send_signal(signal.SIGSTOP)
         time.sleep(5)
@@ -109,8 +112,12 @@ class Lives(Case):
         frozen.wait_for(r"life 2 begins")
         print(f"after SIGSTOP for 5 s: back in {time.monotonic() - woken:.2f} s")
         self.settle(peers)
-        self.end_all(peers)
+        self.end_all([p for p in peers if p is not frozen])
+        frozen.process.send_signal(signal.SIGINT)
+        self.assertEqual(frozen.end(), 1)
         self.check_agreement(peers, least_common=2)
+        self.assertEqual(frozen.summary()["exit_code"], 1)
+        self.assertIn("joined again, and this is not recorded", frozen.summary()["reason"])
         self.assertEqual(len(frozen.summary()["lives"]), 2)
         others = [p.summary() for p in peers if p is not frozen]
         for s in others:

@@ -6,9 +6,12 @@ Usage: peer_usage.py PATH_TO_PADR_PEER [unittest arguments]
 
 import json
 import os
+import re
+import signal
 import subprocess
+import time
 
-from peers import PROGRAM, Case, main, run
+from peers import PATIENCE, PLAYING, PROGRAM, Case, main, run
 
 JOIN = ["--join", "127.0.0.1:9"]
 
@@ -42,6 +45,7 @@ class Usage(Case):
                 self.assertIn("cannot write '/dev/full'", said)
                 self.assertIn("ended: played to the end", said)
                 self.assertGreater(json.loads(summary)["ticks"], 50)
+                self.assertEqual(json.loads(summary)["exit_code"], 1)
                 self.assertEqual(os.listdir(self.folder.name), [])
 
     def test_flags(self):
@@ -231,6 +235,49 @@ class Usage(Case):
         self.assertRegex(run(*key)[2], "--insecure has no meaning in a session with a key")
         _, _, err = run(*key, "--control", "--monitor", "127.0.0.1:9")
         self.assertNotIn("--insecure", err, "it lets a monitor on another machine control the peer")
+
+
+class Signals(Case):
+    # Ctrl-C goes to both ends of `padr-peer ... 2>&1 | tee log`.
+    def test_a_reader_that_ends_takes_nothing_along(self):
+        files = [os.path.join(self.folder.name, name) for name in ("peer.json", "peer.trace")]
+        with subprocess.Popen([PROGRAM, "--wait-peers", "1", "--json", files[0], "--trace", files[1]],
+                              stderr=subprocess.PIPE, text=True) as peer:  # fmt: skip
+            while not re.search(PLAYING, peer.stderr.readline()):
+                self.assertIsNone(peer.poll())
+            peer.stderr.close()
+            time.sleep(1.5)  # a status line fails
+            peer.send_signal(signal.SIGINT)
+            self.assertEqual(peer.wait(PATIENCE), 0)
+        with open(files[0], encoding="utf-8") as f:
+            self.assertEqual(json.load(f)["reason"], "stopped")
+        self.assertGreater(os.path.getsize(files[1]), 0)
+
+    def test_a_closed_terminal_is_a_reason_to_leave_unless_nohup_says_otherwise(self):
+        for nohup in (False, True):
+            with self.subTest(nohup=nohup):
+                ignore = (lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN)) if nohup else None
+                peer = self.peer("--wait-peers", 1, preexec_fn=ignore)
+                peer.wait_for(PLAYING)
+                peer.process.send_signal(signal.SIGHUP)
+                if nohup:
+                    time.sleep(0.5)
+                    self.assertIsNone(peer.process.poll())
+                    peer.process.send_signal(signal.SIGINT)
+                self.assertEqual(peer.end(), 0)
+                self.assertEqual(peer.summary()["reason"], "stopped")
+
+    # It may have been admitted already. Once, the founder counted it, began, and played on alone.
+    def test_who_is_told_to_leave_while_it_comes_in_says_goodbye(self):
+        founder = self.peer("--wait-peers", 3)
+        joiner = self.peer("--join", f"127.0.0.1:{founder.port()}")
+        joiner.wait_for("welcomed")
+        joiner.process.send_signal(signal.SIGINT)
+        founder.wait_for("peer 1 has left")
+        self.assertEqual(joiner.end(), 1)
+        joiner.wait_for("ended: SIGINT before the session started")
+        founder.process.send_signal(signal.SIGINT)
+        founder.end()
 
 
 if __name__ == "__main__":

@@ -34,9 +34,10 @@ constexpr const char* kFooter =
     "its own pages may connect. It also serves /metrics for Prometheus, /api/session as JSON and /api/path?peer=N as\n"
     "CSV.\n"
     "\n"
-    "Messages go to standard error, the address to standard output. SIGINT or SIGTERM ends the program. Exit code: 0\n"
-    "after a signal or --duration; 1 if an address cannot be used; 2 if the command line or a file that it names is\n"
-    "wrong.";
+    "Messages go to standard error, the address to standard output. SIGINT, SIGTERM or SIGHUP ends the program. Exit\n"
+    "code: 0 after a signal or --duration; 1 if an address cannot be used; 2 if the command line or a file that it "
+    "names\n"
+    "is wrong.";
 
 struct Raw {
   std::string listen = "127.0.0.1:8080";

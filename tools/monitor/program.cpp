@@ -8,7 +8,6 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <stdexcept>
@@ -18,6 +17,7 @@
 #include "common/model/user_error.h"
 #include "shell/clock.h"
 #include "shell/run_main.h"
+#include "shell/stop_signals.h"
 #include "shell/udp_socket.h"
 #include "shell/unpredictable.h"
 #include "tools/monitor/capture_film.h"
@@ -78,8 +78,7 @@ class Program {
     }
     open_web({web.address(), web.port()});
     if (peers_) spdlog::info("peers tell it at --monitor {}", to_string(shell::to_endpoint(peers_->local())));
-    signals_.add(SIGINT);
-    signals_.add(SIGTERM);
+    shell::add_stop_signals(signals_);
     signals_.async_wait([this](const error_code& error, int) {
       if (!error) stop();
     });

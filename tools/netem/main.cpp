@@ -8,7 +8,6 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <functional>
@@ -20,6 +19,7 @@
 #include "common/model/rng.h"
 #include "common/model/user_error.h"
 #include "shell/netem_flags.h"
+#include "shell/stop_signals.h"
 #include "tools/netem/options.h"
 #include "tools/netem/relay.h"
 
@@ -55,7 +55,8 @@ class Periodic {
 int run(const Options& options) {
   asio::io_context io(1);
   const Clock clock;
-  asio::signal_set signals(io, SIGINT, SIGTERM);
+  asio::signal_set signals(io);
+  shell::add_stop_signals(signals);
   signals.async_wait([&io](const error_code& error, int) {
     if (!error) io.stop();
   });

@@ -30,9 +30,8 @@ constexpr const char* kFooterEnd =
     "  padr-netem --link 127.0.0.1:6001=127.0.0.1:7001 --netem 'delay 100ms 20ms loss gemodel 1% 30%' \\\n"
     "             --netem-back 'delay 50ms' --seed 7 --duration 60\n"
     "\n"
-    "Statistics go to standard output, messages to standard error. Exit code: 0 after --duration or SIGINT or "
-    "SIGTERM,\n"
-    "1 if a port cannot be used, 2 if the command line is wrong or a name is unknown.";
+    "Statistics go to standard output, messages to standard error. Exit code: 0 after --duration, SIGINT, SIGTERM\n"
+    "or SIGHUP, 1 if a port cannot be used, 2 if the command line is wrong or a name is unknown.";
 
 /// What CLI11 fills in, before anything is checked.
 struct RawOptions {
@@ -84,7 +83,7 @@ void declare(CLI::App& app, RawOptions& raw, Options& options) {
   app.add_option("--stats-interval", options.stats_interval, "Seconds between statistics; 0: only at the end")
       ->check(shell::range(0.0, 86400.0))
       ->capture_default_str();
-  app.add_option("--duration", options.duration, "Seconds to run; 0: until SIGINT or SIGTERM")
+  app.add_option("--duration", options.duration, "Seconds to run; 0: until SIGINT, SIGTERM or SIGHUP")
       ->check(shell::range(0.0, 1e9))
       ->capture_default_str();
   app.add_option("--max-clients", options.max_clients, "Clients of one link at a time; further ones are ignored")
