@@ -9,6 +9,8 @@ namespace {
 namespace proto = padr::scenario;
 
 constexpr std::uint64_t kMaxBodies = 5000;
+// Speeds told are rounded, and physics rounds, too.
+constexpr float kSpeedMargin = 1.01F;
 
 Vec2 vec(const proto::Vec2& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y())};
@@ -119,6 +121,21 @@ void check_body_count(const Document& document) {
   }
 }
 
+/// What is faster than max_speed is not believed, so nothing may be allowed to be.
+void check_speeds(const SceneDraft& draft, const Document& document) {
+  const Scene& scene = draft.scene;
+  const auto check = [&](float speed, const std::string& field) {
+    if (scene.max_speed >= speed * kSpeedMargin) return;
+    document.fail(document.origin("max_speed"), "is " + number_text(scene.max_speed) + " m/s with " + field + " " +
+                                                    number_text(speed) + " m/s, allowed: at least 1 % more than that");
+  };
+  check(scene.avatar.max_speed, "avatar.max_speed");
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const std::string& field = draft.bodies[i].field;
+    check(length(scene.bodies[i].velocity), field + (field.starts_with("row") ? ".body.velocity" : ".velocity"));
+  }
+}
+
 }  // namespace
 
 SceneDraft draft_of(const Document& document) {
@@ -140,6 +157,7 @@ SceneDraft draft_of(const Document& document) {
   scene.avatar = avatar_of(from.avatar());
   add_statics(draft, document);
   add_bodies(draft, document);
+  check_speeds(draft, document);
   return draft;
 }
 

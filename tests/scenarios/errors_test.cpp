@@ -129,6 +129,10 @@ const std::vector<Case> kCases{
     {19, "  count: 3000", "1: scatter[0] found room for "},
     {20, "  kind { radius { min: 6 max: 6 } density { min: 1 max: 1 } }",
      "1: scatter[0] leaves no room for a body that is 12"},
+    {5, "max_speed: 6.05",
+     "1: max_speed is 6.05 m/s with avatar.max_speed 6 m/s, allowed: at least 1 % more than that"},
+    {15, "max_speed: 7 body { radius: 0.3 mass: 5 position { x: 3 y: 4 } velocity { x: 8 y: 6 } }",
+     "1: max_speed is 7 m/s with body[0].velocity 10 m/s, allowed: at least 1 % more than that"},
     {20, "  lower { x: 8 y: 8 } kind { radius { min: 0.1 max: 0.2 } mass { min: 1 max: 1 } }",
      "1: scatter[0] leaves no room"},
 };
@@ -151,6 +155,10 @@ TEST(ScenarioErrors, EachNamesFileLineColumnFieldValueAndRange) {
                                                             << message;
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
   }
+}
+
+TEST(ScenarioErrors, MaxSpeedMayBeJustAboveTheAvatars) {
+  EXPECT_EQ(error_of([&] { load(with_line(5, "max_speed: 6.1"), "t", 1); }), "no error");
 }
 
 TEST(ScenarioErrors, TouchingIsNoOverlap) {
