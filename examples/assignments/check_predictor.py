@@ -56,8 +56,8 @@ def predictor(path):
     try:
         spec.loader.exec_module(module)
         return module.predict
-    except Exception as e:
-        raise NotYet(f"predictor.py cannot be used: {e}") from None
+    except (Exception, SystemExit) as e:
+        raise NotYet(f"predictor.py cannot be used: {type(e).__name__}: {e}") from None
 
 
 def judge(folder):
@@ -70,7 +70,7 @@ def judge(folder):
             theirs += updates_needed(path, first_order)
             try:
                 yours += updates_needed(path, predict)
-            except Exception as e:
+            except (Exception, SystemExit) as e:
                 raise NotYet(f"predict() fails: {type(e).__name__}: {e}") from None
     said = f"you need {yours} updates in four minutes, first-order dead reckoning needs {theirs}"
     if yours > (1 - SAVED) * theirs:

@@ -160,6 +160,10 @@ class Predictor(Assignment):
         self.not_yet("save 10%")
         self.hand_in("predictor.py", "def predict(updates, t):\n    return updates[-1]['place']\n")
         self.not_yet("predict() fails: KeyError")
+        self.hand_in("predictor.py", "import sys\nsys.exit(0)\n")
+        self.not_yet("predictor.py cannot be used: SystemExit: 0")
+        self.hand_in("predictor.py", "import sys\ndef predict(updates, t):\n    sys.exit(0)\n")
+        self.not_yet("predict() fails: SystemExit: 0")
         self.hand_in("predictor.py", PREDICTOR)
         self.passes()
 
