@@ -110,7 +110,7 @@ struct NetemSpec {
   RateSpec rate;
   SlotSpec slot;
   TraceSpec trace;                    ///< with neither rate nor slot, which say when packets leave, too
-  std::optional<std::uint64_t> seed;  ///< takes the place of the seed a Shim is given
+  std::optional<std::uint64_t> seed;  ///< changes the streams of each link, which stay apart
   friend bool operator==(const NetemSpec&, const NetemSpec&) = default;
 };
 

@@ -32,6 +32,11 @@ Micros to_micros(Nanos t) {
   return t / kNanosPerMicro + (t % kNanosPerMicro > 0 ? 1 : 0);
 }
 
+/// A seed in the specification, which many links may share, leaves each of them streams of its own.
+std::uint64_t seed_of(const NetemSpec& spec, std::uint64_t link) {
+  return spec.seed ? derive_seed(*spec.seed, link) : link;
+}
+
 bool is_perfect(NetemSpec spec) {
   spec.seed.reset();
   return spec == NetemSpec{};
@@ -60,7 +65,8 @@ void Shim::Draws::set_spec(const NetemSpec& spec) {
 Shim::Shim(const NetemSpec& spec, std::uint64_t seed)
     : spec_(spec),
       perfect_(is_perfect(spec)),
-      draws_(spec.seed.value_or(seed), spec),
+      seed_(seed),
+      draws_(seed_of(spec, seed), spec),
       now_(kBeforeTime),
       slot_next_(kBeforeTime) {
   begin_trace();
@@ -105,7 +111,7 @@ void Shim::set_spec(Micros now, const NetemSpec& spec) {
   spec_ = spec;
   perfect_ = is_perfect(spec);
   if (spec.seed) {
-    draws_ = Draws(*spec.seed, spec);
+    draws_ = Draws(seed_of(spec, seed_), spec);
   } else {
     draws_.set_spec(spec);
   }

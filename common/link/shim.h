@@ -48,7 +48,8 @@ struct ShimStats {
 /// the times at which they were accepted and the seed, not on how often release() is called.
 class Shim {
  public:
-  /// `spec.seed` takes the place of `seed` if it is set. Two shims of the same spec and seed do the same.
+  /// `seed` is the link's own; `spec.seed` changes its streams if it is set. Two shims of the same spec and seed do the
+  /// same.
   Shim(const NetemSpec& spec, std::uint64_t seed);
 
   /// A datagram enters the link at `now`.
@@ -113,7 +114,8 @@ class Shim {
   Nanos wake_time() const;
 
   NetemSpec spec_;
-  bool perfect_;  ///< no rules
+  bool perfect_;        ///< no rules
+  std::uint64_t seed_;  ///< the link's own
   Draws draws_;
   ShimStats stats_;
   Nanos now_;

@@ -117,12 +117,21 @@ TEST(ShimDeterminism, SameSeedSameOutcomeOtherSeedOther) {
   });
 }
 
-TEST(ShimDeterminism, SeedInTheSpecificationWins) {
+TEST(ShimDeterminism, SeedInTheSpecificationLeavesLinksApart) {
   const auto in = arrivals(testing::seed());
   const auto nothing = [](Shim&, Micros, Micros, std::vector<Bytes>&) {};
   const Outcome a = run("delay 20ms 15ms loss 10% seed 42", 1, in, nothing);
-  EXPECT_TRUE(a == run("delay 20ms 15ms loss 10% seed 42", 2, in, nothing));
-  EXPECT_TRUE(a == run("delay 20ms 15ms loss 10%", 42, in, nothing));
+  EXPECT_TRUE(a == run("delay 20ms 15ms loss 10% seed 42", 1, in, nothing));
+  EXPECT_FALSE(a == run("delay 20ms 15ms loss 10% seed 42", 2, in, nothing)) << "another link";
+  EXPECT_FALSE(a == run("delay 20ms 15ms loss 10% seed 43", 1, in, nothing));
+  EXPECT_FALSE(a == run("delay 20ms 15ms loss 10%", 1, in, nothing));
+  const auto ordered = [&](const char* later) {
+    return [&, later](Shim& shim, Micros, Micros, std::vector<Bytes>&) {
+      if (shim.stats().accepted == 0) shim.set_spec(0, shell::parse_netem(later));
+    };
+  };
+  EXPECT_FALSE(run("", 1, in, ordered("loss 10% seed 42")) == run("", 2, in, ordered("loss 10% seed 42")))
+      << "ordered while it runs";
 }
 
 TEST(ShimDeterminism, OneKnobDoesNotDisturbAnother) {
