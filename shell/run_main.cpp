@@ -18,12 +18,16 @@ void say(std::string_view program, const char* what) {
 /// What is printed may be buffered until the end, and nobody may have asked what became of it.
 void complete_output() {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
+  cannot_write_to_standard_output();
+}
+
+}  // namespace
+
+void cannot_write_to_standard_output() {
   const int why = errno != 0 ? errno : EIO;
   std::clearerr(stdout);
   throw std::system_error(why, std::generic_category(), "cannot write to standard output");
 }
-
-}  // namespace
 
 int run_main(std::string_view program, const std::function<int()>& body) {
   try {

@@ -279,6 +279,17 @@ class Process(Case):
         self.assertGreaterEqual(out.count(" now "), 1)
         self.assertEqual(out.count(" end "), 1)
 
+    def test_a_full_disk_is_told(self):
+        if not os.path.exists("/dev/full"):
+            self.skipTest("there is no /dev/full")
+        played = ("--link", "127.0.0.1:0=127.0.0.1:9", "--stats-interval", "0.1", "--duration", "20")
+        with open("/dev/full", "w", encoding="ascii") as full:
+            for arguments in (("--help",), ("--version",), played):
+                with self.subTest(arguments=arguments):
+                    done = subprocess.run([PROGRAM, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, timeout=PATIENCE)
+                    self.assertEqual(done.returncode, 1)
+                    self.assertIn("padr-netem: cannot write to standard output: No space left on device", done.stderr)
+
     def test_several_links_may_have_any_free_port(self):
         link = ("--link", "127.0.0.1:0=127.0.0.1:9")
         code, out, err = self.run_once(*link, *link, "--duration", "0.1")
@@ -291,6 +302,11 @@ class Process(Case):
             ((), "--link"),
             (("--link", "nonsense"), "LISTEN=TARGET"),
             (("--link", "127.0.0.1:5=127.0.0.1:5"), "relay to itself"),
+            (("--link", "localhost:5=127.0.0.1:5"), '--link: "localhost:5=127.0.0.1:5" would relay to itself'),
+            (("--link", "0.0.0.0:5=127.0.0.1:5"), "relay to itself"),
+            (("--link", "[::]:5=127.0.0.1:5"), "relay to itself"),
+            (("--link", "127.0.0.1:5=0.0.0.0:5"), "relay to itself"),
+            ((*link, "--netem-for", "127.0.0.1:0=loss 1%", "--netem-for", "127.0.0.1:0=loss 2%"), "--netem-for: given twice for 127.0.0.1:0; give it once"),
             (("--link", "127.0.0.1:5=127.0.0.1:9", "--link", "127.0.0.1:5=127.0.0.1:10"), "two of them listen"),
             ((*link, "--seed", "-1"), "whole number"),
             (("--link", "127.0.0.1:0=127.0.0.1"), "HOST:PORT"),

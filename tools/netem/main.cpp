@@ -7,18 +7,17 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
-#include <exception>
 #include <functional>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "common/model/rng.h"
-#include "common/model/user_error.h"
 #include "shell/netem_flags.h"
+#include "shell/run_main.h"
 #include "shell/stop_signals.h"
 #include "tools/netem/options.h"
 #include "tools/netem/relay.h"
@@ -73,8 +72,10 @@ int run(const Options& options) {
   const auto stats = spdlog::stdout_logger_st("stats");
   stats->set_pattern("%Y-%m-%dT%H:%M:%S.%e %v");
   const auto print_stats = [&](const char* when) {
+    errno = 0;
     for (const auto& relay : relays) stats->info("{} {}", when, relay->stats_line());
     stats->flush();
+    if (std::ferror(stdout) != 0) shell::cannot_write_to_standard_output();
   };
 
   const Periodic sweep(io, kMicrosPerSecond, [&] {
@@ -94,7 +95,7 @@ int run(const Options& options) {
   }
   io.run();
   print_stats("end");
-  return 0;
+  return shell::kExitFine;
 }
 
 }  // namespace
@@ -103,16 +104,10 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_logger_st("padr-netem"));
   spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %l %v");
-  try {
+  return padr::shell::run_main("padr-netem", [argc, argv] {
     const auto options = padr::netem::parse_options(argc, argv);
-    if (!options) return 0;
+    if (!options) return padr::shell::kExitFine;
     for (const auto& line : options->warnings) spdlog::warn("{}", line);
     return padr::netem::run(*options);
-  } catch (const padr::UserError& e) {
-    std::fprintf(stderr, "padr-netem: %s\n", e.what());
-    return 2;
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "padr-netem: %s\n", e.what());
-    return 1;
-  }
+  });
 }

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -50,8 +51,10 @@ std::pair<std::string, std::string> split_at_equals(const std::string& text, std
 
 void override_specs(const std::vector<std::string>& overrides, const std::string& flag,
                     link::NetemSpec LinkOptions::*spec, Options& options) {
+  std::set<std::string> given;
   for (const std::string& text : overrides) {
     const auto [listen, words] = split_at_equals(text, flag, "LISTEN=SPEC");
+    if (!given.insert(listen).second) throw UserError(flag + ": given twice for " + listen + "; give it once");
     bool found = false;
     for (LinkOptions& l : options.links) {
       if (l.listen.text != listen) continue;

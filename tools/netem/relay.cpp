@@ -44,6 +44,34 @@ Udp::endpoint resolve(asio::io_context& io, const HostPort& where, const Udp::en
   return found.begin()->endpoint();
 }
 
+/// Whether what is sent there comes back to this machine: only such addresses can be bound.
+bool is_own(asio::io_context& io, const asio::ip::address& address) {
+  Udp::socket socket(io);
+  error_code error;
+  const Udp::endpoint any_port(address, 0);
+  socket.open(any_port.protocol(), error);
+  if (!error) socket.bind(any_port, error);
+  return !error;
+}
+
+bool would_reach(asio::io_context& io, const Udp::endpoint& target, const Udp::endpoint& listener) {
+  if (target.port() != listener.port()) return false;
+  if (target == listener) return true;
+  const bool v4_to_v6 = target.address().is_v4() && listener.address().is_v6();
+  if (listener.address().is_unspecified())
+    return (v4_to_v6 || target.protocol() == listener.protocol()) && is_own(io, target.address());
+  return target.address().is_unspecified() && listener.address().is_loopback() &&
+         target.protocol() == listener.protocol();
+}
+
+Udp::endpoint target_of(asio::io_context& io, const LinkOptions& link) {
+  const Udp::endpoint listener = resolve(io, link.listen, nullptr);
+  const Udp::endpoint target = resolve(io, link.target, &listener);
+  if (would_reach(io, target, listener))
+    throw UserError("--link: \"" + link.listen.text + "=" + link.target.text + "\" would relay to itself");
+  return target;
+}
+
 void set_buffer(Udp::socket& socket) {
   error_code ignored;  // the system's default will do
   socket.set_option(asio::socket_base::receive_buffer_size(kReceiveBufferBytes), ignored);
@@ -103,10 +131,8 @@ Relay::Relay(asio::io_context& io, const Clock& clock, LinkOptions options, std:
       options_(std::move(options)),
       seed_(seed),
       limits_(limits),
-      listening_(listen(io, options_.listen)) {
-  const Udp::endpoint listen_address = listening_.local_endpoint();
-  target_ = resolve(io, options_.target, &listen_address);
-}
+      target_(target_of(io, options_)),
+      listening_(listen(io, options_.listen)) {}
 
 Relay::~Relay() = default;
 
