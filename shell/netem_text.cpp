@@ -131,6 +131,12 @@ class Parser {
     return knob;
   }
 
+  void warn_of_correlation(const link::Knob& knob, const std::string& what, const std::string& otherwise = "") {
+    if (knob.correlation == 0 || knob.chance == link::kAlways) return;
+    warn(words_[next_ - 1],
+         "correlated " + what + " does not keep its mean (5% 25%, for example, comes out as 0.2%)" + otherwise);
+  }
+
   // ---- options
 
   void limit(const Word& keyword) {
@@ -180,11 +186,7 @@ class Parser {
 
   void random_loss(const Word& keyword) {
     const link::Knob k = knob(keyword, "percentage");
-    if (k.correlation != 0 && k.chance != 0 && k.chance != link::kAlways) {
-      warn(words_[next_ - 1],
-           "correlated random loss does not keep its mean (of 5% 25%, for example, only 0.2% get lost); for bursts use "
-           "loss gemodel P R");
-    }
+    warn_of_correlation(k, "random loss", "; for bursts use loss gemodel P R");
     spec_.loss = k;
   }
 
@@ -219,11 +221,18 @@ class Parser {
                 "packets instead of marking them");
   }
 
-  void corrupt(const Word& keyword) { spec_.corrupt = knob(keyword, "percentage"); }
-  void duplicate(const Word& keyword) { spec_.duplicate = knob(keyword, "percentage"); }
+  void corrupt(const Word& keyword) {
+    spec_.corrupt = knob(keyword, "percentage");
+    warn_of_correlation(spec_.corrupt, "corruption");
+  }
+  void duplicate(const Word& keyword) {
+    spec_.duplicate = knob(keyword, "percentage");
+    warn_of_correlation(spec_.duplicate, "duplication");
+  }
   void reorder(const Word& keyword) {
     reorder_keyword_ = keyword;
     spec_.reorder = knob(keyword, "percentage");
+    warn_of_correlation(spec_.reorder, "reordering");
   }
 
   void gap(const Word& keyword) {

@@ -321,6 +321,9 @@ TEST(NetemText, WarnsOfWhatIsRarelyMeant) {
        {Case{"delay 100", "100ms if milliseconds"}, Case{"delay 1ms 100", "word 3"}, Case{"slot 5", "microseconds"},
         Case{"loss 5% 25%", "gemodel"}, Case{"delay 10ms 5ms 25%", "hardly"}, Case{"rate 10kbps", "BYTES"},
         Case{"rate 1mbit 20 -48", "without a CELL"}, Case{"limit 0", "every packet"},
+        Case{"duplicate 5% 25%", "correlated duplication does not keep its mean"},
+        Case{"corrupt 5% 25%", "correlated corruption does not keep its mean"},
+        Case{"delay 10ms reorder 5% 25%", "correlated reordering does not keep its mean"},
         Case{"delay 5us delay 6us", "given twice"}, Case{"delay 5s 3s", "2.147483647s"},
         Case{"delay 5ms 6ms", "below 0"}, Case{"trace mobile 5", "5ms if milliseconds"}}) {
     SCOPED_TRACE(c.text);
@@ -328,8 +331,9 @@ TEST(NetemText, WarnsOfWhatIsRarelyMeant) {
     ASSERT_EQ(warnings.size(), 1U);
     EXPECT_NE(warnings[0].find(c.says), std::string::npos) << warnings[0];
   }
-  for (const char* quiet : {"", "delay 0", "delay 100ms 20ms distribution normal", "loss gemodel 1% 30%",
-                            "delay 10ms reorder 25% gap 5", "rate 1mbit"}) {
+  for (const char* quiet :
+       {"", "delay 0", "delay 100ms 20ms distribution normal", "loss gemodel 1% 30%", "delay 10ms reorder 25% gap 5",
+        "rate 1mbit", "duplicate 5%", "corrupt 100% 25%", "delay 10ms reorder 0% 25%"}) {
     EXPECT_TRUE(warnings_of(quiet).empty()) << quiet;
   }
 }
