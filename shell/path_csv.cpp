@@ -71,7 +71,8 @@ class Reader {
     }
     if (points_.size() < 2) {
       ++line_;
-      fail(1, "the file ends after " + std::to_string(points_.size()) + " rows, allowed: at least 2 rows t,x,y");
+      fail(1, "the file ends after " + std::to_string(points_.size()) + (points_.size() == 1 ? " row" : " rows") +
+                  ", allowed: at least 2 rows t,x,y");
     }
     return std::move(points_);
   }

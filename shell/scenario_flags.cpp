@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 
 #include "common/model/user_error.h"
 #include "common/scenarios/scenarios.h"
@@ -10,6 +11,7 @@
 #include "shell/files.h"
 #include "shell/input_text.h"
 #include "shell/path_csv.h"
+#include "shell/text.h"
 
 namespace padr::shell {
 namespace {
@@ -54,6 +56,8 @@ LoadedScenario load_scenario(const std::string& name, std::uint64_t seed) {
     throw UserError("--scenario: '" + name + "' is neither a file nor one of " + names());
   s.text = read_file("--scenario", name);
   s.scene = scenarios::load(s.text, name, seed);
+  for (const auto& [field, text] : {std::pair{"name", &s.scene.name}, std::pair{"title", &s.scene.title}})
+    if (valid_utf8(*text) != *text) throw UserError(name + ": " + field + " is not well-formed, allowed: UTF-8");
   return s;
 }
 

@@ -46,7 +46,7 @@ std::string words_of(const node::SessionEvent& e) {
     case Kind::kCutOff:
       return who + " " + e.text + ": cut off";
     case Kind::kOutvoted:
-      return "met " + count + (e.count == 1 ? " peer" : " peers") + " that go on without us, who are " +
+      return "met " + count + (e.count == 1 ? " peer that goes" : " peers that go") + " on without us; we are " +
              std::to_string(e.own) + ": joining them by " + to_string(e.at);
     case Kind::kReturning:
       return e.text + ": joining anew";

@@ -77,7 +77,8 @@ Document::Document(std::string_view text, std::string_view label) : label_(label
   if (!parser.ParseFromString(std::string(text), &scenario_) || error.seen) {
     // The parser's message seldom names the field, so the line that does goes with it.
     const Origin where = blamed(error, text);
-    fail(where, error.what + in_line(text, where.line - 1));
+    const bool negative = error.what == "Expected integer, got: -";
+    fail(where, error.what + (negative ? ", allowed: 0 or more" : "") + in_line(text, where.line - 1));
   }
   origins_[""] = {};
   check_rules(

@@ -59,7 +59,7 @@ class Crowd(Case):
 
     def fallen_apart(self, peer):
         """Regions that two have founded, or that a machine which stood still for seconds has torn: two histories."""
-        return set(re.findall(r"region (\S+): met \d+ peers that go on without us", peer.text()))
+        return set(re.findall(r"region (\S+): met \d+ peers? that goe?s? on without us", peer.text()))
 
     def check_hashes(self, summaries, apart):
         points = {}

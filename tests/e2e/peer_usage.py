@@ -187,6 +187,10 @@ class Usage(Case):
         self.check_wrong(["--scenario", broken], broken + ":")
         self.check_wrong(["--scenario", odd], odd + ":2", "widgets")
         self.check_wrong(["--scenario", binary], binary)
+        with open(os.path.join(os.path.dirname(__file__), "../../common/scenarios/arena.textproto"), encoding="utf-8") as file:
+            arena = file.read()
+        latin = self.file("latin.textproto", re.sub("^name: .*", r'name: "\\377"', arena, flags=re.MULTILINE))
+        self.check_wrong(["--scenario", latin], latin + ": name is not well-formed, allowed: UTF-8")
 
     def test_paths(self):
         table = [

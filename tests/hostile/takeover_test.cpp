@@ -6,7 +6,7 @@ namespace padr::test {
 namespace {
 
 /// What a peer says that gives way.
-constexpr const char* kOutvoted = "go on without us";
+constexpr const char* kOutvoted = " on without us";
 
 /// Peers of slots 4 to 11 that nobody has ever seen.
 std::vector<wire::Seat> invented(PeerId liar, std::uint32_t incarnation) {

@@ -70,7 +70,7 @@ TEST_F(PathProgram, SaysWhatIsWrong) {
            {"--out -", "path: give one of --in and --input"},
            {"--in one.csv", "--out is required"},
            {"--in none.csv --out -", "--in: cannot read 'none.csv'"},
-           {"--in one.csv --out -", "--in: one.csv:2:1: the file ends after 1 rows"},
+           {"--in one.csv --out -", "--in: one.csv:2:1: the file ends after 1 row,"},
            {"--in still.csv --units px,ms --out -", "--in: still.csv: all points are in one place"},
            {"--in still.csv --units ms,px --out -", "--units: 'ms,px' is not allowed; give px,ms or"},
            {"--in still.csv --input wander --out -", "excludes"},

@@ -64,7 +64,7 @@ const std::vector<Case> kCases{
     {15, "body { \x95\x1b[2J", "8: Interpreting non ascii codepoint 149."},
     {15, "body { radius: big }", "16: Expected double, got: big (in: body { radius: big })"},
     {15, "body { radius: \"1\" }", "16: Expected double, got: \"1\" (in: "},
-    {19, "  count: -5", "10: Expected integer, got: - (in: count: -5)"},
+    {19, "  count: -5", "10: Expected integer, got: -, allowed: 0 or more (in: count: -5)"},
     {19, "  count: 99999999999", "10: Integer out of range (99999999999) (in: count: 99999999999)"},
     {19, "  count: 2.5", "10: Expected integer, got: 2.5 (in: count: 2.5)"},
     {5, "warm_starting: maybe", "1: Invalid value for boolean field \"warm_starting\". Value: \"maybe\". (in: "},

@@ -44,7 +44,7 @@ TEST(PathCsv, ErrorsNameFileLineColumnAndWhatIsAllowed) {
   const std::vector<Spoilt> cases{
       {"", "p.csv:1:1: the file ends after 0 rows, allowed: at least 2 rows t,x,y"},
       {"t,x,y\n", "p.csv:2:1: the file ends after 0 rows, allowed: at least 2 rows t,x,y"},
-      {"t,x,y\n0,1,2\n", "p.csv:3:1: the file ends after 1 rows, allowed: at least 2 rows t,x,y"},
+      {"t,x,y\n0,1,2\n", "p.csv:3:1: the file ends after 1 row, allowed: at least 2 rows t,x,y"},
       {"t,y,x\n0,1,2\n", "p.csv:1:3: \"y\" in the first line, allowed: the header t,x,y or a row of numbers"},
       {"time,x,y\n0,1,2\n", "p.csv:1:1: \"time\" in the first line, allowed: the header t,x,y or a row of numbers"},
       {"t,x,y\nt,x,y\n", "p.csv:2:1: t is \"t\", not a number, allowed: -10000000000 .. 10000000000 s"},
