@@ -103,7 +103,7 @@ void Controls::follow(const monitor::Push& p, std::uint32_t order, Micros /*now*
 std::optional<PeerId> Controls::other(PeerId p) const {
   if (p == kNoPeer) return std::nullopt;
   if (p >= player_.replica().config().slots || p == player_.self() || !player_.replica().seat(p).at.is_set())
-    throw UserError("peer " + std::to_string(p) + ": there is no other peer of this number");
+    throw UserError("there is no other peer " + std::to_string(p));
   return p;
 }
 

@@ -87,6 +87,9 @@ class Blind(Case):
           return { ticks: [a.tick, b.tick], own: off[own], most: Math.max(...off) };
         """)
         self.assertEqual(same["ticks"][0], same["ticks"][1])
+        self.assertIn("which looked right? Answer below", b.text("#state"))
+        names = b.script("return ['left', 'right'].map((side) => document.querySelector(`#${side} canvas`).getAttribute('aria-label'))")
+        self.assertEqual(names, [f"Left: View of peer {peer}.", f"Right: View of peer {peer}."])
         self.assertLess(same["own"], 1e-6, "the own avatar is shown where it is")
         self.assertLess(same["most"], 3, "the same session")
         self.check_console(b)

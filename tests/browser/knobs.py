@@ -56,6 +56,46 @@ class Knobs(Case):
         b.picture("refused")
         self.assertTrue(b.script("return document.querySelector('.network .status').classList.contains('error')"))
 
+    # Once, only the command line warned.
+    def test_a_doubtful_network_is_warned_of(self):
+        b = self.browser
+        self.type_over(b.find('[name="spec"]'), "delay 10")
+        wait(lambda: "✓ delay 10. Warning:" in b.text(".network .status") and "microseconds" in b.text(".network .status"), "a warning")
+        self.type_over(b.find('[name="spec"]'), "delay 10ms")
+        wait(lambda: b.text(".network .status") == "✓ delay 10ms", "no warning")
+
+    # Once, each step gave the focus to the driven picture.
+    def test_keys_turn_a_knob_on_while_driving(self):
+        b = self.browser
+        b.script("padr.driver.start(0)")
+        self.addCleanup(b.script, "padr.driver.release()")
+        wait(lambda: "You drive" in b.text("#hint"), "driving")
+        wait(lambda: b.script("return padr.session.controllable().length") == PEERS, "knobs")
+        slider = b.find('[name="body"]')
+        slider.send_keys(Keys.END)
+        for _ in range(3):
+            b.driver.switch_to.active_element.send_keys(Keys.ARROW_LEFT)
+        self.assertEqual(b.script("return document.activeElement.name"), "body")
+        wait(lambda: b.script("return padr.session.present().every((p) => p.knobs['body-threshold'] === '0.485')"), "three steps")
+        # By mouse the keys steer again.
+        b.find('[name="replay"]').click()
+        self.assertEqual(b.script("return document.activeElement.tagName"), "CANVAS")
+        b.find('[name="replay"]').click()
+
+    # Once, the list showed the technique, and to choose it again did nothing.
+    def test_the_settings_of_a_technique_come_back(self):
+        b = self.browser
+        self.choose("technique", "adaptive")
+        b.script("document.querySelector('.technique details').open = true")
+        self.choose("other", "threshold")
+        self.type_over(b.find('[name="value"]'), "0.77")
+        every = "return padr.session.present().every((p) => p.technique === 'adaptive' && p.knobs.threshold === arguments[0])"
+        wait(lambda: b.script(every, "0.77"), "another threshold")
+        b.find("button.afresh").click()
+        wait(lambda: b.script("return padr.session.present().every((p) => p.knobs.threshold !== '0.77')"), "the technique's own")
+        self.choose("technique", "full")
+        wait(lambda: b.script("return padr.session.present().every((p) => p.technique === 'full')"), "full again")
+
     def test_a_threshold_comes_into_force(self):
         b = self.browser
         slide = """const [name, value] = arguments, i = document.querySelector(`[name=${name}]`); i.value = value;

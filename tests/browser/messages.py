@@ -5,6 +5,7 @@ monitor has no peers. See browser.py."""
 import json
 
 from browser import *
+from selenium.webdriver.common.keys import Keys
 
 KNOBS = {"threshold": "0.012:0.01", "body-threshold": "0.01", "replay": "on", "model": "auto", "predictor": "pcc", "convergence": "track"}
 SCENE = {
@@ -71,6 +72,68 @@ class Messages(Case):
             self.assertEqual([chosen[n] for n in ("technique", "model", "predictor", "convergence", "network")], ["full", "auto", "pcc", "track", ""])
             self.assertEqual(b.script(SLIDERS), ["1 cm", "1 cm", "1 cm"])
             self.assertTrue(b.script("return [...document.querySelectorAll('#knobs fieldset')].every((f) => f.disabled)"))
+
+    # Once, they showed the end of the slider, and one key set that.
+    def test_sliders_stand_for_what_is_in_force(self):
+        b = self.page(None, [peer(i, knobs={**KNOBS, "threshold": "5:3", "body-threshold": "0.0025"}) for i in range(3)])
+        self.assertEqual(b.script(SLIDERS), ["5.0 m", "3.0 m", "3 mm"])
+        texts = "return [...document.querySelectorAll('#knobs input[type=range]')].map((i) => i.getAttribute('aria-valuetext'))"
+        self.assertEqual(b.script(texts), ["5.0 m", "3.0 m", "3 mm"])
+        b.script("window.asked = []; padr.connection.ask = (m) => { window.asked.push(m); return Promise.resolve({ ok: true, text: '' }); }")
+        for name, sent in (("low", "5:1.99"), ("high", "1.99")):
+            b.find(f'[name="{name}"]').send_keys(Keys.ARROW_LEFT)
+            self.assertEqual(b.script("return window.asked.at(-1).value"), sent)
+
+    # Once, they were written only while a plot was on the screen.
+    def test_values_of_plots_are_told_wherever_the_page_stands(self):
+        self.addCleanup(self.browser.resize, 1280, 800)
+        self.browser.resize(1280, 400)
+        b = self.page()
+        wait(lambda: not b.script("return padr.plots.shown"), "no plot on the screen")
+        for tick, value in ((600, 0.25), (615, 0.75)):
+            self.tell(series(tick, [value, 0.1, 0.1]))
+            wait(lambda: f"peer 0 {value:.2f} m" in b.text("#plots .values"), "the new value")
+
+    # Once, a screen reader said the picture's name again with each new error, and buttons of all peers had one name.
+    def test_names_stand_still_and_differ(self):
+        b = self.page()
+        names = "return [...document.querySelectorAll('#views canvas')].map((c) => c.getAttribute('aria-label'))"
+        before = b.script(names)
+        self.assertEqual(before[1], "View of peer 1. Enter drives its avatar.")
+        self.tell(series(600, [0.25, 0.5, 0.75]))
+        wait(lambda: "0.5 m off" in b.text('figure[data-slot="1"] .said'), "the caption")
+        self.assertEqual(b.script(names), before)
+        buttons = b.script("return [...document.querySelectorAll('#views button')].map((x) => x.getAttribute('aria-label'))")
+        self.assertEqual(buttons[:4], ["Drive, peer 0", "Follow, peer 0", "Enlarge, peer 0", "Drive, peer 1"])
+        self.assertEqual(len(set(buttons)), 9)
+
+    # Once, they stood in the order in which they had come.
+    def test_events_are_listed_by_time(self):
+        b = self.page()
+        event = {"tick": 60, "peer": 0, "entity": None, "other": None, "text": "", "kind": "pause"}
+        self.tell({"type": "events", "events": [{**event, "time": t} for t in (3, 1, 2)]})
+        items = b.script("padr.events.show(true); return [...document.querySelectorAll('#events li')].map((n) => n.textContent)")
+        self.assertEqual([i.split()[0] for i in items], ["0:03", "0:02", "0:01"])
+
+    # Once, only who pointed at a cell could read them.
+    def test_what_cells_tell_can_be_read_without_a_mouse(self):
+        drops = [{"from": 2, "cut_off": 1, "by_reason": {"malformed": 20}}]
+        b = self.page(None, [peer(0, settings="full --lead 0.05", drops=drops), peer(1)])
+        told = b.text("#details")
+        for words in ("peer 0: full --lead 0.05; version 0.4.0. Dropped of peer 2: 20 malformed; cut off, 1 time.", "traffic: Sent, with IP"):
+            self.assertIn(words, told)
+        self.assertEqual(b.script("return [...document.querySelectorAll('#peers tbody th')].map((c) => c.scope)"), ["row", "row"])
+
+    # Once, only a double click did.
+    def test_plots_of_a_recording_are_shown_whole_again(self):
+        b = self.page({"mode": "trace", "control": False})
+        button = b.find('[data-span="all"]')
+        self.assertEqual(button.get_attribute("aria-pressed"), "true")
+        b.script("padr.plots.select([1, 2])")
+        self.assertEqual(button.get_attribute("aria-pressed"), "false")
+        b.script("arguments[0].focus()", button)
+        button.send_keys(Keys.ENTER)
+        self.assertIsNone(b.script("return padr.plots.selected"))
 
     # Once, contacts and changes of authority alone filled it, and the list stood empty without a word.
     def test_frequent_events_leave_room_for_the_others(self):
@@ -196,7 +259,7 @@ class Messages(Case):
     def test_the_table_has_what_is_known(self):
         for mode, more in (("live", 0), ("trace", 1)):
             b = self.page({"mode": mode}, [peer(0, address="")])
-            head = b.script("return [...document.querySelectorAll('#peers th')].map((e) => e.textContent)")
+            head = b.script("return [...document.querySelectorAll('#peers thead th')].map((e) => e.textContent)")
             self.assertEqual(head.count("fidelity error"), more)
             # Plots of a recording always have all of it.
             self.assertEqual(b.find("[data-span]").is_displayed(), mode == "live")
@@ -242,6 +305,34 @@ class Messages(Case):
         self.assertNotIn("none", shown)
         time.sleep(0.6)
         b.picture("links")
+
+
+class Token(Case):
+    SECRET = "ab+cd/ef=="  # as base64 has it
+
+    def open(self, monitor, end=""):
+        b = self.start(Browser())
+        b.open(monitor.address + end)
+        wait(lambda: b.script("return padr.session.hello !== null"), "hello")
+        return b
+
+    # Once, it was read when the page was loaded, and never again; and a "+" in it was a blank.
+    def test_it_may_be_added_to_the_address_of_an_open_page(self):
+        b = self.open(self.start(Monitor("--control-token", self.SECRET)))
+        control = "return padr.session.hello.control"
+        self.assertFalse(b.script(control))
+        b.script("location.hash = 'token=wrong'")
+        wait(lambda: "not the token" in b.text("#error"), "the complaint")
+        b.script("location.hash = 'token=' + arguments[0]", self.SECRET)
+        wait(lambda: b.script(control), "control")
+        self.assertTrue(b.script("return document.querySelector('#error').hidden"))
+
+    # Once, it said that this is not the token.
+    def test_where_none_is_needed_it_is_of_no_account(self):
+        b = self.open(self.start(Monitor()), "#token=x")
+        self.assertTrue(b.script("return padr.session.hello.control"))
+        time.sleep(0.5)
+        self.assertEqual(b.text("#error"), "")
 
 
 if __name__ == "__main__":

@@ -101,6 +101,24 @@ class Reach(Case):
             self.assertEqual(missed, [])
             self.assertEqual(order, sorted(order), "in the order of the page")
 
+    # Once, at 200 % the tour lay over what had the focus.
+    def test_the_tour_covers_no_focus(self):
+        for size in ((640, 360), (1280, 757), (380, 720)):
+            b = self.live()
+            b.resize(*size)
+            b.find("#tour-button").click()
+            covered = """const e = document.activeElement, r = e.getBoundingClientRect(), tour = document.querySelector("#tour");
+              const over = e.closest("#tour") || e.tagName === "CANVAS" || e === document.body ? null : document.elementFromPoint(r.x + Math.min(r.width, innerWidth) / 2, r.y + r.height / 2);
+              return over && tour.contains(over) ? e.outerHTML.slice(0, 80) : null"""
+            found = []
+            for _ in range(70):
+                ActionChains(b.driver).send_keys(Keys.TAB).perform()
+                found.append(b.script(covered))
+            b.picture(f"reach-tour-{size[0]}")
+            b.find("#tour .end").send_keys(Keys.ENTER)
+            wait(lambda: b.script("return document.querySelector('#tour').hidden"), "the end of the tour")
+            self.assertEqual([f for f in found if f], [], size)
+
     def test_keys_alone_drive_and_let_go(self):
         b = self.live()
         b.script("document.querySelector('figure[data-slot=\"1\"] canvas').focus()")

@@ -100,6 +100,22 @@ class Stories(Case):
         other.picture("shared")
         self.check_console(other)
 
+    # Once, such a link ended all drawing.
+    def test_a_link_with_a_wrong_zoom_shows_the_moment(self):
+        for camera, zoom in (("5,5,-3", 0.5), ("5,5,0", 0.5), ("1e9,1e9,1e9", 40)):
+            self.browser.driver.get("about:blank")
+            b = self.open(f"?sample=stop-short#tick=300&camera={camera}")
+            self.at(300, b)
+            self.assertEqual(b.script("return padr.camera.zoom"), zoom)
+            self.check_console(b)
+
+    # Once, nothing was drawn after that.
+    def test_a_frame_that_fails_does_not_end_the_picture(self):
+        b = self.open("?sample=stop-short")
+        b.script("const draw = padr.views.draw; window.drawn = 0; padr.views.draw = function () { if (window.drawn++ === 0) throw new Error('once'); draw.call(this); }")
+        wait(lambda: b.script("return window.drawn") > 3, "further frames")
+        b.complaints()
+
     def test_it_says_that_the_program_has_ended(self):
         monitor = self.start(Monitor())
         b = self.browser

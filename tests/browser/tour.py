@@ -2,6 +2,7 @@
 """The guided tour, as somebody new would take it: it sets the knobs, and restores them at its end. See browser.py."""
 
 from browser import *
+from selenium.webdriver.common.keys import Keys
 
 PEERS = 4
 STEPS = 9
@@ -82,6 +83,17 @@ class Scene(Case):
         self.assertIn("the story “Collision by proxy”", said["The chain by proxy"])
         self.check_console(b)
 
+
+    # Once, the focus was nowhere afterwards, and steps changed without a word to a screen reader.
+    def test_escape_ends_it_and_the_focus_goes_back(self):
+        b = self.browser
+        self.wait_for_peers(b, 2)
+        b.find("#tour-button").click()
+        said = b.script("return document.querySelector('#tour .text').closest('[aria-live=polite]')?.textContent")
+        self.assertIn("Step 1 of", said)
+        b.find("#tour .next").send_keys(Keys.ESCAPE)
+        wait(lambda: b.script("return document.querySelector('#tour').hidden"), "the end of the tour")
+        self.assertEqual(b.script("return document.activeElement.id"), "tour-button")
 
     def test_the_end_of_the_session_ends_the_tour(self):
         b = self.browser

@@ -55,8 +55,16 @@ TEST(Guard, TargetsArePlain) {
   EXPECT_EQ(query_field(t->query, "x"), "");
   EXPECT_FALSE(query_field(t->query, "pee"));
   EXPECT_FALSE(query_field("", "peer"));
-  for (const char* target : {"", "*", "index.html", "http://x/", "/%2e%2e", "/a b", "/\x01", "/a\"", "/\xC3\xA9"})
+  for (const char* target : {"", "*", "index.html", "http://x/", "/%2e%2e", "/a b", "/\x01", "/a\"", "/\xC3\xA9",
+                             "/a&b", "/=", "/?a b", "/?a=\x7F", "/?\xC3\xA9", "/?a\n"})
     EXPECT_FALSE(split_target(target)) << target;
+  // Once, whoever followed a link with such a query saw "no such target".
+  for (const char* target : {"/?foo=b%C3%A4r", "/?utm_source=a+b", "/?a?b", "/?"}) {
+    const auto odd = split_target(target);
+    ASSERT_TRUE(odd) << target;
+    EXPECT_EQ(odd->path, "/") << target;
+    EXPECT_FALSE(query_field(odd->query, "sample")) << target;
+  }
 }
 
 TEST(Guard, SecretsAreTheSameOrNot) {

@@ -1,5 +1,6 @@
 """padr-monitor's web server: the files that it serves, and the requests that it refuses."""
 
+import json
 import os
 import signal
 import socket
@@ -94,13 +95,28 @@ class Ending(MonitorCase):
             (["--trace", "/nonexistent.trace"], "/nonexistent.trace"),
             (["--trace", "a", "--capture", "b"], "do not go together"),
             (["--capture", "/nonexistent.pcap"], "/nonexistent.pcap"),
-            (["--control-token", "short"], "--control-token"),
+            (["--control-token", "short"], "--control-token or PADR_CONTROL_TOKEN: 5 characters"),
             (["--duration", "-1"], "--duration"),
         ]:
             code, text = refused("--duration", "1", *arguments) if arguments[0] != "--duration" else refused(*arguments)
             self.assertEqual(code, 2, (arguments, text))
             self.assertIn(said, text)
             self.assertEqual(len(text.strip().splitlines()), 1, text)
+
+
+class Stories(MonitorCase):
+    # Once, nobody was answered meanwhile.
+    def test_a_story_is_read_while_others_are_served(self):
+        m = self.monitor()
+        page = self.page(m, path="/ws?sample=bad-network-full")
+        self.assertEqual(page.wait("hello")["sample"], "bad-network-full")
+        self.assertIsNone(m.session()["scene"])
+        self.assertIsNone(json.loads(m.get("/api/session?sample=bad-network-full")[2])["scene"])
+        self.assertIn("still being read", page.ask(type="play")["text"])
+        self.assertEqual(page.all("scene") + page.all("timeline"), [])
+        page.wait("timeline", lambda t: t["playing"] and t["tick"] > 60)
+        self.assertEqual((len(page.all("scene")), len(page.all("history"))), (1, 1))
+        self.assertEqual(json.loads(m.get("/api/session?sample=bad-network-full")[2])["scene"]["name"], "arena")
 
 
 class Hostile(MonitorCase):

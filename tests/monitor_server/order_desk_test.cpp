@@ -194,5 +194,16 @@ TEST(OrderDesk, WhoseSlotHasGoneToAnotherProcessIsDrivenNoMore) {
   EXPECT_EQ(sent[0].process, 12U);
 }
 
+TEST(OrderDesk, ADoubtIsToldIfAllFollow) {
+  for (const EventKind kind : {EventKind::kNetem, EventKind::kRefused}) {
+    Desk d;
+    ASSERT_TRUE(d.desk.give({&d.peers[0]}, Netem{kNoPeer, "limit 0"}, {5, 9, "netem", "limit 0 drops"}));
+    d.desk.heard(11, d.answer(d.sent(0).at(0), kind, "no"));
+    const auto outcomes = d.desk.take_outcomes();
+    ASSERT_EQ(outcomes.size(), 1U);
+    EXPECT_EQ(outcomes[0].text, outcomes[0].ok ? "limit 0 drops" : "peer 0: no");
+  }
+}
+
 }  // namespace
 }  // namespace padr::monitor

@@ -65,13 +65,13 @@ TEST(Request, WhatItMayNotIsAnsweredWithTheFieldThatIsWrong) {
       {R"({"type":7})", "type: is not a text"},
       {R"({"type":"reboot"})", "type: 'reboot' is not known"},
       {R"({"type":"play","id":-1})", "id: "},
-      {R"({"type":"play","id":1.5})", "id: is not a whole number"},
-      {R"({"type":"subscribe","rate":0})", "rate: is not a number from 1"},
+      {R"({"type":"play","id":1.5})", "id: is not a whole number from 0 to 9007199254740992"},
+      {R"({"type":"subscribe","rate":0})", "rate: is not a whole number from 1 to 60"},
       {R"({"type":"subscribe","rate":61})", "rate: "},
       {R"({"type":"subscribe","views":["shown","secret"]})", "views: "},
       {R"({"type":"subscribe","views":"shown"})", "views: "},
       {R"({"type":"drive","peer":"all","target":[1,2]})", "peer: is no slot"},
-      {R"({"type":"drive","peer":64,"target":[1,2]})", "peer: "},
+      {R"({"type":"drive","peer":64,"target":[1,2]})", "peer: is not a whole number from 0 to 63"},
       {R"({"type":"drive","peer":1})", "direction: is missing"},
       {R"({"type":"drive","peer":1,"target":[1]})", "target: is not a pair"},
       {R"({"type":"drive","peer":1,"target":[1,"2"]})", "target: is not a number"},
@@ -85,18 +85,33 @@ TEST(Request, WhatItMayNotIsAnsweredWithTheFieldThatIsWrong) {
       {R"({"type":"netem","peer":1,"to":"all","spec":"delay -3ms"})", "spec: "},
       {R"({"type":"netem","peer":1,"to":"all","spec":"trace /etc/passwd"})",
        "spec: word 2 \"/etc/passwd\" (column 7): not one of mobile, satellite, uplink; files can be named on a"},
-      {R"({"type":"netem","peer":1,"to":1.5,"spec":""})", "to: is not a whole number"},
+      {R"({"type":"netem","peer":1,"to":1.5,"spec":""})", "to: is not a whole number from 0 to 63"},
       {R"({"type":"cut","peer":3,"with":3,"seconds":5})", "with: is the peer itself"},
-      {R"({"type":"cut","peer":3,"with":1,"seconds":601})", "seconds: "},
+      {R"({"type":"cut","peer":3,"with":1,"seconds":601})", "seconds: is not a number from 0 to 600"},
       {R"({"type":"cut","peer":3,"with":1,"seconds":5,"ways":"up"})", "ways: is none of both, out, in"},
       {R"({"type":"pause","peer":3,"on":1})", "on: is neither true nor false"},
       {R"({"type":"push","peer":"any","body":65535,"velocity":[1,1]})", "body: "},
       {R"({"type":"push","peer":"any","body":1,"velocity":[40,1]})", "velocity: is more than 40 m/s"},
       {R"({"type":"seek","tick":-1})", "tick: "},
-      {R"({"type":"speed","speed":0})", "speed: "},
+      {R"({"type":"speed","speed":0})", "speed: is not a number from 0.05 to 20"},
   };
   for (const auto& [text, expected] : kCases)
     EXPECT_TRUE(wrong(text).starts_with(expected)) << text << ": " << wrong(text);
+}
+
+// Once, only the command line warned of them.
+TEST(Request, WhatIsDoubtfulInANetworkIsSaid) {
+  const auto doubt = [](const std::string& spec) {
+    const Asked a = read_request(R"({"type":"netem","peer":"all","to":"all","spec":")" + spec + "\"}");
+    EXPECT_TRUE(a.request) << spec;
+    return a.doubt;
+  };
+  EXPECT_EQ(doubt("delay 10ms"), "");
+  EXPECT_NE(doubt("limit 0").find("limit 0 drops every packet"), std::string::npos) << doubt("limit 0");
+  const std::string both = doubt("delay 10 loss 5% 25%");
+  EXPECT_NE(both.find("microseconds"), std::string::npos) << both;
+  EXPECT_NE(both.find("; "), std::string::npos) << both;
+  EXPECT_EQ(both.find('\n'), std::string::npos) << both;
 }
 
 TEST(Request, TheIdComesBackWhateverElseIsWrong) {

@@ -270,8 +270,8 @@ TEST(ObservedSession, WhatIsDroppedOfWhomAndWhoIsCutOffIsInTheWordsAndTheMetrics
   EXPECT_NE(text.find("\npadr_peer_dropped_total{peer=\"0\",from=\"2\",reason=\"malformed\"} 20\n"), std::string::npos)
       << text;
   EXPECT_NE(text.find("\npadr_peer_dropped_total{peer=\"0\",from=\"1\",reason=\"duplicate\"} 7\n"), std::string::npos);
-  EXPECT_NE(text.find("\npadr_peer_cut_off{peer=\"0\",from=\"2\"} 1\n"), std::string::npos);
-  EXPECT_EQ(text.find("padr_peer_cut_off{peer=\"0\",from=\"1\""), std::string::npos);
+  EXPECT_NE(text.find("\npadr_peer_cut_offs_total{peer=\"0\",from=\"2\"} 1\n"), std::string::npos);
+  EXPECT_EQ(text.find("padr_peer_cut_offs_total{peer=\"0\",from=\"1\""), std::string::npos);
 }
 
 TEST(Series, AnHourIsFlat) {

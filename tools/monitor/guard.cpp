@@ -44,14 +44,18 @@ bool same_origin(std::string_view origin, std::string_view host) {
 }
 
 std::optional<Target> split_target(std::string_view target) {
+  // Links get fields added on their way, such as ?utm_source=a+b; a path is a name here or nowhere.
+  const auto printed = [](char c) { return c > ' ' && c < 0x7F; };
   const auto plain = [](char c) {
     return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-           std::string_view("/._-?=&").find(c) != std::string_view::npos;
+           std::string_view("/._-").find(c) != std::string_view::npos;
   };
-  if (target.empty() || target.front() != '/' || !std::all_of(target.begin(), target.end(), plain)) return std::nullopt;
-  const auto mark = target.find('?');
-  if (mark == std::string_view::npos) return Target{target, {}};
-  return Target{target.substr(0, mark), target.substr(mark + 1)};
+  const std::string_view path = target.substr(0, target.find('?'));
+  const std::string_view query = path.size() == target.size() ? "" : target.substr(path.size() + 1);
+  if (!path.starts_with('/') || !std::all_of(path.begin(), path.end(), plain) ||
+      !std::all_of(query.begin(), query.end(), printed))
+    return std::nullopt;
+  return Target{path, query};
 }
 
 std::optional<std::string_view> query_field(std::string_view query, std::string_view name) {

@@ -21,7 +21,8 @@ struct Target {
   std::string_view path;
   std::string_view query;  ///< without its question mark
 };
-/// Nothing if it is no absolute path of plain characters: nothing that we serve needs any escape.
+/// Nothing if its path is not absolute or not of plain characters, as nothing that we serve needs any escape, or if its
+/// query has others than printed ones. Escapes in the query stay as they are.
 std::optional<Target> split_target(std::string_view target);
 
 /// The value of a field in a query; nothing if it is not there.

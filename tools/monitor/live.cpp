@@ -168,7 +168,7 @@ void Live::act(ViewerId viewer, const Asked& asked) {
   if (const auto* d = std::get_if<Drive>(&command->what)) return drive(viewer, asked, command->peer, *d);
   // Who holds a body, or has just won it, is the only one that may push it.
   const auto whom = std::holds_alternative<Push>(command->what) ? OrderDesk::Whom::kOne : OrderDesk::Whom::kAll;
-  if (!orders_.give(peers, command->what, {viewer, asked.id, asked.about}, whom))
+  if (!orders_.give(peers, command->what, {viewer, asked.id, asked.about, asked.doubt}, whom))
     answer(viewer, asked, false, "too much to do already");
 }
 

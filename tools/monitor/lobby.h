@@ -1,5 +1,7 @@
 #pragma once
 
+#include <deque>
+#include <future>
 #include <map>
 #include <memory>
 #include <string>
@@ -7,11 +9,15 @@
 
 #include "tools/monitor/page_server.h"
 #include "tools/monitor/projector.h"
+#include "tools/monitor/samples.h"
 
 namespace padr::monitor {
 
 /// Where pages come to. They are shown what the program was started for, or, with `?sample=NAME` in their address, that
-/// sample: it is made when the first page asks for it, and kept. All pages that look at a sample share its position.
+/// sample: it is filmed when the first page asks for it, and kept. All pages that look at a sample share its position.
+///
+/// Filming takes seconds on a slow machine, and peers and other pages must not wait for it: a thread does it, one
+/// sample after the other.
 class Lobby : public Site {
  public:
   Lobby(const Options& options, std::unique_ptr<PageServer> main);
@@ -27,6 +33,8 @@ class Lobby : public Site {
   void left(ViewerId viewer) override;
 
  private:
+  /// Puts a film that is ready where it belongs, and has the next one made.
+  void film();
   /// For a query: what was asked for, else the main one.
   PageServer& desk(std::string_view query);
 
@@ -36,6 +44,8 @@ class Lobby : public Site {
   std::unique_ptr<PageServer> main_;
   std::map<std::string, std::unique_ptr<Projector>, std::less<>> samples_;
   std::map<ViewerId, PageServer*> where_;
+  std::deque<const Sample*> wanted_;  ///< without a film; the first is being filmed if there is a `filmed_`
+  std::future<Film> filmed_;
 };
 
 }  // namespace padr::monitor

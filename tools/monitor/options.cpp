@@ -60,7 +60,8 @@ void declare(CLI::App& app, Raw& raw, Options& o) {
   app.add_flag("--view-only", o.view_only, "No page may control anything");
   app.add_option("--control-token", o.token,
                  "Token with which pages may control peers, 8 to 200 characters; without one, only pages on this\n"
-                 "machine may. Other users can see a command line, so better give it in the environment")
+                 "machine may. Other users can see a command line, so better give it in the environment.\n"
+                 "In a page's address & is written %26, and % is written %25")
       ->type_name("TOKEN")
       ->envname("PADR_CONTROL_TOKEN");
   app.add_option("--allow-host", o.names, "Also serve the page under this host name; may be repeated")
@@ -75,7 +76,7 @@ void declare(CLI::App& app, Raw& raw, Options& o) {
 void check(const Options& o) {
   if (!o.traces.empty() && !o.captures.empty()) throw UserError("--trace and --capture do not go together; give one");
   if (!o.token.empty() && (o.token.size() < 8 || o.token.size() > 200))
-    throw UserError("--control-token: " + std::to_string(o.token.size()) +
+    throw UserError("--control-token or PADR_CONTROL_TOKEN: " + std::to_string(o.token.size()) +
                     " characters are not allowed; give 8 to 200");
 }
 

@@ -115,7 +115,7 @@ void OrderDesk::done(Lane& lane, Answer answer, const std::string& text) {
     errand.open.insert(next.process);
   }
   if (!errand.open.empty()) return;
-  outcomes_.push_back({errand.ticket, errand.ok, errand.text});
+  outcomes_.push_back({errand.ticket, errand.ok, errand.ok ? errand.ticket.doubt : errand.text});
   errands_.erase(found);
 }
 

@@ -20,10 +20,18 @@ Projector::Projector(const Options& options, std::string mode, std::string sourc
   screen_.go_to(film_.first());
 }
 
+void Projector::put(Film film) {
+  film_ = std::move(film);
+  seek(film_.first());
+  forget_shown();
+  introduce_all();
+}
+
 void Projector::advance(Micros now) {
   set_now(now);
   const double passed = static_cast<double>(now - last_) / kMicrosPerSecond;
   last_ = now;
+  if (empty()) return;
   if (playing_) {
     position_ = std::min<double>(film_.last(), position_ + passed * speed_ * kTicksPerSecond);
     screen_.go_to(static_cast<Tick>(position_));
@@ -40,12 +48,14 @@ void Projector::advance(Micros now) {
 }
 
 void Projector::begin() {
+  if (empty()) return;
   seek(film_.first());
   playing_ = true;
   tell_timeline();
 }
 
 void Projector::introduce(ViewerId viewer) {
+  if (empty()) return;
   tell(viewer, film_.scene);
   tell(viewer, history_text(film_.series));
   const auto& events = film_.session->events();
@@ -58,6 +68,7 @@ void Projector::introduce(ViewerId viewer) {
 }
 
 void Projector::act(ViewerId viewer, const Asked& asked) {
+  if (empty()) return answer(viewer, asked, false, "the recording is still being read");
   if (const auto* p = std::get_if<Play>(&*asked.request)) {
     playing_ = p->on;
     if (p->on && position_ >= film_.last()) seek(film_.first());

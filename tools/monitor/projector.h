@@ -5,10 +5,13 @@
 
 namespace padr::monitor {
 
-/// Shows a film: one position for all pages.
+/// Shows a film: one position for all pages. With an empty one it only greets, until another is put.
 class Projector : public PageServer {
  public:
   Projector(const Options& options, std::string mode, std::string source, Film film, std::string sample = "");
+
+  /// In place of the empty film: plays from the beginning.
+  void put(Film film);
 
   void advance(Micros now) override;
   /// Plays from the beginning.
@@ -20,6 +23,7 @@ class Projector : public PageServer {
   std::string session_json() override;
   std::string metrics() override;
 
+  bool empty() const { return film_.moments.empty(); }
   void seek(Tick tick);
   void tell_timeline();
   std::string timeline() const;

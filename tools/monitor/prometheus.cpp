@@ -196,7 +196,7 @@ void drops(Writer& w, const ObservedSession& s) {
         if (link.dropped[d] > 0)
           w.value(of(*p) + "," + label("from", std::to_string(from)) + "," + label("reason", sync::kDropNames[d]),
                   static_cast<double>(link.dropped[d]));
-  w.metric("padr_peer_cut_off", "gauge",
+  w.metric("padr_peer_cut_offs_total", "counter",
            "How often `peer` has cut off who sits in slot `from`, for good or for a while");
   for (const PeerRecord* p : s.peers())
     for (const auto& [from, link] : p->links)

@@ -42,8 +42,10 @@ class Fields {
   }
   double number(const char* name, double low, double high) const { return number_of(name, at(name), low, high); }
   std::int64_t whole(const char* name, double low, double high) const {
-    const double v = number(name, low, high);
-    if (v != std::floor(v)) fail(name, "is not a whole number");
+    const json& given = at(name);
+    const double v = given.is_number() ? given.get<double>() : std::nan("");
+    if (!(v >= low && v <= high) || v != std::floor(v))
+      fail(name, "is not a whole number from " + shell::fixed(low, 0) + " to " + shell::fixed(high, 0));
     return static_cast<std::int64_t>(v);
   }
   Vec2 pair(const char* name, double most) const {
@@ -72,9 +74,10 @@ class Fields {
  private:
   static double number_of(const char* name, const json& v, double low, double high) {
     const double n = v.is_number() ? v.get<double>() : std::nan("");
-    if (!(n >= low && n <= high)) fail(name, "is not a number from " + json(low).dump() + " to " + json(high).dump());
+    if (!(n >= low && n <= high)) fail(name, "is not a number from " + plain(low) + " to " + plain(high));
     return n;
   }
+  static std::string plain(double v) { return v == std::floor(v) ? shell::fixed(v, 0) : json(v).dump(); }
   const json& object_;
 };
 
@@ -124,10 +127,11 @@ Request knob(const Fields& f) {
   Fields::fail("name", "'" + k.name + "' is no knob");
 }
 
-Request netem(const Fields& f) {
+Request netem(const Fields& f, std::string& doubt) {
   Netem n{f.peer("to", "all"), f.text("spec", kMostText)};
   std::vector<std::string> doubts;
   if (!n.spec.empty()) shell::parse_netem_field("spec", n.spec, &doubts);
+  for (const std::string& d : doubts) doubt += (doubt.empty() ? "" : "; ") + d;
   return Command{f.peer("peer", "all"), n};
 }
 
@@ -150,12 +154,12 @@ Request push(const Fields& f) {
   return Command{f.peer("peer", "any"), p};
 }
 
-Request request_of(const std::string& type, const Fields& f) {
+Request request_of(const std::string& type, const Fields& f, std::string& doubt) {
   if (type == "subscribe") return subscribe(f);
   if (type == "token") return GiveToken{f.text("token", 200)};
   if (type == "drive") return drive(f);
   if (type == "knob") return knob(f);
-  if (type == "netem") return netem(f);
+  if (type == "netem") return netem(f, doubt);
   if (type == "cut") return cut(f);
   if (type == "pause") return Command{f.peer("peer", "all"), Pause{f.truth("on") ? kMostSeconds : 0}};
   if (type == "push") return push(f);
@@ -180,7 +184,7 @@ Asked read_request(std::string_view text) {
     const Fields f(message);
     if (f.has("id")) a.id = static_cast<std::uint64_t>(f.whole("id", 0, kMostId));
     a.about = f.text("type", 40);
-    a.request = request_of(a.about, f);
+    a.request = request_of(a.about, f, a.doubt);
   } catch (const UserError& e) {
     a.wrong = shell::valid_utf8(e.what());
   }

@@ -63,6 +63,7 @@ struct Asked {
   std::string about;                ///< its type, if it could be read that far
   std::optional<Request> request;
   std::string wrong;  ///< why there is none: one line for people
+  std::string doubt;  ///< what is legal in it, but may not be what was meant: one line for people, or empty
 };
 
 /// Checks every field; never throws.

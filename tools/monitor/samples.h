@@ -31,7 +31,7 @@ const Sample* find_sample(std::string_view name);
 /// The command that plays it in the lab, from the top of the source tree.
 std::string lab_command(const Sample& sample);
 
-/// Plays it and films it; takes part of a second.
+/// Plays it and films it; takes a second or so, and more on a busy machine.
 Film film_sample(const Sample& sample);
 
 }  // namespace padr::monitor

@@ -106,6 +106,8 @@ class Blind {
     this.round = { left, right, from, to: from + long, peer: peers[below(peers.length)].slot, seen: 0 };
     $("#left").append(this.take(left).grid);
     $("#right").append(this.take(right).grid);
+    this.take(left).views.called = "Left: ";
+    this.take(right).views.called = "Right: ";
     for (const t of this.takes) t.look(this.round.peer);
     this.play();
   }
@@ -114,7 +116,8 @@ class Blind {
     const { round } = this;
     const time = ++this.times; // another one begins when this one is interrupted
     this.enable(false);
-    say(`Round ${this.answers.length + 1} of ${ROUNDS}: as player ${round.peer} saw it`);
+    const number = `Round ${this.answers.length + 1} of ${ROUNDS}`;
+    say(`${number}: as player ${round.peer} saw it`);
     for (const message of [{ type: "halt" }, { type: "seek", tick: round.from }, { type: "play" }]) {
       await this.all(message);
       if (time !== this.times) return;
@@ -123,6 +126,7 @@ class Blind {
     await this.all({ type: "halt" });
     if (time !== this.times) return;
     ++round.seen;
+    say(`${number}: which looked right? Answer below, or show it again`);
     this.enable(true);
   }
 

@@ -1,6 +1,7 @@
 // One camera for all views: which part of the world they show. Metres of the world have y up, pixels have y down.
 
 const MARGIN = 0.06; // of the play area, kept free round it
+const [FARTHEST, CLOSEST] = [0.5, 40]; // zoom
 
 export class Camera {
   constructor() {
@@ -38,7 +39,7 @@ export class Camera {
 
   /** Zooms by a factor about a point of the world, which stays where it is on the screen. */
   zoomAbout(point, factor) {
-    const zoom = Math.min(Math.max(this.zoom * factor, 0.5), 40);
+    const zoom = clamp(this.zoom * factor, FARTHEST, CLOSEST);
     const real = zoom / this.zoom;
     if (this.follow === null) {
       this.x = point.x + (this.x - point.x) / real;
@@ -50,8 +51,14 @@ export class Camera {
   /** Moves the picture by metres; ends following. */
   pan(dx, dy) {
     this.follow = null;
-    this.x = clamp(this.x + dx, this.lower.x, this.upper.x);
-    this.y = clamp(this.y + dy, this.lower.y, this.upper.y);
+    this.show(this.x + dx, this.y + dy, this.zoom);
+  }
+
+  /** Shows that point in the middle, or the nearest that there is. */
+  show(x, y, zoom) {
+    this.x = clamp(x, this.lower.x, this.upper.x);
+    this.y = clamp(y, this.lower.y, this.upper.y);
+    this.zoom = clamp(zoom, FARTHEST, CLOSEST);
   }
 }
 

@@ -16,6 +16,8 @@ export class Connection {
     this.lastId = 0;
     this.queue = [];
     this.sent = [];
+    // A browser may keep a page that was left, and its WebSocket with it: it would still count as one that looks on.
+    addEventListener("pagehide", () => this.socket.close());
     this.open();
   }
 

@@ -70,6 +70,7 @@ export class Events {
 
   add(events) {
     this.list.push(...events);
+    this.list.sort((a, b) => a.time - b.time); // what one peer tells may come after what another tells of later
     if (this.list.length > 2 * KEPT) this.list = newest(this.list);
     this.stale = true;
   }

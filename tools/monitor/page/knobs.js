@@ -23,6 +23,7 @@ export class Knobs {
     this.orders = orders;
     this.touched = new Map();
     this.differing = new Set(); // sliders of knobs that differ from peer to peer
+    this.inForce = new Map(); // m, by slider that nobody has moved: it may be beyond the slider's ends
     const $ = (name) => panel.querySelector(`[name="${name}"]`);
     this.inputs = Object.fromEntries(
       ["peer", "technique", "high", "low", "body", "replay", "model", "predictor", "convergence", "other", "value",
@@ -39,9 +40,14 @@ export class Knobs {
     const { inputs } = this;
     const knob = (input, name, value) => input.addEventListener("change", () => this.turn(name, value(input)));
     knob(inputs.technique, "technique", (i) => i.value);
+    // A list tells of no choice that changes nothing.
+    this.panel.querySelector("button.afresh").addEventListener("click", () => {
+      this.touched.clear();
+      if (inputs.technique.value !== DIFFER) this.turn("technique", inputs.technique.value);
+    });
     knob(inputs.replay, "replay", (i) => (i.checked ? "on" : "off"));
     for (const name of ["model", "predictor", "convergence"]) knob(inputs[name], name, (i) => i.value);
-    knob(inputs.body, "body-threshold", (i) => (Number(i.value) > 0 ? i.value : "off"));
+    knob(inputs.body, "body-threshold", (i) => (this.metres(i) > 0 ? String(this.metres(i)) : "off"));
     for (const side of ["high", "low"]) {
       inputs[side].addEventListener("input", () => this.slide(side));
       inputs[side].addEventListener("change", () => this.turn("threshold", this.thresholds()));
@@ -120,20 +126,30 @@ export class Knobs {
   }
 
   thresholds() {
-    const { high, low } = this.inputs;
-    return high.value === low.value ? high.value : `${high.value}:${low.value}`;
+    const [high, low] = [this.inputs.high, this.inputs.low].map((input) => this.metres(input));
+    return high === low ? String(high) : `${high}:${low}`;
+  }
+
+  /** What a slider stands for. */
+  metres(slider) {
+    return this.inForce.get(slider) ?? Number(slider.value);
   }
 
   /** Keeps the low threshold below the high one, and says what the sliders stand at. */
   slide(side) {
     const { high, low, body } = this.inputs;
-    if (side === "high" && Number(low.value) > Number(high.value)) low.value = high.value;
-    if (side === "low" && Number(low.value) > Number(high.value)) high.value = low.value;
+    if (side) this.inForce.delete(this.inputs[side]);
+    const other = { high: low, low: high }[side];
+    if (other && this.metres(low) > this.metres(high)) {
+      other.value = this.inputs[side].value;
+      this.inForce.delete(other);
+    }
     for (const input of [high, low, body]) {
-      const off = input === body && Number(input.value) === 0;
+      const off = input === body && this.metres(input) === 0;
       if (side) this.differing.delete(input);
-      const differs = this.differing.has(input);
-      input.nextElementSibling.textContent = differs ? "differ" : off ? "off" : distance(Number(input.value));
+      const text = this.differing.has(input) ? "differ" : off ? "off" : distance(this.metres(input));
+      input.nextElementSibling.textContent = text;
+      input.setAttribute("aria-valuetext", text);
     }
   }
 
@@ -187,6 +203,11 @@ export class Knobs {
       for (const input of sliders)
         if (value === undefined && chosen.length > 1 && !this.busy(input)) this.differing.add(input);
         else this.differing.delete(input);
+      if (value === undefined) for (const input of sliders) this.inForce.delete(input);
+    };
+    const slide = (input, value) => {
+      if (!this.busy(input)) this.inForce.set(input, Number(value));
+      set(input, value);
     };
     set(inputs.technique, same(chosen.map((p) => p.technique)));
     // All have to agree on authority when the session begins: it cannot change.
@@ -200,12 +221,12 @@ export class Knobs {
     const thresholds = common("threshold")?.split(":");
     differ(thresholds, inputs.high, inputs.low);
     if (thresholds) {
-      set(inputs.high, thresholds[0]);
-      set(inputs.low, thresholds[1] ?? thresholds[0]);
+      slide(inputs.high, thresholds[0]);
+      slide(inputs.low, thresholds[1] ?? thresholds[0]);
     }
     const body = common("body-threshold");
     differ(body, inputs.body);
-    if (body !== undefined) set(inputs.body, body === "off" ? "0" : body);
+    if (body !== undefined) slide(inputs.body, body === "off" ? "0" : body);
     this.slide();
     const [from, to] = [number(inputs.from.value), number(inputs.to.value)];
     const specs = peers.filter((p) => from === "all" || p.slot === from).flatMap((p) => p.links.filter((l) => to === "all" || l.to === to).map((l) => l.netem ?? ""));
@@ -231,12 +252,13 @@ function whyNot(session, peers) {
   return session.present().length === 0 ? "" : "No peer lets itself be controlled: start them with --control.";
 }
 
-/** Says how it went; that it went well only for a while, as others may turn the same knob. */
+/** Says how it went; that it went well, without a warning, only for a while, as others may turn the same knob. */
 export function say(output, answer, done) {
-  output.textContent = answer.ok ? `✓ ${done}` : `✗ ${together(answer.text)}`;
+  const warning = answer.text ? `. Warning: ${answer.text}` : "";
+  output.textContent = answer.ok ? `✓ ${done}${warning}` : `✗ ${together(answer.text)}`;
   output.classList.toggle("error", !answer.ok);
   const said = output.textContent;
-  if (answer.ok) setTimeout(() => { if (output.textContent === said) output.textContent = ""; }, 8000);
+  if (answer.ok && !warning) setTimeout(() => { if (output.textContent === said) output.textContent = ""; }, 8000);
 }
 
 /** "peer 1: no; peer 2: no" as "all: no". */

@@ -30,7 +30,7 @@ const theme = new Theme($("#theme"));
 const events = new Events($("#events"), $("#every-event"), session);
 const views = new Views($("#views"), session, camera, theme);
 const plots = new Plots($("#plots"), session, theme, events);
-const tables = new Tables($("#peers"), $("#links"), $("#verdict"));
+const tables = new Tables($("#peers"), $("#links"), $("#verdict"), $("#details ul"));
 const meter = new Meter($("#frame-time"));
 const stories = new Stories($("#stories"));
 
@@ -39,7 +39,6 @@ const connection = new Connection({
   open() {
     ended = false;
     complain(null);
-    token();
     subscribe();
   },
   lost(saidGoodbye) {
@@ -61,6 +60,8 @@ const connection = new Connection({
     stories.begin(hello);
     const wanted = wantedSample();
     if (wanted !== null && wanted !== hello.sample) complain(`There is no story called “${wanted}”. The list below has all.`);
+    else complain(null);
+    token();
     knobs.begin();
     subscribe();
     refresh();
@@ -118,10 +119,11 @@ const knobs = new Knobs($("#knobs"), session, orders);
 const replay = new Replay($("#replay"), connection, session);
 const tour = new Tour($("#tour"), session, orders);
 
-// Kept from the start: what the address ends with changes.
-const { token: secret } = readMoment(location.hash);
+// Kept: what the address ends with changes.
+let secret = null;
 function token() {
-  if (secret) connection.send({ type: "token", token: secret });
+  secret = readMoment(location.hash).token ?? secret;
+  if (secret && session.hello?.needs_token) connection.send({ type: "token", token: secret });
 }
 
 /** What the address says of a moment is shown once, when the recording is there. */
@@ -134,12 +136,13 @@ function openMoment() {
   connection.send({ type: "halt" });
   replay.seek(moment.tick);
   if (moment.show) setMode(moment.show, moment.peer);
-  if (moment.camera) [camera.x, camera.y, camera.zoom] = moment.camera;
+  if (moment.camera) camera.show(...moment.camera);
   camera.follow = moment.follow;
   plots.select(moment.plots);
 }
 addEventListener("hashchange", () => {
   opened = false;
+  token();
   openMoment();
 });
 
@@ -247,9 +250,12 @@ driver.changed = (why) => {
   if (driver.slot !== null) views.tiles.get(driver.slot)?.canvas.focus({ preventScroll: true });
   refresh();
 };
-// Keys shall steer again after a knob was turned by mouse.
+// Keys shall steer again after a knob was turned by mouse; who turns knobs by keys stays at the knob.
+let byPointer = false;
+document.addEventListener("pointerdown", () => { byPointer = true; }, true);
+document.addEventListener("keydown", () => { byPointer = false; }, true);
 document.addEventListener("change", (e) => {
-  if (driver.slot !== null && !e.target.matches("input:not([type])")) views.tiles.get(driver.slot)?.canvas.focus({ preventScroll: true });
+  if (driver.slot !== null && byPointer && !e.target.matches("input:not([type])")) views.tiles.get(driver.slot)?.canvas.focus({ preventScroll: true });
 });
 function toggleDriving(slot) {
   if (driver.slot === slot) return;
@@ -293,7 +299,8 @@ for (const name of ["authority", "predicted", "confirmed"]) {
 function markSpan() {
   for (const b of document.querySelectorAll("[data-span]")) {
     const span = b.dataset.span === "all" ? Infinity : Number(b.dataset.span);
-    b.setAttribute("aria-pressed", plots.selected === null && plots.span === span);
+    // A recording is shown whole where no part of it is selected.
+    b.setAttribute("aria-pressed", plots.selected === null && (session.replayed() ? Infinity : plots.span) === span);
   }
 }
 for (const b of document.querySelectorAll("[data-span]")) {
@@ -314,6 +321,7 @@ tour.onMove = () => {
   scrollTo(0, 0);
   views.layOut();
 };
+tour.left = () => $("#tour-button").focus({ preventScroll: true });
 // What a step of the tour speaks of stands below the pictures.
 views.reserved = () => document.querySelector({ plots: "#plots-part", table: "#table-part", events: "#plots-part" }[document.body.dataset.spot])?.offsetHeight ?? 0;
 tour.restored = (refused) => complain(refused.length > 0 ? `Not everything could be restored: ${refused[0].text}` : null);
@@ -324,13 +332,13 @@ setInterval(() => {
 
 let before = performance.now();
 function frame(now) {
+  requestAnimationFrame(frame); // first: what fails in one frame shall not end all
   const began = performance.now();
   driver.tick();
   session.samples.advance(Math.min(now - before, 250) / 1000, session.speed());
   views.draw();
   meter.frame(now, now - before, performance.now() - began);
   before = now;
-  requestAnimationFrame(frame);
 }
 requestAnimationFrame(frame);
 refresh();

@@ -17,7 +17,8 @@ export function momentOf(session, views, camera, plots) {
 
 /** What such an end says; fields that it lacks, or that are wrong, are null. The tick tells whether it is one at all. */
 export function readMoment(hash) {
-  const said = new URLSearchParams(hash.slice(1));
+  // A "+" is one, not a blank: tokens may have some.
+  const said = new URLSearchParams(hash.slice(1).replaceAll("+", "%2B"));
   const whole = (name) => (/^\d{1,9}$/.test(said.get(name) ?? "") ? Number(said.get(name)) : null);
   const numbers = (name, count) => {
     const values = (said.get(name) ?? "").split(",").map((v) => (v === "" ? NaN : Number(v)));

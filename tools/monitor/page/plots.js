@@ -5,6 +5,7 @@ import { hue, patternName } from "./palette.js";
 import { number, sum } from "./table.js";
 
 const REDRAW = 500; // ms
+const RETELL = 1000; // ms between two values in words while no plot is on the screen
 const LEAST_GAP = 3; // pixels between two marks of a kind
 const MOST_LINKS = 20; // lines; with more links, the mean of each sender's
 // What is told of in an event's mark; of the rest whole lines.
@@ -100,6 +101,7 @@ export class Plots {
     this.sought = () => {}; // a time was clicked on in a recording
     this.charts = PLOTS.map((plot) => new Chart(plot, folder, this));
     this.shown = true;
+    this.toldAt = 0;
     new IntersectionObserver((e) => { this.shown = e.at(-1).isIntersecting; }).observe(folder);
     // A hidden card has no width; a chart keeps the size that it had.
     this.resized = new ResizeObserver((entries) => {
@@ -112,6 +114,7 @@ export class Plots {
   begin() {
     this.history.clear();
     this.selected = null;
+    this.selectionChanged?.(false);
     if (this.session.replayed() && this.charts.every((chart) => chart.plot !== OF_RECORDINGS)) {
       this.charts.push(new Chart(OF_RECORDINGS, this.folder, this));
       this.resized.observe(this.charts.at(-1).box);
@@ -146,9 +149,23 @@ export class Plots {
   }
 
   redraw() {
-    if (!this.shown || document.hidden || this.history.points.length === 0) return;
+    if (document.hidden || this.history.points.length === 0) return;
+    if (!this.shown) {
+      this.tell();
+      return;
+    }
     const window = this.window();
     for (const chart of this.charts) chart.draw(window);
+  }
+
+  /** Values in words alone: screen readers read them wherever the page is scrolled to. */
+  tell() {
+    if (performance.now() - this.toldAt < RETELL) return;
+    this.toldAt = performance.now();
+    for (const chart of this.charts) {
+      chart.refreshRows();
+      chart.readOut();
+    }
   }
 
   /** A time is pointed at in a chart; null: none any more. */

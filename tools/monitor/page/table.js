@@ -36,7 +36,8 @@ const COLUMNS = [
 ];
 
 export class Tables {
-  constructor(peersTable, linksTable, verdict) {
+  constructor(peersTable, linksTable, verdict, details) {
+    this.details = details;
     this.peers = new Grid(peersTable);
     this.links = new Grid(linksTable);
     this.verdict = verdict;
@@ -57,7 +58,25 @@ export class Tables {
       })),
     );
     this.updateLinks(session.present());
+    this.explain(columns, rows);
     this.judge(session.peers.agreement);
+  }
+
+  /** What cells say when they are pointed at, for who has no mouse. */
+  explain(columns, rows) {
+    const lines = columns.filter((c) => typeof c.title === "string").map((c) => `${c.head}: ${c.title}.`);
+    for (const p of rows) {
+      const dropped = p.drops.map(dropReasons).map((reasons) => ` Dropped ${reasons}.`).join("");
+      lines.push(`peer ${p.slot}: ${p.settings ?? "settings not told"}; version ${p.version ?? "not told"}.${dropped}`);
+    }
+    const told = lines.join("\n");
+    if (told === this.explained) return;
+    this.explained = told;
+    this.details.replaceChildren(...lines.map((line) => {
+      const item = document.createElement("li");
+      item.textContent = line;
+      return item;
+    }));
   }
 
   updateLinks(peers) {
@@ -135,8 +154,10 @@ class Grid {
 function fill(tr, cells, kind) {
   while (tr.cells.length > cells.length) tr.deleteCell(-1);
   while (tr.cells.length < cells.length) {
-    const cell = document.createElement(kind);
-    if (kind === "th") cell.scope = "col";
+    const heads = kind === "td" && tr.cells.length === 0;
+    const cell = document.createElement(heads ? "th" : kind);
+    if (heads) cell.scope = "row";
+    else if (kind === "th") cell.scope = "col";
     tr.append(cell);
   }
   cells.forEach((c, i) => {

@@ -161,6 +161,9 @@ export class Tour {
       this.set();
     });
     on("end", () => this.end());
+    panel.addEventListener("keydown", (e) => {
+      if (e.code === "Escape") this.end();
+    });
   }
 
   /** Which part of the page is spoken of now; empty: the pictures alone, or no tour. */
@@ -224,9 +227,7 @@ export class Tour {
 
   async end() {
     if (this.step === null) return;
-    this.step = null;
-    this.panel.hidden = true;
-    this.onMove();
+    this.close();
     const refused = await this.orders.restore(this.before);
     this.restored?.(refused);
   }
@@ -234,8 +235,14 @@ export class Tour {
   /** Another session: what was remembered is of no use there. */
   forget() {
     if (this.step === null) return;
+    this.close();
+  }
+
+  close() {
+    const focused = this.panel.contains(document.activeElement);
     this.step = null;
     this.panel.hidden = true;
     this.onMove();
+    if (focused) this.left?.();
   }
 }

@@ -31,6 +31,7 @@ export class Views {
     this.large = null; // slot that is shown large in mode "one"
     this.ghosts = { authority: true, predicted: false, confirmed: false };
     this.driven = null;
+    this.called = ""; // what distinguishes these pictures from others on the page, for screen readers
     this.tiles = new Map();
     this.onTile = () => {}; // a tile was made: whoever listens to pointers wants to know
     this.onAction = () => {};
@@ -146,19 +147,21 @@ export class Views {
     if (peer.paused) words.push("paused");
     if (peer.links.some((l) => l.cut)) words.push("cut off");
     if (peer.driven === "other") words.push("driven by somebody else");
-    if (session.isApart(peer)) words.push("error not known");
-    else if (error !== null) words.push(`${metres(error)} off`);
-    tile.said.textContent = words.join(" · ");
+    const off = session.isApart(peer) ? ["error not known"] : error === null ? [] : [`${metres(error)} off`];
+    tile.said.textContent = [...words, ...off].join(" · ");
     if (driven) words.push("you drive");
     tile.said.title = "off: how far everything in this view is from where its authority has it, all entities summed; the mean since the last point of the plots, of ticks that are confirmed; not known while this peer is apart from the others";
     const drive = tile.buttons.querySelector(".drive");
     drive.hidden = !driven && !session.drivable().some((p) => p.slot === slot);
     drive.textContent = driven ? "Let go" : "Drive";
-    tile.canvas.setAttribute("aria-label", `View of peer ${slot}. ${words.join(", ")}.${drive.hidden || driven ? "" : " Enter drives its avatar."}`);
+    // Without what changes all the time: a screen reader says the name of what has the focus whenever it changes.
+    const name = [`${this.called}View of peer ${slot}`, words.join(", "), drive.hidden || driven ? "" : "Enter drives its avatar"];
+    tile.canvas.setAttribute("aria-label", `${name.filter(Boolean).join(". ")}.`);
     tile.buttons.querySelector(".follow").setAttribute("aria-pressed", this.camera.follow === slot);
     const large = tile.buttons.querySelector(".large");
     large.textContent = this.mode === "one" ? "All" : "Enlarge";
     large.hidden = this.session.present().length < 2;
+    for (const b of tile.buttons.children) b.setAttribute("aria-label", `${b.textContent}, peer ${slot}`);
   }
 
   /** Sizes of all canvases. */
