@@ -171,6 +171,11 @@ TEST(Report, WhoWasInterferedWithIsNoted) {
   };
   EXPECT_EQ(std::count_if(r.notes.begin(), r.notes.end(), says(what)), 1);
   EXPECT_EQ(std::count_if(r.notes.begin(), r.notes.end(), says("peer 0 was")), 0);
+  const std::string table = report::table(r);
+  EXPECT_NE(table.find("Network at the beginning: delay 100ms 50ms loss 10%\n"
+                       "Network of peer 1, changed while it played, at last: delay 1ms\n"),
+            std::string::npos)
+      << table;
 }
 
 TEST(Report, WhoCarriedForALinkAndForHowLong) {

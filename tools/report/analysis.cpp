@@ -228,7 +228,13 @@ class Analysis {
     else if (m.kind == "way" && m.peer != kNoPeer)
       note_way(c, m);
     else
-      ++c.peer.remarks;
+      note_interference(c, m);
+  }
+  static void note_interference(Cursor& c, const trace::Remark& m) {
+    ++c.peer.remarks;
+    if (m.kind != "netem") return;
+    c.peer.netem_last = m.text.empty() ? "unimpaired" : m.text;
+    if (m.peer != kNoPeer) *c.peer.netem_last += " (to peer " + std::to_string(m.peer) + ")";
   }
   static void note_way(Cursor& c, const trace::Remark& m) {
     std::vector<Carried>& all = c.peer.carried;

@@ -98,8 +98,12 @@ std::string heading(const Report& r) {
   std::vector<std::string> netems;
   for (const Peer& p : r.peers)
     if (std::find(netems.begin(), netems.end(), p.header.netem) == netems.end()) netems.push_back(p.header.netem);
+  const bool changed = std::any_of(r.peers.begin(), r.peers.end(), [](const Peer& p) { return p.netem_last; });
   for (const std::string& n : netems)
-    s += "Network: " + (n.empty() ? std::string("not shaped by the peers") : n) + "\n";
+    s += "Network" + std::string(changed ? " at the beginning" : "") + ": " +
+         (n.empty() ? "not shaped by the peers" : n) + "\n";
+  for (const Peer& p : r.peers)
+    if (p.netem_last) s += "Network of peer " + p.name + ", changed while it played, at last: " + *p.netem_last + "\n";
   return s;
 }
 
