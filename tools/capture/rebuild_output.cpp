@@ -83,7 +83,7 @@ void StatesCsv::add(const sync::FoldState& s) {
   const std::size_t bodies = s.authority.size();
   std::string rows;
   for (std::size_t e = 0; e < s.world.entities.size(); ++e) {
-    if (e >= bodies && !s.members[e - bodies].present) continue;
+    if (e >= bodies && !s.avatars[e - bodies].present) continue;  // a spectator has none
     const world::Kinematics& k = s.world.entities[e];
     rows += std::to_string(s.tick) + "," + std::to_string(e);
     for (const float v : {k.position.x, k.position.y, k.angle, k.velocity.x, k.velocity.y, k.spin})
@@ -99,7 +99,7 @@ void StatesCsv::add(const sync::FoldState& s) {
 void WorldPicture::add(const sync::FoldState& s) {
   Moment m;
   m.tick = s.tick;
-  for (const sync::Member& member : s.members) m.present.push_back(member.present);
+  for (const sync::AvatarModel& avatar : s.avatars) m.present.push_back(avatar.present);
   for (const world::Kinematics& k : s.world.entities) {
     m.positions.push_back(k.position);
     m.angles.push_back(k.angle);

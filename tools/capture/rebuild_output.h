@@ -38,7 +38,7 @@ class WorldPicture {
  private:
   struct Moment {
     Tick tick = 0;
-    std::vector<bool> present;    ///< by slot
+    std::vector<bool> present;    ///< avatars by slot
     std::vector<Vec2> positions;  ///< by entity
     std::vector<float> angles;
     std::vector<PeerId> owners;  ///< by body; kNoPeer: nobody
