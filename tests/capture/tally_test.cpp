@@ -6,6 +6,7 @@
 
 #include "common/model/rng.h"
 #include "common/wire/codec.h"
+#include "common/wire/session_codec.h"
 #include "tests/seed.h"
 #include "tools/capture/record.h"
 #include "tools/capture/tally.h"
@@ -150,6 +151,10 @@ class Talk {
     bytes_ = wire::seal({wire::Kind::kState, from, 77}, wire::encode(p));
     hear(from, at_us);
   }
+  void say(PeerId from, const wire::SessionMessage& m, std::int64_t at_us) {
+    bytes_ = wire::seal({wire::Kind::kSession, from, 77}, wire::encode_session(m));
+    hear(from, at_us);
+  }
   void hear(PeerId from, std::int64_t at_us) {
     Datagram d;
     d.from = from == 0 ? a_ : b_;
@@ -209,10 +214,50 @@ TEST(Tally, LossDuplicatesReorderingResendsAndAcks) {
   EXPECT_EQ(f.header_bytes, 5U * 28);
   EXPECT_EQ(f.repeat_bytes, 2 * (f.update_bytes + 2)) << "how far back its tick lies takes two bytes";
   // Without Pongs the fastest datagram has taken no time: that is 4 to 6 ms after the beginning of its tick.
-  const SessionTally& s = t.tally.sessions().at(77);
-  EXPECT_FALSE(s.tick0().second);
-  EXPECT_EQ(s.tick0().first, 5'000);
+  EXPECT_FALSE(t.tally.tick0(77).second);
+  EXPECT_EQ(t.tally.tick0(77).first, 5'000);
   EXPECT_EQ(l.delays.least_us(), 5'000);
+}
+
+/// A capture beside peer 1, which asks: Pings are in it 40 ms before they are answered. Peer 0's datagrams take
+/// `way_us`.
+Talk beside_the_asker(std::int64_t way_us, int datagrams, std::int32_t told) {
+  constexpr std::int64_t kZero = 5'000'000;
+  Talk t;
+  t.say(1, wire::Ping{111}, kZero + 900'000);
+  t.say(0, wire::Pong{111, 940'000}, kZero + 980'000);
+  auto p = t.packet(1, 0, 0);
+  for (int i = 0; i < datagrams; ++i, ++p.seq) {
+    p.mark_tick = 60 + 6 * i;
+    t.say(0, p, kZero + tick_start(p.mark_tick) + way_us);
+  }
+  auto back = t.packet(1, 60, 0);
+  back.transit = told;
+  t.say(1, back, kZero + tick_start(60));
+  return t;
+}
+
+// Once, delays in a joiner's capture were too long by the way that its Pings took.
+TEST(Tally, ADelayToTheCaptureIsNotLongerThanTheReceiverTells) {
+  const auto least = [](const Talk& t) { return t.link(0).delays.least_us() - t.tally.tick0(77).first; };
+  EXPECT_TRUE(beside_the_asker(40'000, 30, 400).tally.tick0(77).second);
+  EXPECT_NEAR(static_cast<double>(least(beside_the_asker(40'000, 30, 400))), 40'000, 1);
+  EXPECT_NEAR(static_cast<double>(least(beside_the_asker(40'000, 5, 400))), 80'000, 1) << "too few to judge by";
+  EXPECT_NEAR(static_cast<double>(least(beside_the_asker(40'000, 30, 760))), 80'000, 1) << "as clocks differ";
+  EXPECT_NEAR(static_cast<double>(least(beside_the_asker(10'000, 30, 700))), 50'000, 1) << "it is on the way";
+}
+
+// Once, the sizes of datagrams that had been sealed were those without the seal, and only their mean was with it.
+TEST(Tally, SizesAreWithTheSeal) {
+  Talk t;
+  const wire::Bytes bytes = wire::seal({wire::Kind::kState, 0, 77}, wire::encode(t.packet(1, 60, 0)));
+  Datagram d;
+  d.payload = bytes;
+  d.seal_bytes = 20;
+  d.wire_bytes = bytes.size() + 20 + 28;
+  t.tally.take(d);
+  EXPECT_EQ(t.tally.all().least_size, bytes.size() + 20);
+  EXPECT_EQ(t.tally.all().most_size, bytes.size() + 20);
 }
 
 TEST(Tally, DamagedIsCountedByReason) {

@@ -89,13 +89,14 @@ std::string lives_text(const Tally& t, std::uint16_t session) {
   return "State datagrams; updates of entities by cause, each once; sizes of the UDP payload.\n" + table.text();
 }
 
-std::string links_text(const Tally& t, std::uint16_t session, const SessionTally& s) {
+std::string links_text(const Tally& t, std::uint16_t session) {
+  const auto [tick0, by_clock] = t.tick0(session);
   shell::Table table({"link",  "dgrams", "lost",         "of",    "loss %",   "told %", "of",
                       "dupl",  "late",   "gap ms",       "p95",   "delay ms", "p50",    "p95",
                       "least", "jitter", "peers' least", "marks", "resent",   "ack ms"});
   for (const auto& [key, tally] : links_of(t, session)) {
     const LinkTally& link = *tally;
-    const DelayFigures d = delays_of(link, s);
+    const DelayFigures d = delays_of(link, tick0);
     table.row({link_name(t, key),
                count(link.traffic.datagrams),
                count(link.seqs.missing()),
@@ -122,8 +123,7 @@ std::string links_text(const Tally& t, std::uint16_t session, const SessionTally
       "it.\n"
       "Told: loss as the receiver tells it, in whole per cent, rounded down. Delay: from the begin of the tick of\n"
       "sending, by ";
-  out +=
-      s.tick0().second ? "the session's clock as Pings and Pongs tell it" : "the fastest datagram, which counts as 0";
+  out += by_clock ? "the session's clock as Pings and Pongs tell it" : "the fastest datagram, which counts as 0";
   out +=
       ",\nto the capture. Peers' least: the delay to the receiver, as it tells it. Ack: until an update is "
       "acknowledged.\n";
@@ -182,8 +182,8 @@ double loss_percent(const LinkTally& link) {
   return of == 0 ? 0 : 100.0 * static_cast<double>(link.seqs.missing()) / static_cast<double>(of);
 }
 
-DelayFigures delays_of(const LinkTally& link, const SessionTally& session) {
-  const auto zero = static_cast<double>(session.tick0().first);
+DelayFigures delays_of(const LinkTally& link, std::int64_t tick0) {
+  const auto zero = static_cast<double>(tick0);
   const Delays& d = link.delays;
   return {(d.mean_us() - zero) / 1000, (d.percentile_us(0.5) - zero) / 1000, (d.percentile_us(0.95) - zero) / 1000,
           (static_cast<double>(d.least_us()) - zero) / 1000, d.jitter_us() / 1000};
@@ -193,7 +193,7 @@ std::string summary_text(const Source& source, const Tally& tally) {
   std::string out = contents_text(source, tally);
   for (const auto& [number, session] : tally.sessions()) {
     if (session.states == 0) continue;
-    out += session_text(number, session) + lives_text(tally, number) + links_text(tally, number, session);
+    out += session_text(number, session) + lives_text(tally, number) + links_text(tally, number);
   }
   if (tally.all().datagrams > 0) out += bandwidth_text(tally);
   for (const std::string& t : source.troubles) out += "\nIncomplete: " + t + "\n";

@@ -39,6 +39,7 @@ struct DelayFigures {
 /// Of a link's numbers from the first to the last in the capture, the share that is not in it: lost before it came
 /// there.
 double loss_percent(const LinkTally& link);
-DelayFigures delays_of(const LinkTally& link, const SessionTally& session);
+/// `tick0`: its capture time, us.
+DelayFigures delays_of(const LinkTally& link, std::int64_t tick0);
 
 }  // namespace padr::capture

@@ -27,7 +27,7 @@ void put(Json& j, const LifeKey& key, const LifeTally& who) {
   j.end_object().end_object();
 }
 
-void put(Json& j, const Tally& t, const LinkKey& key, const LinkTally& link, const SessionTally& s) {
+void put(Json& j, const Tally& t, const LinkKey& key, const LinkTally& link, std::int64_t tick0) {
   j.begin_object();
   j.field("from", static_cast<int>(key.from.slot)).field("from_incarnation", key.from.incarnation);
   const PeerId to = t.receiver(key);
@@ -44,7 +44,7 @@ void put(Json& j, const Tally& t, const LinkKey& key, const LinkTally& link, con
   j.field("marks", link.marks).field("updates_resent", link.repeats);
   j.field("gap_mean_ms", link.gaps.mean_us() / 1000).field("gap_p50_ms", link.gaps.percentile_us(0.5) / 1000);
   j.field("gap_p95_ms", link.gaps.percentile_us(0.95) / 1000);
-  const DelayFigures d = delays_of(link, s);
+  const DelayFigures d = delays_of(link, tick0);
   j.field("delay_mean_ms", d.mean_ms).field("delay_p50_ms", d.p50_ms).field("delay_p95_ms", d.p95_ms);
   j.field("delay_least_ms", d.least_ms).field("jitter_ms", d.jitter_ms);
   j.key("receivers_least_delay_ms");
@@ -69,12 +69,13 @@ void put(Json& j, const Tally& t, std::uint16_t number, const SessionTally& s) {
   j.field("scenario", s.scenario).field("authority", s.authority);
   j.field("slots", s.slots).field("peers_at_start", s.wanted);
   j.field("first_tick", s.first_tick).field("last_tick", s.last_tick).field("hashes", s.hashes);
-  j.field("delays_by", s.tick0().second ? "session clock" : "fastest datagram");
+  const auto [tick0, by_clock] = t.tick0(number);
+  j.field("delays_by", by_clock ? "session clock" : "fastest datagram");
   j.key("peers").begin_array();
   for (const auto& [key, who] : t.incarnations())
     if (key.session == number) put(j, key, who);
   j.end_array().key("links").begin_array();
-  for (const auto& [key, link] : links_of(t, number)) put(j, t, key, *link, s);
+  for (const auto& [key, link] : links_of(t, number)) put(j, t, key, *link, tick0);
   j.end_array().end_object();
 }
 

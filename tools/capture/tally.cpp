@@ -15,6 +15,8 @@ constexpr std::size_t kMostLives = 1024;
 constexpr std::size_t kMostLinks = 2048;
 constexpr std::size_t kMostUnacked = 256;
 constexpr std::size_t kMostPings = 65536;
+constexpr std::uint64_t kEnough = 20;         // datagrams, for one of them to have been about as fast as any
+constexpr std::int64_t kClocksDiffer = 5000;  // us: so far apart the session clocks of peers may be
 constexpr std::size_t kEnvelope = wire::kHeaderBytes + wire::kTagBytes;
 
 void keep_greatest(std::optional<std::int64_t>& greatest, std::int64_t v) {
@@ -33,7 +35,7 @@ typename Map::mapped_type* entry(Map& map, const typename Map::key_type& key, st
 }  // namespace
 
 void Traffic::add(const Datagram& d) {
-  const auto size = static_cast<std::uint32_t>(d.payload.size());
+  const auto size = static_cast<std::uint32_t>(d.payload.size() + d.seal_bytes);
   if (datagrams++ == 0) {
     first_ns = last_ns = d.time_ns;
     least_size = size;
@@ -41,15 +43,23 @@ void Traffic::add(const Datagram& d) {
   first_ns = std::min(first_ns, d.time_ns);
   last_ns = std::max(last_ns, d.time_ns);
   bytes += d.wire_bytes;
-  header_bytes += d.wire_bytes - std::min(d.wire_bytes, d.payload.size() + d.seal_bytes);
+  header_bytes += d.wire_bytes - std::min<std::size_t>(d.wire_bytes, size);
   envelope_bytes += std::min(kEnvelope, d.payload.size()) + d.seal_bytes;
   least_size = std::min(least_size, size);
   most_size = std::max(most_size, size);
 }
 
-std::pair<std::int64_t, bool> SessionTally::tick0() const {
-  if (session_us) return {*session_us, true};
-  return {least_us, false};
+// Where the capture is beside who asks, tick 0 seems earlier by the way to whoever answers. But nothing is sooner at
+// its receiver than in the capture, so the delays that receivers tell say by how much.
+std::pair<std::int64_t, bool> Tally::tick0(std::uint16_t session) const {
+  const SessionTally& s = sessions_.at(session);
+  if (!s.session_us) return {s.least_us, false};
+  std::int64_t late = 0;
+  for (const auto& [key, link] : links_) {
+    if (key.from.session != session || !link.transit || link.delays.count() < kEnough) continue;
+    late = std::max(late, link.delays.least_us() - *s.session_us - std::int64_t{100} * *link.transit);
+  }
+  return {*s.session_us + (late > kClocksDiffer ? late : 0), true};
 }
 
 PeerId Tally::receiver(const LinkKey& link) const {

@@ -36,7 +36,7 @@ struct Traffic {
   std::uint64_t other_bytes = 0;     ///< payload of session and membership datagrams
   std::int64_t first_ns = 0;         ///< least time; captures need not be in order
   std::int64_t last_ns = 0;          ///< greatest
-  std::uint32_t least_size = 0;      ///< of the UDP payload
+  std::uint32_t least_size = 0;      ///< of the UDP payload, the seal included
   std::uint32_t most_size = 0;
   double seconds() const { return static_cast<double>(last_ns - first_ns) / 1e9; }
   void add(const Datagram& d);
@@ -84,13 +84,10 @@ struct SessionTally {
   std::uint32_t first_tick = 0;
   std::uint32_t last_tick = 0;
   /// Capture time of a Ping less the session time in its Pong, the greatest: as if the way from the capture to whoever
-  /// answers took no time, which on one machine is so.
+  /// answers took no time. Tally::tick0 mends that.
   std::optional<std::int64_t> session_us;
   std::int64_t least_us = 0;  ///< capture time less tick time, least of all state datagrams
   std::uint64_t hashes = 0;   ///< told
-  /// Capture time of tick 0, us, and whether that is known from Pings and Pongs; otherwise the fastest datagram counts
-  /// as having taken no time.
-  std::pair<std::int64_t, bool> tick0() const;
 };
 
 /// Counts what a capture holds, datagram by datagram, in memory that does not grow with it.
@@ -109,6 +106,9 @@ class Tally {
   const std::map<std::string, std::uint64_t>& dropped() const { return dropped_; }
   /// Lives and links beyond what is kept apart; their datagrams count in the sums alone.
   std::uint64_t beyond() const { return beyond_; }
+  /// Capture time of tick 0 of a session in `sessions`, us, and whether that is known from Pings and Pongs; otherwise
+  /// the fastest datagram counts as having taken no time.
+  std::pair<std::int64_t, bool> tick0(std::uint16_t session) const;
   /// Who sits at the other end of a link; 255 if it never spoke.
   PeerId receiver(const LinkKey& link) const;
 
