@@ -51,10 +51,10 @@ inline std::string text_of(std::span<const std::byte> bytes) {
   return s;
 }
 
-inline Data udp(const std::string& payload) {
+inline Data udp(const std::string& payload, std::uint32_t from = 4001, std::uint32_t to = 4002) {
   return Maker()
-      .u16(4001)
-      .u16(4002)
+      .u16(from)
+      .u16(to)
       .u16(static_cast<std::uint32_t>(8 + payload.size()))
       .u16(0)
       .add(bytes_of(payload))

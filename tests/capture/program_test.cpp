@@ -1,6 +1,7 @@
 #include "common/model/ids.h"
 #include "common/wire/codec.h"
 #include "common/wire/seal.h"
+#include "common/wire/sealed.h"
 #include "tests/capture/made.h"
 #include "tests/shell.h"
 
@@ -101,6 +102,65 @@ TEST_F(Program, SeveralCapturesCountADatagramOnce) {
   EXPECT_EQ(seqs, (std::vector<std::string>{"1", "2", "2", "3"}));
   EXPECT_NE(capture("summary a.pcap b.pcap").out.find("4 datagrams of PADR"), std::string::npos);
   EXPECT_NE(capture("summary a.pcap b.pcap").out.find("2 seen in another file, too"), std::string::npos);
+}
+
+/// In JSON, so often.
+std::size_t count_of(const std::string& text, const std::string& what) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + what.size())) ++n;
+  return n;
+}
+
+// Peer 1 has 4001, peer 2 has 4002, and each sees the other one behind a NAT. Once, everything counted twice.
+TEST_F(Program, ADatagramThatANatGivesAnotherAddressCountsOnce) {
+  const auto from = [](PeerId sender, std::uint32_t seq, std::uint32_t source, std::uint32_t target) {
+    sync::StatePacket p;
+    p.seq = seq;
+    p.mark_tick = 60;
+    const wire::Bytes sealed = wire::seal({wire::Kind::kState, sender, 5}, wire::encode(p));
+    Data frame = ethernet(ipv4(udp(text_of(sealed), source, target)));
+    frame[14 + 19] = std::byte{1};  // all on one machine
+    return frame;
+  };
+  write("1.pcap", pcap({}, {from(1, 1, 4001, 6001), from(2, 1, 6001, 4001), from(1, 2, 4001, 6001)}));
+  write("2.pcap", pcap({}, {from(1, 1, 6002, 4002), from(2, 1, 4002, 6002), from(1, 2, 6002, 4002)}));
+  const Outcome o = capture("summary 1.pcap 2.pcap");
+  EXPECT_NE(o.out.find("6 packets, 3 datagrams of PADR in 2.0 s, 3 seen in another file"), std::string::npos) << o.out;
+  EXPECT_EQ(count_of(o.out, "\n  1 -> 2 "), 1U) << o.out;
+  EXPECT_EQ(count_of(o.out, "\n  2 -> 1 "), 1U) << o.out;
+}
+
+/// Peer 1, id 0x11, on 4001, speaks to peer 2, id 0x22, on 4002 through one on 4009. A carrier has an id of its own.
+Data hop(std::uint32_t seq, bool second, std::uint32_t number) {
+  const wire::Key key{};
+  sync::StatePacket p;
+  p.seq = seq;
+  p.mark_tick = 60;
+  p.to_incarnation = 9;
+  const wire::Bytes inner =
+      wire::seal_with(key, wire::SealMode::kAuth, 0x11, seq, wire::seal({wire::Kind::kState, 1, 5}, wire::encode(p)));
+  wire::Bytes whole;
+  wire::encode_carried({0x22, inner}, whole);
+  whole = wire::seal_with(key, wire::SealMode::kAuth, second ? 0x33 : 0x11, number, whole);
+  return ethernet(ipv4(udp(text_of(whole), second ? 4009 : 4001, second ? 4002 : 4009)));
+}
+
+// Once, each hop counted as a datagram, the second as a duplicate, and addresses were not those of the frame.
+TEST_F(Program, WhatIsCarriedCountsOnceAndHasTheAddressesOfItsHops) {
+  write("lo.pcap",
+        pcap({}, {hop(1, false, 101), hop(1, true, 501), hop(2, false, 102), hop(2, true, 502), hop(2, true, 502)}));
+  const std::string out = capture("summary lo.pcap --json -").out;
+  const std::size_t links = out.find("\"links\"");
+  ASSERT_NE(links, std::string::npos) << out;
+  EXPECT_NE(out.find("\"datagrams\": 3,", links), std::string::npos) << "one was doubled on the second hop\n" << out;
+  EXPECT_NE(out.find("\"duplicates\": 1,", links), std::string::npos) << out;
+  EXPECT_NE(out.find("\"carried\": 5,"), std::string::npos) << out;
+
+  EXPECT_NE(capture("follow - <lo.pcap").out.find("carried, peer 1 -> 192.0.2.2:4009"), std::string::npos);
+  const std::string lines = capture("export lo.pcap --json").out;
+  EXPECT_EQ(count_of(lines, "\"udp.srcport\":4001,\"udp.dstport\":4009,"), 2U) << lines;
+  EXPECT_EQ(count_of(lines, "\"udp.srcport\":4009,\"udp.dstport\":4002,"), 3U) << lines;
+  EXPECT_EQ(count_of(lines, "\"padr.carried.to\":\"00000022\""), 5U) << lines;
 }
 
 // A demo beside a crowd, on the loopback device.

@@ -285,12 +285,14 @@ TEST(Record, EveryFieldHasAPlaceInTheTable) {
   t.say(0, p, 5);
   Datagram d;
   d.payload = t.bytes_;
-  d.from = d.to = padr::ipv4({}, 0);
+  d.from = d.to = d.outer_from = d.outer_to = padr::ipv4({}, 0);
+  d.carried_to = 0xABCDEF01;
   d.time_ns = 1'000'000'007;
   Recorder recorder;
   const Record r = recorder.record(d);
   const std::string json = r.json();
   EXPECT_NE(json.find("\"frame.time_epoch\":\"1.000000007\""), std::string::npos) << json;
+  EXPECT_NE(json.find("\"padr.carried.to\":\"abcdef01\""), std::string::npos) << json;
   EXPECT_NE(json.find("\"padr.cause\":[\"threshold\",\"contact_begin\"]"), std::string::npos) << json;
   EXPECT_NE(json.find("\"padr.check_hash\":\"abcdef01\""), std::string::npos) << json;
   std::size_t names = 0;

@@ -3,6 +3,7 @@
 Usage: history_test.py
 """
 import os
+import struct
 import sys
 import tempfile
 
@@ -36,6 +37,23 @@ def state(peer, to, seq, tick, count, *updates, check=(0, 0), incarnation=0, ses
     return packet
 
 
+def sealed(data, id, number, kind=STATE):
+    """By a sender with this short id, readable."""
+    header = data[:2] + bytes([0x94 | kind]) + data[3:6]
+    return header + struct.pack("<II", id, number) + data[6:-4] + bytes(16)
+
+
+def hop(sender, number, seq):
+    """What peer 1, id 0x11, tells peer 2, id 0x22, as the one with the id `sender` sends it: itself, or who carries it."""
+    def packet(script):
+        data = datagram(STATE, column(1, (seq, 10 * seq, 0, 0, 0, 0, 0, 0)), 1, session=10 * script + 1)
+        inner = sealed(data, 0x11, seq)
+        whole = sealed(data[:6] + struct.pack("<I", 0x22) + inner + data[-4:], sender, number, kind=3)
+        return pcap.udp(whole, 45000, 45000, (10, 0, script, sender), (10, 0, script, 9))
+
+    return packet
+
+
 def damaged(packet):
     """The same with another last byte, which is one of the tag's."""
     return lambda script: packet(script)[:-1] + bytes([packet(script)[-1] ^ 1])
@@ -51,6 +69,8 @@ SCRIPTS = {
     "late": ([state(0, 1, 1, 10, 0), state(0, 1, 3, 13, 0), state(0, 1, 2, 12, 0)],
              {(2, "padr.lost"): "1", (3, "padr.stale_mark"): "13"}),
     "twice": ([state(0, 1, 1, 10, 1, claim(3, 1))] * 2, {(2, "padr.duplicate"): "1"}),
+    "carried, each hop is no duplicate of the other": (
+        [hop(0x11, 1, 1), hop(0x33, 1, 1), hop(0x11, 2, 2), hop(0x33, 2, 2), hop(0x33, 2, 2)], {(5, "padr.duplicate"): "4"}),
     "another life begins anew": ([state(0, 1, 9, 90, 0), state(0, 1, 1, 95, 0, incarnation=4)], {}),
     "another session begins anew": ([state(0, 1, 9, 90, 0), state(0, 1, 1, 5, 0, session=2)], {}),
     "another hash of the same tick": (

@@ -100,6 +100,7 @@ void Comparison::add_trace(const std::string& file) {
 }
 
 void Comparison::add(const Datagram& d) {
+  if (d.second_hop) return;
   if (d.cut) {
     ++cut_;
     ++cut_on_[{d.from, d.to}];

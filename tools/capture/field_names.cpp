@@ -21,6 +21,7 @@ constexpr FieldName kNames[] = {
     {"padr.peer", false},
     {"padr.to", false},
     {"padr.session", false},
+    {"padr.carried.to", false},
     {"padr.tag", false},
     {"padr.tag_good", false},
     {"padr.drop", false},

@@ -18,6 +18,7 @@ namespace {
 /// So far apart, by the clocks of those who captured, may sightings of one datagram be.
 constexpr std::int64_t kApart = 10'000'000'000;
 constexpr std::size_t kMostSightings = 1U << 20U;
+constexpr std::size_t kMostPlaces = 1U << 16U;  ///< more than any session has, so that forgers cannot fill the memory
 
 /// A file descriptor of one's own.
 class Descriptor {
@@ -58,16 +59,15 @@ bool is_ours(std::span<const std::byte> payload) {
   return wire::open(payload, error) || error == wire::SealError::kVersion || error == wire::SealError::kKind;
 }
 
-std::uint64_t hash_of(const Datagram& d) {
-  const auto text = [](std::span<const std::byte> b) {
-    return std::string_view(reinterpret_cast<const char*>(b.data()), b.size());
-  };
-  std::uint64_t h = std::hash<std::string_view>()(text(d.payload));
-  for (const Endpoint* e : {&d.from, &d.to}) {
-    h = h * 0x9FB21C651E98DF25ULL + std::hash<std::string_view>()(text(std::as_bytes(std::span(e->address))));
-    h = h * 0x9FB21C651E98DF25ULL + e->port;
-  }
-  return h;
+std::uint64_t hash_of(std::span<const std::byte> b) {
+  return std::hash<std::string_view>()({reinterpret_cast<const char*>(b.data()), b.size()});
+}
+
+/// Of a peer of which no address is known.
+Endpoint nowhere(std::uint32_t id) {
+  Endpoint e;
+  for (std::size_t i = 0; i < 4; ++i) e.key[i] = static_cast<std::uint8_t>(id >> 8U * i & 0xFFU);
+  return e;
 }
 
 }  // namespace
@@ -93,7 +93,11 @@ struct Captures::File {
   FrameReader reader;
   std::size_t index;
   Datagram datagram;
-  wire::Bytes unsealed;  ///< that the datagram is in, if it came sealed
+  std::span<const std::byte> whole;        ///< the UDP payload in the frame
+  wire::Bytes unsealed;                    ///< that the datagram is in, if it came sealed
+  std::optional<std::uint32_t> sealed_by;  ///< short id of who sealed the whole, likewise
+  std::uint32_t id = 0;                    ///< of whose it is: of another one if it is carried on its second hop
+  std::uint64_t inner = 0;                 ///< content of what was carried
   bool begun = false;
   bool done = false;
 };
@@ -112,7 +116,12 @@ bool Captures::advance(File& file) {
     const Content content = udp_of(*frame, d);
     ++contents_.of[static_cast<std::size_t>(content)];
     if (content != Content::kUdp && content != Content::kCutUdp) continue;
+    d.outer_from = d.from;
+    d.outer_to = d.to;
     d.seal_bytes = 0;
+    d.carried_to.reset();
+    file.sealed_by.reset();
+    file.whole = d.payload;
     if (content == Content::kUdp && wire::is_handshake(d.payload)) {
       ++contents_.handshakes;
       continue;
@@ -137,13 +146,11 @@ bool Captures::advance(File& file) {
 
 bool Captures::unseal(File& file) {
   Datagram& d = file.datagram;
-  const std::size_t bytes = d.payload.size();
   auto sealed = *wire::read_sealed(d.payload);
   Keyring::Result result = keys_.read(sealed, d.payload);
-  if (sealed.kind != wire::Kind::kCarried) {
-    places_[sealed.id] = d.from;
-  } else if (result.unsealed) {
-    const auto inner = carried_in(*result.unsealed, d);
+  file.sealed_by = sealed.id;
+  if (sealed.kind == wire::Kind::kCarried && result.unsealed) {
+    const auto inner = carried_in(*result.unsealed, file);
     if (!inner) return false;
     ++contents_.carried;
     sealed = *wire::read_sealed(*inner);
@@ -152,23 +159,47 @@ bool Captures::unseal(File& file) {
   }
   ++contents_.sealed[static_cast<std::size_t>(result.reading)];
   if (!result.unsealed) return false;
+  file.id = sealed.id;
   file.unsealed = std::move(*result.unsealed);
-  d.seal_bytes = bytes - file.unsealed.size();
+  d.seal_bytes = file.whole.size() - file.unsealed.size();
   d.payload = file.unsealed;
   return true;
 }
 
-// It counts as between the two for whom it is carried, as far as the capture has shown where they are.
-std::optional<wire::Bytes> Captures::carried_in(const wire::Bytes& unsealed, Datagram& d) {
+std::optional<wire::Bytes> Captures::carried_in(const wire::Bytes& unsealed, File& file) {
   const auto carried = wire::decode_carried(unsealed);
   const auto inner = carried ? wire::read_sealed(carried->sealed) : std::nullopt;
   if (!inner || inner->kind == wire::Kind::kCarried) {
     ++(carried && wire::is_handshake(carried->sealed) ? contents_.handshakes : contents_.others);
     return std::nullopt;
   }
-  if (const auto from = places_.find(inner->id); from != places_.end()) d.from = from->second;
-  if (const auto to = places_.find(carried->to); to != places_.end()) d.to = to->second;
+  file.datagram.carried_to = carried->to;
+  file.inner = hash_of(carried->sealed);
   return wire::Bytes(carried->sealed.begin(), carried->sealed.end());
+}
+
+Endpoint Captures::same(const Endpoint& address) const {
+  const auto found = same_.find(address);
+  return found == same_.end() ? address : found->second;
+}
+
+Endpoint Captures::place_of(std::uint32_t id, const Endpoint* at) {
+  const Endpoint here = at == nullptr ? nowhere(id) : same(*at);
+  if (places_.size() >= kMostPlaces && !places_.contains(id)) return here;
+  const Endpoint first = places_.try_emplace(id, here).first->second;
+  if (at != nullptr && here != first && same_.size() < kMostPlaces) same_[*at] = first;
+  return first;
+}
+
+void Captures::place(File& file) {
+  Datagram& d = file.datagram;
+  const bool first_hop = file.sealed_by == file.id;
+  if (!file.sealed_by) {
+    d.from = same(d.outer_from);
+  } else {
+    d.from = place_of(file.id, first_hop ? &d.outer_from : nullptr);
+  }
+  d.to = d.carried_to ? place_of(*d.carried_to, first_hop ? nullptr : &d.outer_to) : same(d.outer_to);
 }
 
 const Datagram* Captures::next() {
@@ -186,23 +217,33 @@ const Datagram* Captures::next() {
     std::uint64_t done = 0;
     for (const auto& f : files_) done += f->reader.offset();
     progress_.at(done);
-    if (files_.size() == 1 || !seen_elsewhere(given_->datagram)) break;
+    const Datagram& d = given_->datagram;
+    place(*given_);
+    if (files_.size() == 1 || !seen_elsewhere(hash_of(given_->whole), d.file, d)) break;
     ++contents_.seen_again;
     advance(*given_);
   }
+  Datagram& d = given_->datagram;
+  d.second_hop = d.carried_to && seen_elsewhere(given_->inner, given_->sealed_by.value_or(0), d);
   ++contents_.ours;
-  return &given_->datagram;
+  return &d;
 }
 
-bool Captures::seen_elsewhere(const Datagram& d) {
+// By content alone, as a NAT changes addresses. What differs in nothing else is one datagram of one peer: then its
+// other address is known.
+bool Captures::seen_elsewhere(std::uint64_t content, std::uint64_t place, const Datagram& d) {
   forget(d.time_ns);
-  const std::uint64_t key = hash_of(d);
-  Sighting& s = sightings_[key];
-  if (s.seen.empty()) by_time_.emplace_back(d.time_ns, key);
-  s.time_ns = d.time_ns;
-  auto mine = std::find_if(s.seen.begin(), s.seen.end(), [&d](const auto& e) { return e.first == d.file; });
-  if (mine == s.seen.end()) mine = s.seen.insert(s.seen.end(), {d.file, 0});
-  if (++mine->second <= s.told) return true;
+  Sighting& s = sightings_[content];
+  if (s.seen.empty()) {
+    by_time_.emplace_back(d.time_ns, content);
+    s.from = d.from;
+  }
+  auto mine = std::find_if(s.seen.begin(), s.seen.end(), [place](const auto& e) { return e.first == place; });
+  if (mine == s.seen.end()) mine = s.seen.insert(s.seen.end(), {place, 0});
+  if (++mine->second <= s.told) {
+    if (d.from != s.from && !d.carried_to && same_.size() < kMostPlaces) same_[d.from] = s.from;
+    return true;
+  }
   s.told = mine->second;
   return false;
 }

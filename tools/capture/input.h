@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,13 +17,19 @@
 
 namespace padr::capture {
 
-/// A UDP datagram of a capture that may be one of ours: by its first bytes or its checksum.
+/// A UDP datagram of a capture that may be one of ours: by its first bytes or its checksum. `from` and `to` tell
+/// between whom it counts, by addresses that stay the same: where a peer has several, beside a NAT for instance, by the
+/// first that the captures show, and where they show none, because all is carried, by none with the peer's short id.
 struct Datagram : UdpDatagram {
-  std::int64_t time_ns = 0;    ///< since 1970
-  std::uint64_t packet = 0;    ///< its number in the file
-  std::size_t file = 0;        ///< index of the file
-  bool cut = false;            ///< the capture has not all of it
-  std::size_t seal_bytes = 0;  ///< that `payload` had and has not any more, as it has been unsealed
+  Endpoint outer_from;  ///< as the frame has it: of what is carried, of whoever passes it on
+  Endpoint outer_to;
+  std::optional<std::uint32_t> carried_to;  ///< if it is carried: short id of whom it is for
+  bool second_hop = false;                  ///< it is carried, and its other hop has been given out before
+  std::int64_t time_ns = 0;                 ///< since 1970
+  std::uint64_t packet = 0;                 ///< its number in the file
+  std::size_t file = 0;                     ///< index of the file
+  bool cut = false;                         ///< the capture has not all of it
+  std::size_t seal_bytes = 0;               ///< that `payload` had and has not any more, as it has been unsealed
 };
 
 /// What the files held.
@@ -31,10 +38,10 @@ struct Contents {
   std::array<std::uint64_t, kContents> of{};  ///< by Content
   std::uint64_t others = 0;                   ///< UDP datagrams that are not ours
   std::uint64_t ours = 0;                     ///< that are, each once
-  std::uint64_t seen_again = 0;               ///< that another of the files has too
+  std::uint64_t seen_again = 0;               ///< that another of the files has too, with whatever addresses
   std::uint64_t back = 0;                     ///< ours that are earlier than the one before in their file
   std::array<std::uint64_t, 4> sealed{};      ///< by Keyring::Reading; the last two are not among ours
-  std::uint64_t carried = 0;     ///< sealed ones that a third peer passes on; of those, what is in them counts
+  std::uint64_t carried = 0;     ///< sealed ones that a third peer passes on, each hop; what is in them counts
   std::uint64_t handshakes = 0;  ///< of sessions with a key; not among ours
 };
 
@@ -64,18 +71,25 @@ class Captures {
  private:
   struct File;
   struct Sighting {
-    std::int64_t time_ns = 0;
-    std::uint32_t told = 0;                                   ///< how often it has been given out
-    std::vector<std::pair<std::size_t, std::uint32_t>> seen;  ///< how often, by file
+    Endpoint from;                                              ///< of the first
+    std::uint32_t told = 0;                                     ///< how often it has been given out
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> seen;  ///< how often, by place
   };
   bool advance(File& file);
   bool unseal(File& file);
-  std::optional<wire::Bytes> carried_in(const wire::Bytes& unsealed, Datagram& d);
-  bool seen_elsewhere(const Datagram& d);
+  std::optional<wire::Bytes> carried_in(const wire::Bytes& unsealed, File& file);
+  /// Says between whom it counts, and whether it is the second hop of one.
+  void place(File& file);
+  Endpoint same(const Endpoint& address) const;
+  Endpoint place_of(std::uint32_t id, const Endpoint* at);
+  /// Whether what has this content has been given out as often as it has been seen at this place: in this file, or on
+  /// this hop.
+  bool seen_elsewhere(std::uint64_t content, std::uint64_t place, const Datagram& d);
   void forget(std::int64_t now_ns);
 
   Keyring keys_;
-  std::unordered_map<std::uint32_t, Endpoint> places_;  ///< from where a peer has sent last, by its short id
+  std::unordered_map<std::uint32_t, Endpoint> places_;  ///< of peers, by short id
+  std::map<Endpoint, Endpoint> same_;                   ///< further addresses of peers, and the first of each
   std::vector<std::unique_ptr<File>> files_;
   File* given_ = nullptr;  ///< whose datagram was given out last
   bool begun_ = false;

@@ -105,10 +105,12 @@ Record Recorder::record(const Datagram& d) {
   r.number("frame.number", d.packet);
   const std::string fraction = std::to_string(1'000'000'000 + d.time_ns % 1'000'000'000).substr(1);
   r.text("frame.time_epoch", std::to_string(d.time_ns / 1'000'000'000) + "." + fraction);
-  r.text(d.from.is_v4() ? "ip.src" : "ipv6.src", address_of(d.from));
-  r.text(d.to.is_v4() ? "ip.dst" : "ipv6.dst", address_of(d.to));
-  r.number("udp.srcport", d.from.port);
-  r.number("udp.dstport", d.to.port);
+  const Endpoint& from = d.outer_from;
+  const Endpoint& to = d.outer_to;
+  r.text(from.is_v4() ? "ip.src" : "ipv6.src", address_of(from));
+  r.text(to.is_v4() ? "ip.dst" : "ipv6.dst", address_of(to));
+  r.number("udp.srcport", from.port);
+  r.number("udp.dstport", to.port);
   if (b.size() > 2) {
     r.number("padr.version", byte(2) >> 4U);
     const std::uint32_t kind = byte(2) & 15U;
@@ -116,6 +118,7 @@ Record Recorder::record(const Datagram& d) {
   }
   if (b.size() > 3) r.number("padr.peer", byte(3));
   if (b.size() > 5) r.number("padr.session", byte(4) | byte(5) << 8U);
+  if (d.carried_to) r.hex32("padr.carried.to", *d.carried_to);
   if (d.cut) return r;
   wire::SealError error = wire::SealError::kNone;
   const auto opened = wire::open(b, error);
@@ -127,7 +130,7 @@ Record Recorder::record(const Datagram& d) {
   std::string_view why = name_of(error);
   if (opened) {
     if (opened->header.sender != kNoPeer) who_[d.from] = opened->header.sender;
-    if (const auto to = who_.find(d.to); to != who_.end()) r.number("padr.to", to->second);
+    if (const auto at = who_.find(d.to); at != who_.end()) r.number("padr.to", at->second);
     Record whole = r;
     bool good = false;
     if (opened->header.kind == wire::Kind::kState) good = put_state(whole, *opened, why);

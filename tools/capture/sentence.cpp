@@ -27,7 +27,9 @@ std::string who(const Record& r) {
   const std::string address = first(r, "ip.dst") +
                               (first(r, "ipv6.dst").empty() ? "" : "[" + first(r, "ipv6.dst") + "]") + ":" +
                               first(r, "udp.dstport");
-  return (from == "255" || from.empty() ? "newcomer" : "peer " + from) + " -> " + (to.empty() ? address : to) + ": ";
+  const std::string carried = first(r, "padr.carried.to").empty() ? "" : "carried, ";
+  return carried + (from == "255" || from.empty() ? "newcomer" : "peer " + from) + " -> " +
+         (to.empty() ? address : to) + ": ";
 }
 
 std::string causes(const Record& r) {

@@ -161,8 +161,8 @@ std::string life_name(const Tally& tally, const LifeKey& who) {
 
 std::string link_name(const Tally& tally, const LinkKey& link) {
   const PeerId to = tally.receiver(link);
-  const std::string who =
-      to == kNoPeer ? to_string(link.to) : life_name(tally, {link.from.session, to, link.to_incarnation});
+  const std::string who = to == kNoPeer ? to_string(tally.links().at(link).at)
+                                        : life_name(tally, {link.from.session, to, link.to_incarnation});
   return life_name(tally, link.from) + " -> " + who;
 }
 

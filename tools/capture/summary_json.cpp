@@ -37,7 +37,7 @@ void put(Json& j, const Tally& t, const LinkKey& key, const LinkTally& link, std
   } else {
     j.value(static_cast<int>(to));
   }
-  j.field("to_incarnation", key.to_incarnation).field("to_address", to_string(key.to));
+  j.field("to_incarnation", key.to_incarnation).field("to_address", to_string(link.at));
   put(j, link.traffic);
   j.field("missing", link.seqs.missing()).field("missing_of", link.seqs.span());
   j.field("loss_percent", loss_percent(link)).field("duplicates", link.duplicates).field("reordered", link.reordered);

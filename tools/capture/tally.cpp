@@ -23,6 +23,11 @@ void keep_greatest(std::optional<std::int64_t>& greatest, std::int64_t v) {
   greatest = greatest ? std::max(*greatest, v) : v;
 }
 
+/// Whether a frame's address is that of this peer, and not of one that carries for it, or what a NAT makes of it.
+bool shows(const Datagram& d, const Endpoint& peer, const Endpoint& outer) {
+  return outer == peer || (!peer.is_set() && !d.carried_to);
+}
+
 /// The entry of this key, made if there is none and room for it; null otherwise.
 template <typename Map>
 typename Map::mapped_type* entry(Map& map, const typename Map::key_type& key, std::size_t most) {
@@ -80,6 +85,7 @@ void Tally::take(const Datagram& d) {
     return;
   }
   kinds_[static_cast<std::size_t>(opened->header.kind)].add(d);
+  if (d.second_hop) return second_hop(*opened);
   switch (opened->header.kind) {
     case wire::Kind::kState:
       return state(d, *opened);
@@ -89,6 +95,18 @@ void Tally::take(const Datagram& d) {
       return membership(*opened);
     case wire::Kind::kCarried:
       break;  // never opened
+  }
+}
+
+void Tally::second_hop(const wire::Opened& o) {
+  const bool is_state = o.header.kind == wire::Kind::kState;
+  std::uint64_t updates = 0;
+  if (is_state && wire::scan_state(o.payload, scan_))
+    for (const auto& u : scan_.updates) updates += u.bytes;
+  updates = std::min<std::uint64_t>(updates, o.payload.size());
+  for (Traffic* t : {&all_, &kinds_[static_cast<std::size_t>(o.header.kind)]}) {
+    t->repeat_bytes += updates;
+    (is_state ? t->mark_bytes : t->other_bytes) += o.payload.size() - updates;
   }
 }
 
@@ -114,8 +132,10 @@ void Tally::state(const Datagram& d, const wire::Opened& o) {
   s->last_tick = std::max(s->last_tick, scan_.mark_tick);
   s->least_us = std::min(s->least_us, ahead);
   if (scan_.check_hash != 0) ++s->hashes;
-  if (who->traffic.datagrams == 0 || who->at != d.from) {
-    who->at = d.from;
+  if (who->traffic.datagrams == 0 || shows(d, d.from, d.outer_from)) who->at = d.outer_from;
+  if (link->traffic.datagrams == 0 || shows(d, d.to, d.outer_to)) link->at = d.outer_to;
+  if (who->traffic.datagrams == 0 || who->place != d.from) {
+    who->place = d.from;
     if (who_.size() < 4 * kMostLives) who_[{d.from, from.incarnation}] = from;
   }
   acknowledge(d, from);

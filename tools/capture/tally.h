@@ -43,15 +43,17 @@ struct Traffic {
 };
 
 struct LifeTally {
-  Endpoint at;
-  Traffic traffic;                                     ///< state datagrams, to everybody
-  NumberWindow told;                                   ///< numbers of updates
+  Endpoint at;        ///< as frames have it; of whoever carries its datagrams, if it is not known
+  Endpoint place;     ///< Datagram::from
+  Traffic traffic;    ///< state datagrams, to everybody
+  NumberWindow told;  ///< numbers of updates
   std::array<std::uint64_t, sync::kCauses> updates{};  ///< of entities, by cause, each once
   bool left = false;
 };
 
 /// State datagrams from one incarnation to another.
 struct LinkTally {
+  Endpoint at;  ///< of the receiver, as frames have it; of whoever carries for it, if it is not known
   Traffic traffic;
   NumberWindow seqs;
   std::uint64_t duplicates = 0;
@@ -69,7 +71,7 @@ struct LinkTally {
 
 struct LinkKey {
   LifeKey from;
-  Endpoint to;
+  Endpoint to;  ///< Datagram::to
   std::uint32_t to_incarnation = 0;
   friend auto operator<=>(const LinkKey&, const LinkKey&) = default;
 };
@@ -90,7 +92,8 @@ struct SessionTally {
   std::uint64_t hashes = 0;   ///< told
 };
 
-/// Counts what a capture holds, datagram by datagram, in memory that does not grow with it.
+/// Counts what a capture holds, datagram by datagram, in memory that does not grow with it. The second hop of a
+/// datagram that is carried counts in `all` and `kinds` only.
 class Tally {
  public:
   void take(const Datagram& d);
@@ -113,6 +116,7 @@ class Tally {
   PeerId receiver(const LinkKey& link) const;
 
  private:
+  void second_hop(const wire::Opened& o);
   void state(const Datagram& d, const wire::Opened& o);
   void state_of_life(const Datagram& d, LifeTally& who);
   std::uint64_t state_of_link(const Datagram& d, LinkTally& link);

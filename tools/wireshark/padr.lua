@@ -196,7 +196,7 @@ end
 
 -- What is in a datagram of kind 3 is one more, of whoever has sealed it.
 local dissect
-local function dissect_carried(tvb, pinfo, root, tree, show, readable)
+local function dissect_carried(tvb, pinfo, root, tree, show, readable, outer)
   local to, at = datagram.carried(readable)
   if not to then return show_drop(show, tree, "malformed") end
   show:add(tree, "padr.carried.to", to, tvb(at - 5, 4))
@@ -204,13 +204,13 @@ local function dissect_carried(tvb, pinfo, root, tree, show, readable)
   local inner = readable:sub(at, at + size - 1)
   local envelope = datagram.envelope(inner, size)
   if envelope.seal and envelope.kind ~= datagram.CARRIED or envelope.handshake then
-    dissect(tvb(at - 1, size):tvb(), pinfo, root, inner, envelope, to)
+    dissect(tvb(at - 1, size):tvb(), pinfo, root, inner, envelope, to, outer)
     pinfo.cols.info:prepend("carried, ")
   end
 end
 
--- `carried`: the short id of whom a carried one is for.
-function dissect(tvb, pinfo, root, data, envelope, carried)
+-- `carried`: the short id of whom a carried one is for; `hop`: of who sent what it is in.
+function dissect(tvb, pinfo, root, data, envelope, carried, hop)
   local size = tvb:reported_len()
   local reason, said, detail = datagram.envelope_drop(envelope, size)
   local readable
@@ -224,7 +224,7 @@ function dissect(tvb, pinfo, root, data, envelope, carried)
   local from, to = history.place(pinfo.src, pinfo.src_port), history.place(pinfo.dst, pinfo.dst_port)
   if carried then from, to = "id " .. tostring(envelope.seal_id), "id " .. carried end
   if said and not pinfo.visited and not pinfo.in_error_pkt then
-    history.note(pinfo.number, from, to, envelope, said)
+    history.note(pinfo.number, from, to, envelope, said, hop)
   end
   local found = history.of(pinfo.number)
   found.to = history.receiver(pinfo.number, to)
@@ -246,7 +246,7 @@ function dissect(tvb, pinfo, root, data, envelope, carried)
   elseif carries then
     pinfo.cols.protocol:set("PADR")
     tree:append_text(", carries for another peer")
-    dissect_carried(tvb, pinfo, root, tree, show, readable)
+    dissect_carried(tvb, pinfo, root, tree, show, readable, envelope.seal_id)
     return #data
   elseif said.name == "state" then
     show_state(show, tree, said, found)

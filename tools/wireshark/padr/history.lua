@@ -129,11 +129,19 @@ local function note_claims(found, session, list, frame)
   end)
 end
 
-local function note_link(found, link, state, list, frame)
+-- Whether the number was on the link before. What is carried is so once on each hop, which is no duplicate.
+local function is_again(found, link, seq, frame, hop)
+  local hops = link.seqs[seq] or {}
+  local is_new = next(hops) == nil
+  found.duplicate = hops[hop or 0]
+  hops[hop or 0] = found.duplicate or frame
+  link.seqs[seq] = hops
+  return not is_new
+end
+
+local function note_link(found, link, state, list, frame, hop)
   local seq, tick = state.seq.v, state.mark_tick.v
-  found.duplicate = link.seqs[seq]
-  if found.duplicate then return end
-  link.seqs[seq] = frame
+  if is_again(found, link, seq, frame, hop) then return true end
   if link.seq and seq > link.seq + 1 then found.lost = seq - link.seq - 1 end
   if link.tick and tick <= link.tick then found.stale_mark = link.tick end
   if not link.seq or seq > link.seq then link.seq = seq end
@@ -152,12 +160,12 @@ local function note_check(found, session, state, frame)
   if first.hash ~= hash then found.check_differs = first.frame end
 end
 
-local function note_state(found, envelope, from, to, said, frame)
+local function note_state(found, envelope, from, to, said, frame, hop)
   local state = said.state
   local key = table.concat({ from, to, envelope.session, envelope.peer, state.incarnation.v, state.to_incarnation.v }, " ")
   local link = entry(links, key, function() return { seqs = {}, updates = {} } end)
-  note_link(found, link, state, said.updates, frame)
-  if not found.duplicate then note_claims(found, envelope.session, said.updates, frame) end
+  local again = note_link(found, link, state, said.updates, frame, hop)
+  if not again then note_claims(found, envelope.session, said.updates, frame) end
   note_check(found, envelope.session, state, frame)
 end
 
@@ -173,15 +181,15 @@ local function note_piece(found, envelope, from, to, piece)
   transfer.done, transfer.pieces = true, {}
 end
 
--- Files a datagram that is whole and well formed, once for each frame.
-function history.note(frame, from, to, envelope, said)
+-- Files a datagram that is whole and well formed, once for each frame. `hop`: who sent it, if that is another one's datagram.
+function history.note(frame, from, to, envelope, said, hop)
   if noted[frame] then return end
   local found = { resend = {}, superseded = {} }
   noted[frame] = found
   if envelope.peer ~= 255 then numbers[from] = envelope.peer end
   if said.name == "welcome" then numbers[to] = said.message.peer.v end
   if said.name == "state" then
-    note_state(found, envelope, from, to, said, frame)
+    note_state(found, envelope, from, to, said, frame, hop)
   elseif said.name == "piece" then
     note_piece(found, envelope, from, to, said.message)
   end
