@@ -201,8 +201,8 @@ class Obeying(MonitorCase):
             (m.knob(t, "technique", "avatar-only"), "another rule of authority"),
             (m.netem(t, 0, "delay"), "netem"),
             (m.netem(t, 1, "trace /etc/passwd"), "files can be named on a command line only"),
-            (m.netem(t, 2, "delay 1ms"), "there is no other peer 2"),
-            (m.cut(t, 20, 1), "there is no other peer 20"),
+            (m.netem(t, 2, "delay 1ms"), "there is no other peer 1"),
+            (m.cut(t, 20, 1), "there is no other peer 19"),
             (m.push(t, 60000, 1, 1), "there is none"),
         ):
             answer = m.answer(t, order)

@@ -26,7 +26,7 @@ class OrderDesk {
     ViewerId viewer = 0;
     std::optional<std::uint64_t> id;
     std::string about;
-    std::string doubt;  ///< to be said if all follow it
+    std::string doubt{};  ///< to be said if all follow it
   };
   struct Outcome {
     Ticket ticket;
