@@ -423,7 +423,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   raw.technique.declare(app);
   raw.netem.declare(app);
   app.add_option("--netem-to", raw.netem_to,
-                 "Impairment towards one peer (number or address), in place of --netem; may be repeated")
+                 "Impairment towards one peer, in place of --netem; to an address: of all that goes there; to a\n"
+                 "number: of state datagrams, while the peer has this number; may be repeated")
       ->type_name("WHERE=SPEC")
       ->allow_extra_args(false)
       ->group("Network");
