@@ -37,9 +37,17 @@ TEST_F(FiguresProgram, DataArePictureAndPageAndTheSameBytesAgain) {
 TEST_F(FiguresProgram, ThePageNeedsNothingElse) {
   ASSERT_EQ(figures("--out a --seeds 1 --seconds 3").status, 0);
   const std::string page = read("a/report.html");
-  std::size_t pictures = 0;
-  for (std::size_t at = page.find("<svg"); at != std::string::npos; at = page.find("<svg", at + 1)) ++pictures;
-  EXPECT_EQ(pictures, 7U);
+  const auto count = [&page](const std::string& words) {
+    std::size_t n = 0;
+    for (std::size_t at = page.find(words); at != std::string::npos; at = page.find(words, at + 1)) ++n;
+    return n;
+  };
+  EXPECT_EQ(count("<svg"), 7U);
+  EXPECT_EQ(count("<svg role=\"img\" aria-label=\""), 7U);
+  EXPECT_EQ(count(" id='drift-gpDot'"), 1U);
+  EXPECT_EQ(count(" id='gpDot'"), 0U) << "each drawing has one";
+  EXPECT_EQ(count("<table"), 4U);
+  EXPECT_EQ(count("<div class=\"wide\" tabindex=\"0\"><table"), 4U) << "scrolls by itself in a narrow window";
   for (const char* outside : {"<img", "<script", "<link", "src=", "href=\"http", "url(http", "@import", "<?xml"})
     EXPECT_EQ(page.find(outside), std::string::npos) << outside;
 }

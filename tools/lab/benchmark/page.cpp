@@ -16,12 +16,13 @@ constexpr const char* kHead = R"(<!DOCTYPE html>
   body { font: 16px/1.5 sans-serif; color: #222; max-width: 75rem; margin: 2rem auto; padding: 0 1rem; }
   h1 { font-size: 1.6rem; } h2 { font-size: 1.25rem; margin-top: 2.5rem; border-top: 1px solid #ccc; padding-top: 1rem; }
   img { max-width: 100%; height: auto; }
+  .wide { overflow-x: auto; }
   table { border-collapse: collapse; font-size: 0.85rem; margin: 1rem 0; }
   th, td { padding: 0.15rem 0.6rem; text-align: right; border-bottom: 1px solid #ddd; }
   th:first-child, td:first-child { text-align: left; }
   tr.full { background: #e6f3ee; } td.wins { font-weight: bold; }
   code { background: #f2f2f2; }
-</style></head><body>
+</style></head><body><main>
 )";
 
 std::string escaped(const std::string& text) {
@@ -33,6 +34,8 @@ std::string escaped(const std::string& text) {
       s += "&gt;";
     else if (c == '&')
       s += "&amp;";
+    else if (c == '"')
+      s += "&quot;";
     else
       s += c;
   }
@@ -96,15 +99,17 @@ std::string page(const std::vector<Row>& rows, const compare::Plan& plan, const 
                  const std::string& id) {
   std::string t = beginning(plan, command, id);
   for (const compare::Network& n : plan.networks) {
-    t += "<h2>" + (n.text.empty() ? "unimpaired" : escaped(n.text)) + "</h2>\n<img src=\"" +
-         compare::frontier_name(n.text) + ".svg\" alt=\"mean inconsistency against traffic\">\n<table>\n" + kColumns;
+    const std::string name = n.text.empty() ? "unimpaired" : escaped(n.text);
+    t += "<h2>" + name + "</h2>\n<img src=\"" + compare::frontier_name(n.text) +
+         ".svg\" alt=\"mean inconsistency against traffic: " + name +
+         "\">\n<div class=\"wide\" tabindex=\"0\"><table>\n" + kColumns;
     for (const Row& r : rows)
       if (r.network == n.text) t += line_of(r, rows);
-    t += "</table>\n";
+    t += "</table></div>\n";
     if (const std::string note = compare::little_measured(rows, n.text, plan.setting.ticks); !note.empty())
       t += "<p>" + escaped(note) + "</p>\n";
   }
-  return t + "</body></html>\n";
+  return t + "</main></body></html>\n";
 }
 
 }  // namespace padr::lab::benchmark

@@ -13,6 +13,7 @@ constexpr const char* kStyle = R"(
   body { font: 16px/1.5 sans-serif; color: #222; max-width: 60rem; margin: 2rem auto; padding: 0 1rem; }
   h1 { font-size: 1.6rem; } h2 { font-size: 1.25rem; margin-top: 2.5rem; border-top: 1px solid #ccc; padding-top: 1rem; }
   svg { max-width: 100%; height: auto; }
+  .wide { overflow-x: auto; }
   table { border-collapse: collapse; font-size: 0.9rem; margin: 1rem 0; }
   th, td { padding: 0.25rem 0.6rem; text-align: right; border-bottom: 1px solid #ddd; vertical-align: top; }
   th:first-child, td:first-child { text-align: left; }
@@ -32,11 +33,23 @@ std::string escaped(const std::string& text) {
       s += "&gt;";
     } else if (c == '&') {
       s += "&amp;";
+    } else if (c == '"') {
+      s += "&quot;";
     } else {
       s += c;
     }
   }
   return s;
+}
+
+/// All drawings name their parts alike, and in one page a name may be there once.
+std::string with_own_ids(std::string svg, const std::string& name) {
+  for (const std::string_view begin : {" id='", " id=\"", "href='#", "url(#"})
+    for (std::size_t at = 0; (at = svg.find(begin, at)) != std::string::npos;) {
+      at += begin.size();
+      svg.insert(at, name + "-");
+    }
+  return svg;
 }
 
 class Page {
@@ -50,8 +63,8 @@ class Page {
   void add(const std::string& s) { out_ += s + "\n"; }
   void head();
   void claims_of(const std::string& figure);
-  /// One picture in the page, without the lines that only a file of its own has.
-  void picture(const std::string& name);
+  /// One picture in the page, without the lines that only a file of its own has. `title` is for who does not see it.
+  void picture(const std::string& name, const std::string& title);
   /// The first case's at once, the others' on request.
   void pictures_of(const std::string& figure);
   void settings_table();
@@ -70,7 +83,7 @@ class Page {
 void Page::head() {
   add("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">");
   add("<meta name=\"viewport\" content=\"width=device-width\">");
-  add(std::string("<title>The paper's experiments</title>\n<style>") + kStyle + "</style>\n</head>\n<body>");
+  add(std::string("<title>The paper's experiments</title>\n<style>") + kStyle + "</style>\n</head>\n<body>\n<main>");
   add("<h1>The paper's experiments, measured</h1>");
   add("<p>Two peers; the avatar of one is driven, the other rests and watches. Combined inconsistency is the sum over "
       "all entities of the distance between where the watching peer has them and where their authority has them at the "
@@ -95,27 +108,32 @@ void Page::claims_of(const std::string& figure) {
   }
 }
 
-void Page::picture(const std::string& name) {
+void Page::picture(const std::string& name, const std::string& title) {
   if (!pictures_) {
     add("<p class=\"small\">(" + name + " was not drawn)</p>");
     return;
   }
   const std::string svg = shell::read_file("--out", (std::filesystem::path(dir_) / (name + ".svg")).string());
-  const std::size_t begin = svg.find("<svg");
-  add("<figure>" + (begin == std::string::npos ? svg : svg.substr(begin)) + "</figure>");
+  constexpr std::string_view kTag = "<svg";
+  const std::size_t begin = svg.find(kTag);
+  const std::string rest = begin == std::string::npos ? "></svg>" : svg.substr(begin + kTag.size());
+  add("<figure><svg role=\"img\" aria-label=\"" + escaped(title) + "\"" + with_own_ids(rest, name) + "</figure>");
 }
 
 void Page::pictures_of(const std::string& figure) {
-  picture("figure" + figure + "-" + plan_.cases[0].id);
+  const auto add_one = [&](const Case& c) {
+    picture("figure" + figure + "-" + c.id, "Figure " + figure + ": " + c.title);
+  };
+  add_one(plan_.cases[0]);
   for (std::size_t c = 1; c < plan_.cases.size(); ++c) {
     add("<details><summary>" + escaped(plan_.cases[c].title) + "</summary>");
-    picture("figure" + figure + "-" + plan_.cases[c].id);
+    add_one(plan_.cases[c]);
     add("</details>");
   }
 }
 
 void Page::settings_table() {
-  add("<table><tr><th>means of all cases</th><th>input</th><th>combined "
+  add("<div class=\"wide\" tabindex=\"0\"><table><tr><th>means of all cases</th><th>input</th><th>combined "
       "(m)</th><th>avatars</th><th>bodies</th><th>last third</th>"
       "<th>99 % below</th><th>peak</th><th>bodies' peak</th><th>free ticks within threshold</th><th>updates a "
       "minute</th><th>kbit/s</th></tr>");
@@ -140,7 +158,7 @@ void Page::settings_table() {
       title.clear();
     }
   }
-  add("</table><details><summary>The runs of the first case</summary>");
+  add("</table></div><details><summary>The runs of the first case</summary>");
   for (const Setting& s : plan_.settings)
     add("<p class=\"small\"><code>" +
         escaped(run_command(plan_.cases[0], s, plan_.scenario, plan_.netem_text, plan_.ticks)) + "</code></p>");
@@ -148,7 +166,7 @@ void Page::settings_table() {
 }
 
 void Page::causes_table() {
-  std::string head = "<table><tr><th>updates a minute by cause</th>";
+  std::string head = "<div class=\"wide\" tabindex=\"0\"><table><tr><th>updates a minute by cause</th>";
   for (const std::string_view cause : sync::kCauseNames) {
     std::string name(cause);
     for (char& c : name)
@@ -166,11 +184,12 @@ void Page::causes_table() {
     }
     add(row + "</tr>");
   }
-  add("</table>");
+  add("</table></div>");
 }
 
 void Page::predictors_table() {
-  add("<table><tr><th>predictor</th><th>warnings</th><th>came true</th><th>did not</th><th>contacts</th>"
+  add("<div class=\"wide\" tabindex=\"0\"><table><tr><th>predictor</th><th>warnings</th><th>came true</th><th>did "
+      "not</th><th>contacts</th>"
       "<th>foreseen</th><th>by (s)</th><th>free time under warning</th><th>updates a minute</th></tr>");
   for (const char* predictor : kPredictors) {
     const PredictionScore s = score_of(plan_, results_, adaptive_id(predictor));
@@ -181,11 +200,11 @@ void Page::predictors_table() {
         fixed(s.lead_s(), 2) + "</td><td>" + percent(s.warned_share()) + "</td><td>" +
         fixed(mean_of(over_cases(plan_, results_, adaptive_id(predictor), updates)), 0) + "</td></tr>");
   }
-  add("</table>");
+  add("</table></div>");
 }
 
 void Page::cases_table() {
-  std::string head = "<table><tr><th>peak, m (updates a minute)</th>";
+  std::string head = "<div class=\"wide\" tabindex=\"0\"><table><tr><th>peak, m (updates a minute)</th>";
   for (const Case& c : plan_.cases) head += "<th>" + escaped(c.title) + "</th>";
   add(head + "</tr>");
   for (std::size_t k = 0; k < plan_.settings.size(); ++k) {
@@ -194,14 +213,14 @@ void Page::cases_table() {
       row += "<td>" + fixed(of_case[k].combined.peak_m, 2) + " (" + fixed(of_case[k].updates_per_min, 0) + ")</td>";
     add(row + "</tr>");
   }
-  add("</table>");
+  add("</table></div>");
 }
 
 std::string Page::text() {
   head();
   add("<h2>Everything at a glance</h2>");
-  picture("drift");
-  picture("peaks");
+  picture("drift", "Mean of all cases, and their range");
+  picture("peaks", "What peaks cost: means of all cases");
   settings_table();
   add("<h2>Figure 6: the path</h2><p>Where the avatar went, among the bodies as they stood at the start and at the "
       "end; a dot is where it begins to touch a body.</p>");
@@ -225,9 +244,9 @@ std::string Page::text() {
       " ticks of the look-ahead after it. A contact counts if there was none for 0.25 s before; it was foreseen if a "
       "warning stood at the tick before. pcc predicts a cost in metres rather than a contact, so that contacts that "
       "cost nothing are none of its business.</p>");
-  picture("prediction");
+  picture("prediction", "Predictions of contacts, all cases");
   predictors_table();
-  return out_ + "</body>\n</html>\n";
+  return out_ + "</main>\n</body>\n</html>\n";
 }
 
 }  // namespace
