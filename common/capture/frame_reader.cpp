@@ -24,10 +24,14 @@ bool FrameReader::recognise() {
     return true;
   }
   // The traces of padr-peer --trace lie beside its captures.
-  constexpr std::string_view kTrace = "PADR";
-  if (std::equal(head.begin(), head.end(), kTrace.begin(), kTrace.end(),
-                 [](std::byte b, char c) { return std::to_integer<char>(b) == c; }))
-    throw UserError(label_ + ": not a capture but a trace; padr-report reads it");
+  const auto begins_with = [head](std::string_view text) {
+    return head.size() >= text.size() &&
+           std::equal(text.begin(), text.end(), head.begin(), [](char c, std::byte b) { return std::byte(c) == b; });
+  };
+  if (begins_with("PADR")) throw UserError(label_ + ": not a capture but a trace; padr-report reads it");
+  if (begins_with("\x1F\x8B"))
+    throw UserError(label_ + ": not a capture but gzip: zcat " + label_ + " | padr-capture ... -");
+  if (begins_with("padr")) throw UserError(label_ + ": not a capture; it looks like a key log: --keylog " + label_);
   throw UserError(label_ + ": not a capture: neither pcap nor pcapng begins with these bytes");
 }
 
@@ -48,6 +52,7 @@ std::string FrameReader::trouble() const {
       label_ + ": packet " + std::to_string(packets_ + 1) + " at byte " + std::to_string(queue_.offset()) + ": ";
   if (stop() == Stop::kDamaged) return where + format_->damage();
   if (offset() == 0 && !format_) return label_ + ": the file is empty or ends after a few bytes";
+  if (offset() == 0) return label_ + ": the file ends in its own header";
   return where + "the file ends in its midst";
 }
 

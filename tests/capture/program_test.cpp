@@ -38,9 +38,15 @@ TEST_F(Program, SaysWhatIsWrongWithTheCommandLine) {
            {"rebuild x --wait-peers " + std::to_string(kMaxPeers + 1), "--wait-peers"},
            {"rebuild x --csv x", "CAPTURE and --csv: both name the file 'x'"},
            {"rebuild x --csv - --svg -", "--csv and --svg: only one of them can be printed"},
-           {"compare x", "none of these is one: 'x'"}}) {
+           {"compare x", "none of these is one: 'x'"},
+           {"compare x nothing.trace", "cannot read 'nothing.trace': No such file or directory"},
+           {"summary x.gz", "x.gz: not a capture but gzip: zcat x.gz | padr-capture ... -"},
+           {"summary x --keylog 0.keys 1.keys", "1.keys: not a capture; it looks like a key log: --keylog 1.keys"}}) {
     Shell::write("x", "");
     Shell::write("peer.trace", "PADRTRC and more");
+    Shell::write("x.gz", "\x1F\x8B\x08 and more");
+    Shell::write("0.keys", "");
+    Shell::write("1.keys", "padr-key 12");
     const Outcome o = capture(arguments);
     EXPECT_EQ(o.status, 2) << arguments;
     EXPECT_NE(o.err.find(line), std::string::npos) << arguments << ": " << o.err;
@@ -73,6 +79,26 @@ TEST_F(Program, WhatIsCutIsMarkedAsSuch) {
   EXPECT_NE(o.out.find("Incomplete: cut.pcap: packet 2 at byte"), std::string::npos) << o.out;
   EXPECT_NE(o.err.find("padr-capture: incomplete: cut.pcap: packet 2"), std::string::npos) << o.err;
   EXPECT_NE(capture("summary cut.pcap --json -").out.find("\"complete\": false"), std::string::npos);
+}
+
+// Once, there was no word of it but in the first line of summary.
+TEST_F(Program, SaysWhyNothingCanBeRead) {
+  write("snap.pcap", pcap({}, {state(1), state(2)}, 54));
+  const std::string cut =
+      "padr-capture: snap.pcap: 2 of 2 packets are cut off by the capture (snaplen); capture with -s 0\n";
+  write("wifi.pcap", pcap({.link = 105}, {state(1)}));
+  const std::string link = "padr-capture: wifi.pcap: 1 of 1 packets are of a link type that is not understood\n";
+  for (const std::string command : {"summary", "timeline", "rebuild", "export --json"}) {
+    const int status = command == "timeline" || command == "rebuild" ? 2 : 0;
+    for (const auto& [file, line] : {std::pair{"snap.pcap", cut}, std::pair{"wifi.pcap", link}}) {
+      const Outcome o = capture(command + " " + file);
+      EXPECT_TRUE(o.err.starts_with(line)) << command << ": " << o.err;
+      EXPECT_EQ(o.status, status) << command;
+    }
+  }
+  Shell::write("ten.pcap", text_of(pcap({}, {})).substr(0, 10));
+  EXPECT_EQ(capture("export ten.pcap --json").err,
+            "padr-capture: incomplete: ten.pcap: the file ends in its own header\n");
 }
 
 // Once, the time from the first packet to the last was -1 s, and every rate 0.

@@ -184,6 +184,8 @@ class Captures(Case):
             capture, keys = self.path(f"{i}.pcapng"), ["--keylog", self.path(f"{i}.keys")]
             self.check_rebuilt(capture, *keys, least=6)
             self.assertTrue(self.as_json("compare", capture, *traces, *keys)["agree"])
+        # The founder's keys are not those of what it carries, so what peer 2 tells peer 1 cannot be read.
+        self.capture("rebuild", self.path("1.pcapng"), "--keylog", self.path("0.keys"), code=1)
 
     def test_everybody_has_seen_the_same(self):
         tcpdump = Tcpdump(self.path("lo.pcap"))

@@ -20,13 +20,42 @@ void declare_captures(CLI::App& app, std::vector<std::string>& files, std::vecto
   declare_keylogs(app, keylogs);
 }
 
-int warn_unread(const Captures& captures) {
+namespace {
+
+/// So many datagrams were read this way, if that is more than one in ten.
+std::uint64_t many_sealed(const Captures& captures, Keyring::Reading how) {
   const auto& sealed = captures.contents().sealed;
   const auto all = std::accumulate(sealed.begin(), sealed.end(), std::uint64_t{0});
-  // What a command lacks may be in these. A few that are damaged look so, too.
+  const std::uint64_t n = sealed[static_cast<std::size_t>(how)];
+  return 10 * n > all ? n : 0;
+}
+
+void warn_packets(const Captures& captures) {
+  const Contents& c = captures.contents();
+  std::string names;
+  for (const std::string& name : captures.names()) names += (names.empty() ? "" : ", ") + name;
+  const auto warn = [&](std::uint64_t n, const char* what) {
+    if (n > 0)
+      std::fprintf(stderr, "padr-capture: %s: %llu of %llu packets are %s\n", names.c_str(),
+                   static_cast<unsigned long long>(n), static_cast<unsigned long long>(c.packets), what);
+  };
+  const auto of = [&c](Content k) { return c.of[static_cast<std::size_t>(k)]; };
+  warn(of(Content::kCutUdp) + of(Content::kCutHeaders), "cut off by the capture (snaplen); capture with -s 0");
+  warn(of(Content::kUnknownLink), "of a link type that is not understood");
+}
+
+}  // namespace
+
+std::uint64_t many_sealed_unread(const Captures& captures) {
+  const Contents& c = captures.contents();
+  const std::uint64_t carried = 10 * c.carried_unread > c.carried ? c.carried_unread : 0;
+  return many_sealed(captures, Keyring::Reading::kHidden) + many_sealed(captures, Keyring::Reading::kWrong) + carried;
+}
+
+int warn_unread(const Captures& captures) {
+  warn_packets(captures);
   const auto warn = [&](Keyring::Reading how, const char* what) {
-    const std::uint64_t n = sealed[static_cast<std::size_t>(how)];
-    if (10 * n > all)
+    if (const std::uint64_t n = many_sealed(captures, how); n > 0)
       std::fprintf(stderr, "padr-capture: %llu datagrams %s\n", static_cast<unsigned long long>(n), what);
   };
   warn(Keyring::Reading::kHidden, "are encrypted, and no --keylog has a key for them");

@@ -232,6 +232,7 @@ int run_compare(const CompareOptions& o) {
   if (captures_files.empty()) throw UserError("compare: all of these are traces; give a capture, too");
   if (comparison.traces().empty()) {
     std::string names;
+    for (const std::string& f : captures_files) open_source(f);  // throws if it is missing
     for (const std::string& f : captures_files) names += (names.empty() ? "'" : ", '") + f + "'";
     throw UserError("compare: give a trace of padr-peer --trace, too; none of these is one: " + names);
   }

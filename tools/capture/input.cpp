@@ -102,9 +102,9 @@ struct Captures::File {
   bool done = false;
 };
 
-Captures::Captures(const std::vector<std::string>& files, const std::vector<std::string>& keylogs)
-    : keys_(keylogs), progress_(size_of(files)) {
-  for (const std::string& f : files) files_.push_back(std::make_unique<File>(f, files_.size()));
+Captures::Captures(std::vector<std::string> files, const std::vector<std::string>& keylogs)
+    : names_(std::move(files)), keys_(keylogs), progress_(size_of(names_)) {
+  for (const std::string& f : names_) files_.push_back(std::make_unique<File>(f, files_.size()));
 }
 
 Captures::~Captures() = default;
@@ -155,7 +155,10 @@ bool Captures::unseal(File& file) {
     ++contents_.carried;
     sealed = *wire::read_sealed(*inner);
     result = keys_.read(sealed, *inner);
-    if (!result.unsealed) return false;  // the carrier's capture: it has no key for it
+    if (!result.unsealed) {  // the carrier's capture, say: it has no key for it
+      ++contents_.carried_unread;
+      return false;
+    }
   }
   ++contents_.sealed[static_cast<std::size_t>(result.reading)];
   if (!result.unsealed) return false;

@@ -41,8 +41,9 @@ struct Contents {
   std::uint64_t seen_again = 0;               ///< that another of the files has too, with whatever addresses
   std::uint64_t back = 0;                     ///< ours that are earlier than the one before in their file
   std::array<std::uint64_t, 4> sealed{};      ///< by Keyring::Reading; the last two are not among ours
-  std::uint64_t carried = 0;     ///< sealed ones that a third peer passes on, each hop; what is in them counts
-  std::uint64_t handshakes = 0;  ///< of sessions with a key; not among ours
+  std::uint64_t carried = 0;         ///< sealed ones that a third peer passes on, each hop; what is in them counts
+  std::uint64_t carried_unread = 0;  ///< those of `carried` in which there is what has no key: not in `sealed`
+  std::uint64_t handshakes = 0;      ///< of sessions with a key; not among ours
 };
 
 /// The captures of one session, as one: by time, and what several of them have seen counts once. Two equal datagrams
@@ -52,13 +53,14 @@ class Captures {
  public:
   /// `files`: "-" is standard input. Shows progress on long files if standard error is a terminal. What is sealed comes
   /// out unsealed, checked and decrypted with the keys in `keylogs`. Throws UserError.
-  explicit Captures(const std::vector<std::string>& files, const std::vector<std::string>& keylogs = {});
+  explicit Captures(std::vector<std::string> files, const std::vector<std::string>& keylogs = {});
   ~Captures();
 
   /// The next datagram, valid until the next call; nothing at the end.
   const Datagram* next();
 
   const Contents& contents() const { return contents_; }
+  const std::vector<std::string>& names() const { return names_; }
   /// A line for each file that cannot be read to its end.
   std::vector<std::string> troubles() const;
   /// Whether something cannot be read, now or ever.
@@ -87,6 +89,7 @@ class Captures {
   bool seen_elsewhere(std::uint64_t content, std::uint64_t place, const Datagram& d);
   void forget(std::int64_t now_ns);
 
+  std::vector<std::string> names_;
   Keyring keys_;
   std::unordered_map<std::uint32_t, Endpoint> places_;  ///< of peers, by short id
   std::map<Endpoint, Endpoint> same_;                   ///< further addresses of peers, and the first of each

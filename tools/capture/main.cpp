@@ -21,7 +21,8 @@ constexpr const char* kFooter =
     "\n"
     "Exit code: 0 on success; 1 if a capture is damaged or breaks off, or if a comparison fails; 2 if the command "
     "line\n"
-    "is wrong or a file cannot be used. The result of a damaged capture is about its readable part, and says so.";
+    "is wrong, or if a file cannot be used or has no session where the command needs one. The result of a damaged\n"
+    "capture is about its readable part, and says so.";
 
 int capture(int argc, char** argv) {
   using namespace padr;

@@ -19,9 +19,9 @@ constexpr const char* kRebuildFooter =
     "  padr-capture rebuild peer0.pcapng --csv states.csv --svg world.svg\n"
     "  padr-capture rebuild late.pcap --scenario arena --seed 7 --slots 32\n"
     "\n"
-    "Exit code: 0 if all hashes agree; 1 if a hash differs, if updates are missing, if nothing could be rebuilt, or "
-    "if\n"
-    "a capture is damaged; 2 for a wrong command line.";
+    "Exit code: 0 if all hashes agree; 1 if a hash differs, if updates are missing, if nothing could be rebuilt, if a\n"
+    "hash was not reached because datagrams have no key, or if a capture is damaged; 2 for a wrong command line, or a\n"
+    "capture without a session.";
 
 struct RebuildOptions {
   std::vector<std::string> files;
@@ -59,6 +59,11 @@ int run_rebuild(const RebuildOptions& o, const std::vector<std::string>& command
 
   bool good = r.got_anywhere() && r.agreeing() == r.hashes.size();
   for (const Stretch& s : r.stretches) good = good && !s.gap;
+  if (const std::uint64_t n = many_sealed_unread(captures); n > 0 && r.unreached > 0) {
+    std::fprintf(stderr, "padr-capture: rebuild: %llu hashes were not reached, as %llu datagrams could not be read\n",
+                 static_cast<unsigned long long>(r.unreached), static_cast<unsigned long long>(n));
+    good = false;
+  }
   return good ? read : shell::kExitFailure;
 }
 

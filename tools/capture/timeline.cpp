@@ -7,6 +7,8 @@
 
 namespace padr::capture {
 
+constexpr std::size_t kMostJoins = 4096;
+
 const char* const kEventsHelp =
     "  join, welcome, refuse           before a peer is in; refuse has the reason\n"
     "  heard                           the first state datagram of a peer\n"
@@ -17,8 +19,8 @@ const char* const kEventsHelp =
     "  proxy                           a body joins or leaves the chain that the avatar moves\n"
     "  claim, release                  authority over a body; `other` is the last owner\n"
     "  claim_lost                      a claim that loses against another one\n"
-    "  resend                          an update that the link to `other` has carried before\n"
-    "  gap                             datagram numbers that are missing on the link to `other`";
+    "  resend                          an update that the link to `other` has carried before, duplicates aside\n"
+    "  gap                             datagram numbers skipped so far on the link to `other`; some may come later";
 
 void Timeline::take(const Datagram& d) {
   wire::SealError error = wire::SealError::kNone;
@@ -41,12 +43,16 @@ void Timeline::message(Event e, std::uint16_t session, const wire::SessionMessag
   if (const auto* join = std::get_if<wire::Join>(&m)) {
     e.what = "join";
     e.detail = join->scenario;
+    if (joins_.size() < kMostJoins || joins_.contains(join->nonce)) joins_[join->nonce].push_back(std::move(e));
+    return;
   } else if (const auto* welcome = std::get_if<wire::Welcome>(&m)) {
     e.what = "welcome";
     e.other = welcome->peer;
+    session_of_[welcome->nonce] = session;
   } else if (const auto* refuse = std::get_if<wire::Refuse>(&m)) {
     e.what = "refuse";
     e.detail = refuse->reason;
+    session_of_.try_emplace(refuse->nonce, session);
   } else {
     return;
   }
@@ -67,14 +73,15 @@ void Timeline::state(const Datagram& d, std::uint16_t session, const sync::State
   const auto to = who_.find({d.to, p.to_incarnation});
   e.other = to == who_.end() ? -1 : to->second;
   const LinkId link{session, e.by, d.to, p.to_incarnation};
-  std::uint32_t& highest = seqs_[link];
+  if (d.second_hop) return;
+  NumberWindow& seqs = seqs_[link];
+  const std::uint32_t highest = seqs.highest();
   if (highest > 0 && p.seq > highest + 1) {
     all.push_back(e);
     all.back().what = "gap";
     all.back().detail = std::to_string(p.seq - highest - 1);
   }
-  const bool again = p.seq <= highest;
-  highest = std::max(highest, p.seq);
+  const bool again = seqs.add(p.seq) == NumberWindow::Seen::kAgain;
   std::set<std::uint32_t>& carried = sent_[link];
   for (const sync::Bundle& b : p.updates) {
     if (!carried.insert(b.index).second && !again) {
@@ -164,6 +171,12 @@ class Fold {
 
 std::map<std::uint16_t, std::vector<Event>> Timeline::events() const {
   auto all = events_;
+  for (const auto& [nonce, joins] : joins_) {
+    const auto answer = session_of_.find(nonce);
+    std::vector<Event>& events = all[answer == session_of_.end() ? 0 : answer->second];
+    events.insert(events.end(), joins.begin(), joins.end());
+  }
+  for (auto& [session, events] : all) std::ranges::stable_sort(events, {}, &Event::time_ns);
   for (const auto& [session, updates] : updates_) {
     std::vector<const Told*> in_order;
     for (const Told& t : updates) in_order.push_back(&t);

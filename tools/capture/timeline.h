@@ -10,6 +10,7 @@
 #include "common/sync/authority.h"
 #include "common/sync/packet.h"
 #include "common/wire/session_codec.h"
+#include "tools/capture/distribution.h"
 #include "tools/capture/input.h"
 #include "tools/capture/session_log.h"
 
@@ -47,8 +48,10 @@ class Timeline {
   };
   std::map<std::uint16_t, std::vector<Told>> updates_;
   std::set<std::tuple<std::uint16_t, Incarnation, std::uint32_t>> told_;
-  std::map<LinkId, std::set<std::uint32_t>> sent_;  ///< numbers of updates
-  std::map<LinkId, std::uint32_t> seqs_;            ///< highest
+  std::map<std::uint64_t, std::vector<Event>> joins_;  ///< by nonce, as they do not know the session yet
+  std::map<std::uint64_t, std::uint16_t> session_of_;  ///< by nonce, as the answer tells
+  std::map<LinkId, std::set<std::uint32_t>> sent_;     ///< numbers of updates
+  std::map<LinkId, NumberWindow> seqs_;
   std::map<std::pair<Endpoint, std::uint32_t>, PeerId> who_;
   std::set<std::pair<std::uint16_t, Incarnation>> heard_;
 };

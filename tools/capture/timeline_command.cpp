@@ -18,7 +18,7 @@ struct TimelineOptions {
   std::string csv, svg, json;
 };
 
-/// The session's events, with the Joins, which know no session, in their place.
+/// The session's events, with the Joins that nobody has answered if there is no other session.
 std::pair<std::uint16_t, std::vector<Event>> choose(const std::map<std::uint16_t, std::vector<Event>>& all,
                                                     std::optional<int> session) {
   auto found = all.end();

@@ -254,7 +254,7 @@ local LIST = {
   { "padr.superseded.by", "frame", "Loses against" },
   { "padr.stale_mark", "uint32", "Stale mark, after one of tick", "that has gone over this link before" },
   { "padr.duplicate", "frame", "Duplicate of", "the sequence number was on this link before" },
-  { "padr.lost", "uint32", "Missing before this", "sequence numbers left out on this link" },
+  { "padr.lost", "uint32", "Skipped before this", "sequence numbers left out on this link so far; some may come later" },
   { "padr.check_differs", "frame", "Another hash of the same tick" },
 }
 

@@ -95,7 +95,7 @@ function sentence.of(envelope, said, found, reason)
   local from = envelope.peer == datagram.NOBODY and "newcomer" or "peer " .. envelope.peer
   if found.to then from = from .. " → " .. found.to end
   if envelope.handshake then return "handshake: " .. envelope.handshake end
-  if envelope.seal_good == false then return ("%s: its seal is not right"):format(from) end
+  if envelope.seal_good == false then return ("%s: its seal fits no key in the key log"):format(from) end
   if envelope.seal == "encrypt" and not said and not reason then return ("%s: encrypted %s"):format(from, KINDS[envelope.kind]) end
   if not said then
     if reason == "version" then return ("%s: protocol version %d"):format(from, envelope.version) end
