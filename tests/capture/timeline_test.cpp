@@ -108,7 +108,7 @@ TEST(Timeline, AJoinIsOfTheSessionThatAnswersIt) {
     d.payload = bytes;
     timeline.take(d);
   };
-  for (const std::uint16_t session : {77, 78}) {
+  for (const std::uint16_t session : std::initializer_list<std::uint16_t>{77, 78}) {
     wire::Join join;
     join.nonce = session;
     join.scenario = std::to_string(session);
@@ -118,7 +118,7 @@ TEST(Timeline, AJoinIsOfTheSessionThatAnswersIt) {
   }
   const auto sessions = timeline.events();
   EXPECT_FALSE(sessions.contains(0));
-  for (const std::uint16_t session : {77, 78}) {
+  for (const std::uint16_t session : std::initializer_list<std::uint16_t>{77, 78}) {
     std::string joins;
     for (const Event& e : sessions.at(session)) joins += e.what == "join" ? e.detail : "";
     EXPECT_EQ(joins, std::to_string(session));
