@@ -66,7 +66,7 @@ bool would_reach(asio::io_context& io, const Udp::endpoint& target, const Udp::e
 
 Udp::endpoint target_of(asio::io_context& io, const LinkOptions& link) {
   const Udp::endpoint listener = resolve(io, link.listen, nullptr);
-  const Udp::endpoint target = resolve(io, link.target, &listener);
+  Udp::endpoint target = resolve(io, link.target, &listener);
   if (would_reach(io, target, listener))
     throw UserError("--link: \"" + link.listen.text + "=" + link.target.text + "\" would relay to itself");
   return target;
