@@ -27,6 +27,23 @@ std::string csv_field(std::string_view text) {
   return s + "\"";
 }
 
+std::string html_escaped(std::string_view text) {
+  std::string s;
+  for (const char c : text) {
+    if (c == '<')
+      s += "&lt;";
+    else if (c == '>')
+      s += "&gt;";
+    else if (c == '&')
+      s += "&amp;";
+    else if (c == '"')
+      s += "&quot;";
+    else
+      s += c;
+  }
+  return s;
+}
+
 std::string Table::text() const {
   std::vector<std::size_t> widths;
   for (const auto& row : rows_) {

@@ -23,6 +23,9 @@ std::string valid_utf8(std::string_view text);
 /// `text` as a field of a CSV file, in quotes where they are needed (RFC 4180).
 std::string csv_field(std::string_view text);
 
+/// `text` as it stands in HTML, between tags or in a quoted attribute.
+std::string html_escaped(std::string_view text);
+
 /// A table for people: columns of these headings, as wide as need be. The first is flush left, the others flush right.
 class Table {
  public:

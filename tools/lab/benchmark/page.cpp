@@ -3,6 +3,7 @@
 #include <fmt/printf.h>
 
 #include "shell/revision.h"
+#include "shell/text.h"
 
 namespace padr::lab::benchmark {
 namespace {
@@ -25,23 +26,6 @@ constexpr const char* kHead = R"(<!DOCTYPE html>
 </style></head><body><main>
 )";
 
-std::string escaped(const std::string& text) {
-  std::string s;
-  for (const char c : text) {
-    if (c == '<')
-      s += "&lt;";
-    else if (c == '>')
-      s += "&gt;";
-    else if (c == '&')
-      s += "&amp;";
-    else if (c == '"')
-      s += "&quot;";
-    else
-      s += c;
-  }
-  return s;
-}
-
 std::string cell(double v, int digits, const char* look = "") {
   return fmt::sprintf("<td%s>%.*f</td>", look, digits, v);
 }
@@ -51,8 +35,8 @@ std::string line_of(const Row& r, const std::vector<Row>& rows) {
   const auto full = compare::full_for_no_more(r, rows);
   const bool ours = compare::is_budget_of_full(r.who);
   const bool wins = !ours && full && r.mean_m() < *full;
-  std::string t = std::string("<tr") + (ours ? " class=\"full\"" : "") + "><td title=\"" + escaped(r.who.setting()) +
-                  "\">" + escaped(r.who.id) + "</td>";
+  std::string t = std::string("<tr") + (ours ? " class=\"full\"" : "") + "><td title=\"" +
+                  shell::html_escaped(r.who.setting()) + "\">" + shell::html_escaped(r.who.id) + "</td>";
   t += cell(r.kbps(), 1) + cell(r.mean_m(), 3, wins ? " class=\"wins\"" : "");
   t += full ? cell(*full, 3) : "<td>-</td>";
   t += cell(mean([](const Score& s) { return s.hands_mean_m; }), 3);
@@ -78,10 +62,11 @@ std::string beginning(const compare::Plan& plan, const std::string& command, con
   for (const std::string& i : s.inputs) inputs += (inputs.empty() ? "" : ", ") + i;
   std::string t = kHead;
   t += "<h1>padr-lab benchmark " + id + "</h1>\n<p>" +
-       fmt::sprintf("Scenario %s, %d peers, %g s, seeds %u to %u, input %s. ", escaped(s.scenario).c_str(), s.peers,
-                    static_cast<double>(s.ticks) / kTicksPerSecond, static_cast<unsigned>(plan.seeds.front()),
-                    static_cast<unsigned>(plan.seeds.back()), escaped(inputs).c_str());
-  t += "Measured at revision " + escaped(std::string(shell::revision())) + " by <code>" + escaped(command) +
+       fmt::sprintf("Scenario %s, %d peers, %g s, seeds %u to %u, input %s. ", shell::html_escaped(s.scenario).c_str(),
+                    s.peers, static_cast<double>(s.ticks) / kTicksPerSecond, static_cast<unsigned>(plan.seeds.front()),
+                    static_cast<unsigned>(plan.seeds.back()), shell::html_escaped(inputs).c_str());
+  t += "Measured at revision " + shell::html_escaped(std::string(shell::revision())) + " by <code>" +
+       shell::html_escaped(command) +
        "</code>. All figures: <a href=\"results.csv\">results.csv</a> (each run), "
        "<a href=\"results.json\">results.json</a> (means); <a href=\"inputs\">inputs</a>.</p>\n";
   t +=
@@ -99,7 +84,7 @@ std::string page(const std::vector<Row>& rows, const compare::Plan& plan, const 
                  const std::string& id) {
   std::string t = beginning(plan, command, id);
   for (const compare::Network& n : plan.networks) {
-    const std::string name = n.text.empty() ? "unimpaired" : escaped(n.text);
+    const std::string name = n.text.empty() ? "unimpaired" : shell::html_escaped(n.text);
     t += "<h2>" + name + "</h2>\n<img src=\"" + compare::frontier_name(n.text) +
          ".svg\" alt=\"mean inconsistency against traffic: " + name +
          "\">\n<div class=\"wide\" tabindex=\"0\"><table>\n" + kColumns;
@@ -107,7 +92,7 @@ std::string page(const std::vector<Row>& rows, const compare::Plan& plan, const 
       if (r.network == n.text) t += line_of(r, rows);
     t += "</table></div>\n";
     if (const std::string note = compare::little_measured(rows, n.text, plan.setting.ticks); !note.empty())
-      t += "<p>" + escaped(note) + "</p>\n";
+      t += "<p>" + shell::html_escaped(note) + "</p>\n";
   }
   return t + "</main></body></html>\n";
 }

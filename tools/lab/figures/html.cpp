@@ -4,6 +4,7 @@
 
 #include "shell/files.h"
 #include "shell/revision.h"
+#include "shell/text.h"
 #include "tools/lab/figures/words.h"
 
 namespace padr::lab::figures {
@@ -23,24 +24,6 @@ constexpr const char* kStyle = R"(
   .small { color: #555; font-size: 0.85rem; }
   figure { margin: 1rem 0; } details { margin: 0.5rem 0; } summary { cursor: pointer; }
 )";
-
-std::string escaped(const std::string& text) {
-  std::string s;
-  for (const char c : text) {
-    if (c == '<') {
-      s += "&lt;";
-    } else if (c == '>') {
-      s += "&gt;";
-    } else if (c == '&') {
-      s += "&amp;";
-    } else if (c == '"') {
-      s += "&quot;";
-    } else {
-      s += c;
-    }
-  }
-  return s;
-}
 
 /// All drawings name their parts alike, and in one page a name may be there once.
 std::string with_own_ids(std::string svg, const std::string& name) {
@@ -88,23 +71,24 @@ void Page::head() {
   add("<p>Two peers; the avatar of one is driven, the other rests and watches. Combined inconsistency is the sum over "
       "all entities of the distance between where the watching peer has them and where their authority has them at the "
       "same tick; for a body that nobody owns see docs/report.md. Below 5 mm it is noise. Scenario <b>" +
-      escaped(plan_.scenario) + "</b>, " + std::to_string(plan_.cases.size()) + " cases of " +
+      shell::html_escaped(plan_.scenario) + "</b>, " + std::to_string(plan_.cases.size()) + " cases of " +
       fixed(plan_.seconds(), 0) +
-      " s each, network: " + (plan_.netem_text.empty() ? "unimpaired" : escaped(plan_.netem_text)) +
+      " s each, network: " + (plan_.netem_text.empty() ? "unimpaired" : shell::html_escaped(plan_.netem_text)) +
       ". The paper gives no world sizes, masses or constants: ours are our own choice, so shapes can be compared with "
       "its "
       "figures, heights cannot.</p>");
-  add("<p class=\"small\">" + escaped(plan_.command) + "<br>padr-lab " + std::string(shell::version()) + ", revision " +
-      std::string(shell::revision()) + "</p>");
+  add("<p class=\"small\">" + shell::html_escaped(plan_.command) + "<br>padr-lab " + std::string(shell::version()) +
+      ", revision " + std::string(shell::revision()) + "</p>");
 }
 
 void Page::claims_of(const std::string& figure) {
   for (const Claim& c : claims_) {
     if (c.figure != figure) continue;
     const std::string verdict = c.on_average ? "holds on average" : "does not hold on average";
-    add("<div class=\"claim\"><h3>" + verdict + ", and in " + escaped(share_text(c)) +
-        "</h3><div><p><b>The paper.</b> " + escaped(c.says) + "</p></div><div><p><b>Measured.</b> " +
-        escaped(c.measured) + "</p><p class=\"small\">Asked: " + escaped(c.test) + ".</p></div></div>");
+    add("<div class=\"claim\"><h3>" + verdict + ", and in " + shell::html_escaped(share_text(c)) +
+        "</h3><div><p><b>The paper.</b> " + shell::html_escaped(c.says) + "</p></div><div><p><b>Measured.</b> " +
+        shell::html_escaped(c.measured) + "</p><p class=\"small\">Asked: " + shell::html_escaped(c.test) +
+        ".</p></div></div>");
   }
 }
 
@@ -117,7 +101,8 @@ void Page::picture(const std::string& name, const std::string& title) {
   constexpr std::string_view kTag = "<svg";
   const std::size_t begin = svg.find(kTag);
   const std::string rest = begin == std::string::npos ? "></svg>" : svg.substr(begin + kTag.size());
-  add("<figure><svg role=\"img\" aria-label=\"" + escaped(title) + "\"" + with_own_ids(rest, name) + "</figure>");
+  add("<figure><svg role=\"img\" aria-label=\"" + shell::html_escaped(title) + "\"" + with_own_ids(rest, name) +
+      "</figure>");
 }
 
 void Page::pictures_of(const std::string& figure) {
@@ -126,7 +111,7 @@ void Page::pictures_of(const std::string& figure) {
   };
   add_one(plan_.cases[0]);
   for (std::size_t c = 1; c < plan_.cases.size(); ++c) {
-    add("<details><summary>" + escaped(plan_.cases[c].title) + "</summary>");
+    add("<details><summary>" + shell::html_escaped(plan_.cases[c].title) + "</summary>");
     add_one(plan_.cases[c]);
     add("</details>");
   }
@@ -138,13 +123,13 @@ void Page::settings_table() {
       "<th>99 % below</th><th>peak</th><th>bodies' peak</th><th>free ticks within threshold</th><th>updates a "
       "minute</th><th>kbit/s</th></tr>");
   for (const Setting& s : plan_.settings) {
-    std::string title = escaped(s.title);
+    std::string title = shell::html_escaped(s.title);
     for (const std::string& kind : kinds_of(plan_)) {
       const auto cell = [&](double (*number)(const Measures&), int digits) {
         return "<td>" + fixed(mean_of(over_cases(plan_, results_, s.id, number, kind)), digits) + "</td>";
       };
       const auto within = [](const Measures& m) { return m.free_within_share; };
-      add("<tr><td>" + title + "</td><td>" + escaped(kind) + "</td>" +
+      add("<tr><td>" + title + "</td><td>" + shell::html_escaped(kind) + "</td>" +
           cell([](const Measures& m) { return m.combined.mean_m; }, 2) +
           cell([](const Measures& m) { return m.combined.avatar_mean_m; }, 2) +
           cell([](const Measures& m) { return m.combined.body_mean_m; }, 2) +
@@ -161,7 +146,8 @@ void Page::settings_table() {
   add("</table></div><details><summary>The runs of the first case</summary>");
   for (const Setting& s : plan_.settings)
     add("<p class=\"small\"><code>" +
-        escaped(run_command(plan_.cases[0], s, plan_.scenario, plan_.netem_text, plan_.ticks)) + "</code></p>");
+        shell::html_escaped(run_command(plan_.cases[0], s, plan_.scenario, plan_.netem_text, plan_.ticks)) +
+        "</code></p>");
   add("</details>");
 }
 
@@ -176,7 +162,7 @@ void Page::causes_table() {
   add(head + "</tr>");
   const double minutes = plan_.seconds() / 60 * static_cast<double>(plan_.cases.size());
   for (std::size_t k = 0; k < plan_.settings.size(); ++k) {
-    std::string row = "<tr><td>" + escaped(plan_.settings[k].title) + "</td>";
+    std::string row = "<tr><td>" + shell::html_escaped(plan_.settings[k].title) + "</td>";
     for (std::size_t cause = 0; cause < sync::kCauses; ++cause) {
       std::uint64_t sum = 0;
       for (const std::vector<FigureRun>& of_case : results_.runs) sum += of_case[k].updates_by_cause[cause];
@@ -205,10 +191,10 @@ void Page::predictors_table() {
 
 void Page::cases_table() {
   std::string head = "<div class=\"wide\" tabindex=\"0\"><table><tr><th>peak, m (updates a minute)</th>";
-  for (const Case& c : plan_.cases) head += "<th>" + escaped(c.title) + "</th>";
+  for (const Case& c : plan_.cases) head += "<th>" + shell::html_escaped(c.title) + "</th>";
   add(head + "</tr>");
   for (std::size_t k = 0; k < plan_.settings.size(); ++k) {
-    std::string row = "<tr><td>" + escaped(plan_.settings[k].title) + "</td>";
+    std::string row = "<tr><td>" + shell::html_escaped(plan_.settings[k].title) + "</td>";
     for (const std::vector<Measures>& of_case : results_.measures)
       row += "<td>" + fixed(of_case[k].combined.peak_m, 2) + " (" + fixed(of_case[k].updates_per_min, 0) + ")</td>";
     add(row + "</tr>");
