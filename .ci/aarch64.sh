@@ -4,9 +4,11 @@ set -euo pipefail
 
 usage() {
   cat <<'TEXT'
-usage: .ci/aarch64.sh [--help]
+usage: .ci/aarch64.sh [--help] [--mistakes]
 
 Makes build/aarch64/run, a folder with padr-lab, padr-peer, padr-capture and tests for aarch64, each of which runs here.
+
+  --mistakes   the programs seeded_*, too: each has a mistake that the physics fingerprint must show
 
 The arm64 packages that they are compiled and run with are unpacked into padr/arm64 below XDG_CACHE_HOME or ~/.cache; this
 system's own packages stay as they are. Installs what it needs (tools/deps.sh build aarch64 box2d). PADR_SYSROOT in the
@@ -15,9 +17,11 @@ environment names another folder for them.
 Exit: 0 done, 77 not possible here, 1 failed.
 TEXT
 }
+programs=(padr-lab padr-peer padr-capture world_test)
 for arg in "$@"; do
   case $arg in
     --help | -h) usage; exit 0 ;;
+    --mistakes) programs+=(seeded_{right,fused,package,fast,sine,order,variable,memory,char}) ;;
     *) echo "aarch64.sh: unknown argument '$arg' (see --help)" >&2; exit 2 ;;
   esac
 done
@@ -62,7 +66,6 @@ fi
 echo "== building for aarch64"
 export PADR_SYSROOT=$sysroot CCACHE_DEPEND=1 CCACHE_NOHASHDIR=1 CCACHE_BASEDIR=$PWD
 cmake --preset aarch64 >build/aarch64.log 2>&1 || { cat build/aarch64.log >&2; exit 1; }
-programs=(padr-lab padr-peer padr-capture world_test seeded_{right,fused,package,fast,sine,order,variable,memory,char})
 nice cmake --build build/aarch64 --parallel "$jobs" --target "${programs[@]}"
 
 # Variables that nobody has set hold a pattern there (see CMakePresets.json), and so does memory: what reads one before it is

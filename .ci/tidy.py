@@ -2,7 +2,9 @@
 """clang-tidy over a build by clang, several files at once. It remembers the preprocessed text of clean files,
 with comments, and checks only files that have changed since. Prints each finding once; exit status 1 if there are any.
 
-Usage: tidy.py CLANG_TIDY CLANG BUILD_FOLDER JOBS
+Usage: tidy.py CLANG_TIDY CLANG BUILD_FOLDER JOBS FOLDER...
+
+FOLDER is one of common, peer and tools; headers of all three are read where a file includes them.
 """
 
 import concurrent.futures
@@ -14,7 +16,6 @@ import shlex
 import subprocess
 import sys
 
-OURS = re.compile(r"/(common|peer|tools)/[^ ]*[.]cpp$")
 HEADERS = "/(common|peer|tools)/[^ ]*[.](h|cpp)$"
 # Files of a unity build include others.
 CHECKS = "-bugprone-suspicious-include"
@@ -68,12 +69,13 @@ def forget(cache, most=4000):
 
 
 def main():
-    tidy, clang, build, jobs = sys.argv[1:]
+    tidy, clang, build, jobs, *folders = sys.argv[1:]
+    ours = re.compile(f"/({'|'.join(folders)})/[^ ]*[.]cpp$")
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
     cache = os.path.join(home, "padr-tidy")
     os.makedirs(cache, exist_ok=True)
     with open(os.path.join(build, "compile_commands.json"), encoding="utf-8") as f:
-        entries = [e for e in json.load(f) if OURS.search(e["file"])]
+        entries = [e for e in json.load(f) if ours.search(e["file"])]
     with open(".clang-tidy", "rb") as f:
         common = f.read() + run([tidy, "--version"]).stdout + (HEADERS + CHECKS).encode()
     if not entries:
