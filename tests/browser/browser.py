@@ -150,6 +150,15 @@ class Browser:
     def script(self, text, *arguments):
         return self.driver.execute_script(text, *arguments)
 
+    def from_now_on(self, expression):
+        """A question whether `expression` has held since, if only for a moment: the page looks, ten times a second. On a busy
+        machine the driver may ask once in seconds."""
+        number = self.script(f"""
+            const number = (window.held ??= []).push(false) - 1;
+            const looking = setInterval(() => {{ if ({expression}) {{ held[number] = true; clearInterval(looking); }} }}, 100);
+            return number;""")
+        return lambda: self.script("return held[arguments[0]]", number)
+
     def module(self, text, *arguments):
         """Runs the body of an async function, which may import the page's modules, and returns what it returns."""
         done = self.driver.execute_async_script(

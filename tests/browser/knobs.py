@@ -166,23 +166,18 @@ class Knobs(Case):
 
     def test_z_a_cut_heals(self):
         b = self.browser
-        # The page itself looks, ten times a second: a cut lasts 5 s, and on a busy machine the driver asks less often.
         seen = "(padr.session.samples.sample(0, 0).world.flags[padr.session.scene.bodies.length + 2] & 1) === 1"
-        b.script(f"""
-            window.was = {{ cut: false, shown: false, gone: false }};
-            window.looking = setInterval(() => {{
-              was.cut ||= padr.session.peer(2).links.some((l) => l.cut);
-              was.shown ||= document.querySelector("#links").textContent.includes("✂");
-              was.gone ||= !({seen});
-            }}, 100)""")
+        cut = b.from_now_on("padr.session.peer(2).links.some((l) => l.cut)")
+        told = b.from_now_on("document.querySelector('#links').textContent.includes('✂')")
+        gone = b.from_now_on(f"!({seen})")
         self.choose("cutPeer", 2)
         b.find("button.cut").click()
-        wait(lambda: b.script("return was.cut"), "the links to be cut")
-        wait(lambda: b.script("return was.shown"), "the table to say so")
+        wait(cut, "the links to be cut")
+        wait(told, "the table to say so")
         b.picture("cut")
         # For the others its avatar is gone after three seconds, and then there again.
-        wait(lambda: b.script("return was.gone"), "peer 2 to be given up")
-        wait(lambda: b.script(f"clearInterval(looking); return {seen}"), "peer 2 to be back", 60)
+        wait(gone, "peer 2 to be given up")
+        wait(lambda: b.script(f"return {seen}"), "peer 2 to be back", 60)
         state = "const p = padr.session.peer(2); return p.state === 'here' && !p.links.some((l) => l.cut) && p.confirmed.state"
         wait(lambda: b.script(state) == "identical", "its world to be the others'")
         b.picture("healed")

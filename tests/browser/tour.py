@@ -34,8 +34,9 @@ class Tour(Case):
             print(f"{b.text('#tour .title')}: combined inconsistency of all views {b.script(inconsistency):.2f} m")
             self.assertEqual(b.text("#tour .status"), "")
             if step == 2:
+                cut = b.from_now_on("padr.session.present().every((p) => p.links.some((l) => l.cut))")
                 b.find("#tour .again").click()
-                wait(lambda: b.script("return padr.session.present().every((p) => p.links.some((l) => l.cut))"), "the links to be cut")
+                wait(cut, "the links to be cut")
                 wait(lambda: b.script("return padr.session.present().every((p) => p.links.every((l) => !l.cut))"), "the links to heal")
             if not b.script("return document.querySelector('#tour .half').hidden"):
                 b.find("#tour .half").click()
