@@ -163,9 +163,13 @@ TEST(Crowd, NoBodyIsLostOrDoubledUnderLossWhateverIsPushedWhere) {
 // 20: who had come in was taken for who had sat in another's slot before, and declared gone. 22: two who each had
 // changed their mind left a region to one another. 30: two coordinators gave out one slot. (These with a lab that told
 // who is where.) 65: who kept a region left it to another one in the time between what each of them said.
-TEST(Crowd, NorWithSeedsThatHaveFailed) {
-  for (const std::uint64_t seed : {20U, 22U, 30U, 65U}) push_about(seed, "10%");
+class CrowdSeeds : public testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(CrowdSeeds, ThatHaveFailedOnce) {
+  push_about(GetParam(), "10%");
 }
+
+INSTANTIATE_TEST_SUITE_P(Each, CrowdSeeds, testing::Values(20, 22, 30, 65), testing::PrintToStringParamName());
 
 TEST(Crowd, ARegionThatAllHaveLeftIsKeptAsItWas) {
   CrowdRunConfig c = config(1, "delay 20ms");

@@ -1,6 +1,7 @@
 #include "tools/capture/rebuild.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "common/sync/state_hash.h"
 #include "common/wire/transfer_codec.h"
@@ -42,7 +43,10 @@ class Rebuilder {
       fold.restore(next->second.state);
       reached = follow(later, fold, {next->first, true, 0, "", false});
     }
-    out_.unreached = session_log_.checks.size() - compared_;
+    if (!out_.stretches.empty())
+      out_.before =
+          static_cast<std::uint64_t>(std::distance(checks_.begin(), checks_.lower_bound(out_.stretches.front().from)));
+    out_.unreached = session_log_.checks.size() - compared_ - out_.before;
     return std::move(out_);
   }
 

@@ -38,6 +38,7 @@ struct Rebuilt {
   };
   std::vector<Stretch> stretches;
   std::vector<Hash> hashes;         ///< those of ticks that were reached
+  std::uint64_t before = 0;         ///< hashes told of ticks before the first stretch
   std::uint64_t unreached = 0;      ///< hashes told of others
   std::uint64_t given_up = 0;       ///< hashes told by a side that a partition left behind, not compared
   std::uint64_t unbelievable = 0;   ///< updates that no receiver takes

@@ -43,6 +43,7 @@ std::string rebuilt_text(const Setting& setting, const SessionLog& session_log, 
   const auto add = [&out](std::uint64_t n, const std::string& what) {
     if (n > 0) out += std::to_string(n) + " " + what + "\n";
   };
+  add(r.before, "hashes told of ticks before the transfer that it begins with");
   add(r.unreached, "hashes told of ticks that could not be rebuilt");
   add(r.given_up, "hashes told by peers of a side that was given up, not compared");
   add(r.unbelievable, "updates that no peer would believe");
@@ -63,8 +64,8 @@ std::string rebuilt_json(const Setting& setting, const SessionLog& session_log, 
     j.field("to", s.to).field("why", s.why).field("gap", s.gap).end_object();
   }
   j.end_array().field("last_tick", last_tick(r)).field("confirmed_hash", shell::hex(last_hash));
-  j.field("hashes", r.hashes.size()).field("agreeing", r.agreeing()).field("unreached", r.unreached);
-  j.field("given_up", r.given_up).field("unbelievable_updates", r.unbelievable);
+  j.field("hashes", r.hashes.size()).field("agreeing", r.agreeing()).field("before", r.before);
+  j.field("unreached", r.unreached).field("given_up", r.given_up).field("unbelievable_updates", r.unbelievable);
   j.field("bad_transfers", r.bad_transfers).key("differing").begin_array();
   for (const Rebuilt::Hash& h : r.hashes) {
     if (h.agrees) continue;
