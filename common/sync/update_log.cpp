@@ -117,6 +117,7 @@ std::vector<Bundle> UpdateLog::take_out(PeerId peer, std::uint32_t from) {
 Tick UpdateLog::close(PeerId peer, std::uint32_t count) {
   Peer& p = peers_[peer];
   p.end = count;
+  if (p.complete == kForever) p.have = std::max(p.have, count);
   std::erase_if(p.waiting, [count](const Mark& m) { return m.count > count; });
   const std::vector<Bundle> forgotten = take_out(peer, count);
   mark(peer, kForever, count);

@@ -30,7 +30,8 @@ class UpdateLog {
   void mark(PeerId peer, Tick tick, std::uint32_t count);
   /// Forgets what the peer has promised and not told: others may know better.
   void forget_promises(PeerId peer) { peers_[peer].waiting.clear(); }
-  /// Who sat in the slot says no more, ever: it is complete for all time once its bundles below `count` are here.
+  /// Who sat in the slot says no more, ever: it is complete for all time once its bundles below `count` are here. If it
+  /// is already, those between its end and `count` never count: ticks after them may be confirmed.
   /// Forgets what is known beyond; the earliest tick of that, or the largest Tick.
   Tick close(PeerId peer, std::uint32_t count);
   /// Takes out what is known beyond the first hole, so that what fills the hole does not bring more with it.

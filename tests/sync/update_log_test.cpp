@@ -145,5 +145,20 @@ TEST(UpdateLog, ANewPeersNumbersGoOnWhereTheLastOnesEnded) {
   EXPECT_EQ(log.complete(0), 30);
 }
 
+// Once, whoever began with the world of a member to which a liar had told an earlier end waited for such updates for
+// ever, and took them for forged when they came.
+TEST(UpdateLog, WhoHasConfirmedAnEndTakesNothingMoreBeforeALaterOne) {
+  UpdateLog log = of_members(1);
+  log.insert(bundle(0, 0, 5));
+  log.close(0, 1);
+  log.close(0, 3);
+  log.open(0, 20);
+  EXPECT_FALSE(log.insert(bundle(0, 1, 7)));
+  EXPECT_EQ(log.have(0), 3U) << "where the next occupant's begin";
+  EXPECT_TRUE(log.insert(bundle(0, 3, 25)));
+  log.mark(0, 30, 4);
+  EXPECT_EQ(log.complete(0), 30);
+}
+
 }  // namespace
 }  // namespace padr::sync
