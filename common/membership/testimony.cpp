@@ -14,17 +14,13 @@ using sync::Bundle;
 /// Most datagrams of testimony in one go.
 constexpr int kAtOnce = 12;
 
-/// The key of a slot's present or former occupant. If that incarnation is not known here, as it was another part's: the
-/// keys of all who are here.
-std::vector<PublicKey> keys_of(PeerId slot, std::uint32_t incarnation, const View& view) {
+/// The key of the peer known by that incarnation.
+std::optional<PublicKey> known_key(PeerId slot, std::uint32_t incarnation, const View& view) {
   const Seat& s = view.roster.seats[slot];
-  if (s.incarnation == incarnation && s.at.has_key()) return {s.at.key};
+  if (s.incarnation == incarnation && s.at.has_key()) return s.at.key;
   for (const Former& f : s.former)
-    if (f.incarnation == incarnation && f.at.has_key()) return {f.at.key};
-  std::vector<PublicKey> all;
-  for (const Seat& other : view.roster.seats)
-    if (other.there() && other.at.has_key()) all.push_back(other.at.key);
-  return all;
+    if (f.incarnation == incarnation && f.at.has_key()) return f.at.key;
+  return std::nullopt;
 }
 
 /// The kept update that a known one contradicts; null if there is none.
@@ -73,15 +69,20 @@ void Testimony::forget_absent(const View& view) {
 
 void Testimony::accuse(PeerId from, std::uint32_t incarnation, const Bundle& one, const Bundle& other,
                        const View& view) {
-  const std::vector<PublicKey> keys = keys_of(one.peer, incarnation, view);
-  if (keys.size() == 1 && convicts(keys[0])) return;
+  const auto known = known_key(one.peer, incarnation, view);
+  if (known && convicts(*known)) return;
   if (!may_check(from, view)) return;
-  for (const PublicKey& key : keys) {
+  const auto try_key = [&](const PublicKey& key) {
     const Proof proof{key, incarnation, one, other};
-    if (!is_new(proof)) continue;
+    if (!is_new(proof)) return;
     if (proofs_.size() == sync::Transfer::kMostProofs) forget_absent(view);
     if (proofs_.size() < sync::Transfer::kMostProofs) proofs_.push_back(proof);
-  }
+  };
+  if (known) try_key(*known);
+  // Another part may have known somebody else by it, and a liar may sign in another peer's name. In no name does an
+  // honest peer sign two updates of one number: what convinces one member has to convince all.
+  for (const Seat& s : view.roster.seats)
+    if (s.there() && s.at.has_key() && s.at.key != known) try_key(s.at.key);
 }
 
 void Testimony::compare(PeerId from, const Bundle& update, std::uint32_t incarnation, const View& view) {

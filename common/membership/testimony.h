@@ -50,7 +50,7 @@ class Testimony {
   static constexpr Tick kDispute = kTicksPerSecond;
   /// Time for which a proof is sent to the other members, ticks; a member that is away gets it when it joins anew.
   static constexpr Tick kMadeKnown = 20 * kTicksPerSecond;
-  /// Signatures of contradicting updates that are checked for each member, at once and each second.
+  /// Pairs of contradicting updates of which the signatures are checked for each member, at once and each second.
   static constexpr int kMostChecks = 8;
 
  private:

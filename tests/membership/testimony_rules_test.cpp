@@ -119,6 +119,20 @@ TEST_F(Told, BothFromOneMember) {
   EXPECT_TRUE(wire::is_proven(kSession, rules_.proofs()[0]));
 }
 
+// Peer 3 signs in peer 2's name, whom this peer knows. Once, only those to whom that incarnation was unknown took the
+// proof, and stayed out of a session whose coordinator it was against.
+TEST_F(Told, WhoSignsInAnothersNameIsConvicted) {
+  const auto forged = [](float x) {
+    sync::Bundle b = update(4, 100, x);
+    b.signature = wire::sign_update(wire::signing_key(secret(4)), {kSession, 3}, b);
+    return b;
+  };
+  from(0, forged(1));
+  from(0, forged(2));
+  EXPECT_FALSE(convicted());
+  EXPECT_TRUE(rules_.convicts(s_.roster.seats[3].at.key));
+}
+
 TEST_F(Told, ItsOwnRepeatThatDiffers) {
   s_.log.insert(said(update(10, kNow - 50, 1)));
   rules_.on_repeat(said(update(10, kNow - 50, 1)), 3, s_.view());
