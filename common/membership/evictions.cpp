@@ -70,7 +70,8 @@ void Evictions::on_poll(PeerId from, const wire::Poll& poll, const View& view, T
     }
     answer.lost.push_back({s.slot, s.incarnation, view.log.have(s.slot)});
     const Tick answered = n.frozen ? n.answered_frozen : n.answer_mark;
-    const bool hears = n.frozen ? hears_again(s.slot, view) : answered >= 0 && !view.delays(s.slot);
+    const bool hears =
+        n.frozen ? hears_again(s.slot, view) : answered >= 0 && !view.delays(s.slot) && !view.withholds(s.slot);
     if (!same || !hears) continue;
     const auto ago = static_cast<std::uint32_t>(std::max(0, answer.tick - answered));
     answer.lost.back().heard = std::min(ago + 1, wire::kMostHeard);

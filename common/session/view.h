@@ -25,6 +25,9 @@ struct View {
   bool lacks_former(PeerId p) const { return log.have(p) < roster.seats[p].first; }
   /// Whether p, though heard, has not told or not acknowledged updates for too long.
   bool delays(PeerId p) const { return arrears(p) >= kArrears || roster.unacknowledged(p) >= kArrears; }
+  /// Whether updates of p have been missing for too long, whatever excuses that: p may be heard, but a newcomer that
+  /// says so holds up an eviction which all others wait for.
+  bool withholds(PeerId p) const { return !lacks_former(p) && roster.now - log.complete(p) >= kArrears; }
   /// Time for which a member that is heard may withhold promised updates, which hold up every confirmed world, or
   /// acknowledgements, without which updates must be kept.
   static constexpr Tick kArrears = 8 * kTicksPerSecond;

@@ -173,6 +173,34 @@ TEST(EvictionRules, AQuestionAboutAnotherIncarnationFreezesNobody) {
   EXPECT_FALSE(rules.answered(0, 2, former.incarnation + 1));
 }
 
+// Once, a newcomer said so of a liar which had kept back an update from all others for long, and the eviction came
+// later than they wait for something to be confirmed.
+TEST(EvictionRules, ANewcomerDoesNotHearWhoWithheldUpdatesBeforeItCame) {
+  struct Row {
+    const char* name;
+    Tick complete;
+    std::uint32_t first;
+    bool heard;
+  };
+  const Row rows[] = {
+      {"all is here", kNow - 1, 0, true},
+      {"something is missing, but not for long", kNow - node::View::kArrears + 1, 0, true},
+      {"something has been missing for long", kNow - node::View::kArrears, 0, false},
+      {"what is missing is a former occupant's", kNow - node::View::kArrears, 5, true},
+  };
+  for (const Row& r : rows) {
+    Situation s(4, 1);
+    s.log.begin(2, 0, r.complete);
+    s.roster.seats[2].first = r.first;
+    s.roster.seats[2].excused = kNow - 10;  // when this peer came
+    node::Evictions rules(s.session);
+    ListedCommands out;
+    rules.on_poll(0, {{s.named(2)}, false, 0}, s.view(), kNow, false, out);
+    ASSERT_EQ(out.all<wire::Answer>().size(), 1U) << r.name;
+    EXPECT_EQ(out.all<wire::Answer>()[0].message.lost[0].heard > 0, r.heard) << r.name;
+  }
+}
+
 // A lie froze a peer for good once: its updates were dropped for ever, until it cut this peer off in turn.
 TEST(EvictionRules, AFrozenPeerThatIsHeardAgainIsTakenBackFromAnAskerThatLies) {
   struct Row {
