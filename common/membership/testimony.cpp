@@ -86,7 +86,6 @@ void Testimony::accuse(PeerId from, std::uint32_t incarnation, const Bundle& one
 }
 
 void Testimony::compare(PeerId from, const Bundle& update, std::uint32_t incarnation, const View& view) {
-  if (update.peer == session_.self && incarnation == view.roster.incarnation) return;
   if (const Bundle* kept = rival(update, view.log)) accuse(from, incarnation, *kept, update, view);
   note_broken_promise(from, update, incarnation, view);
   const auto before = pending_.find(from);

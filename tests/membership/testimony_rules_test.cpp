@@ -122,15 +122,19 @@ TEST_F(Told, BothFromOneMember) {
 // Peer 3 signs in peer 2's name, whom this peer knows. Once, only those to whom that incarnation was unknown took the
 // proof, and stayed out of a session whose coordinator it was against.
 TEST_F(Told, WhoSignsInAnothersNameIsConvicted) {
-  const auto forged = [](float x) {
-    sync::Bundle b = update(4, 100, x);
-    b.signature = wire::sign_update(wire::signing_key(secret(4)), {kSession, 3}, b);
-    return b;
-  };
-  from(0, forged(1));
-  from(0, forged(2));
-  EXPECT_FALSE(convicted());
-  EXPECT_TRUE(rules_.convicts(s_.roster.seats[3].at.key));
+  for (const PeerId name : {PeerId{2}, s_.roster.self}) {  // once, who was named itself looked at none of its own
+    Testimony rules(s_.session);
+    s_.roster.seats[1].at = {};
+    s_.roster.incarnation = 2;
+    const std::uint32_t incarnation = 1U + name;
+    for (const float x : {1.0F, 2.0F}) {
+      sync::Bundle b = update(4, 100, x, name);
+      b.signature = wire::sign_update(wire::signing_key(secret(4)), {kSession, incarnation}, b);
+      rules.on_updates(0, {name, incarnation, {b}}, s_.view());
+    }
+    EXPECT_FALSE(convicted());
+    EXPECT_TRUE(rules.convicts(s_.roster.seats[3].at.key)) << name;
+  }
 }
 
 TEST_F(Told, ItsOwnRepeatThatDiffers) {
