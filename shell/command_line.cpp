@@ -133,6 +133,21 @@ void refuse_empty_values(const CLI::App& app) {
   }
 }
 
+/// CLI11 would take 010 for eight.
+bool seems_octal(const std::string& text) {
+  return text.size() > 1 && text[0] == '0' && text[1] >= '0' && text[1] <= '9';
+}
+
+void refuse_octal_numbers(const CLI::App& app) {
+  for (const CLI::Option* o : app.get_options()) {
+    const std::string type = o->get_type_name();
+    const std::string word = type.substr(0, type.find_first_of(":, "));
+    if (word != "N" && word != "INT" && word != "UINT") continue;
+    for (const std::string& value : o->results())
+      if (seems_octal(value)) throw UserError(name_of(*o) + ": '" + value + "' begins with 0; leave that out");
+  }
+}
+
 /// Whether the two name one file that can be lost, also by hard links, or that will be made.
 bool is_same_file(const std::string& a, const std::string& b) {
   std::error_code error;
@@ -191,11 +206,6 @@ void refuse_shared_files(const CLI::App& app) {
   }
 }
 
-/// CLI11 would take 010 for eight.
-bool seems_octal(const std::string& text) {
-  return text.size() > 1 && text[0] == '0' && text[1] >= '0' && text[1] <= '9';
-}
-
 }  // namespace
 
 bool parse(CLI::App& app, int argc, const char* const* argv) {
@@ -219,6 +229,7 @@ bool parse(CLI::App& app, int argc, const char* const* argv) {
   for (const CLI::App* command : app.get_subcommands()) all.push_back(command);
   for (const CLI::App* each : all) {
     refuse_empty_values(*each);
+    refuse_octal_numbers(*each);
     refuse_shared_files(*each);
   }
   return true;

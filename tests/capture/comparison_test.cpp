@@ -25,7 +25,8 @@ class ComparisonTest : public test::Shell {
     p.mark_tick = static_cast<Tick>(seq);
     return wire::seal({wire::Kind::kState, from, kSession}, wire::encode(p));
   }
-  void trace_of(PeerId peer, Comparison& c) const {
+  /// `until`: of a trace that breaks off, its last tick.
+  void trace_of(PeerId peer, Comparison& c, Tick until = 0) const {
     std::string text;
     trace::Header h;
     h.peer = peer;
@@ -35,7 +36,7 @@ class ComparisonTest : public test::Shell {
         h, [&](std::span<const std::byte> b) { text.append(reinterpret_cast<const char*>(b.data()), b.size()); });
     const trace::LiveView nothing{std::vector<BodyState>(2), std::vector<Vec2>(2)};
     w.step({}, nothing);
-    for (Tick t = 1; t <= kSent; ++t) {
+    for (Tick t = 1; t <= (until > 0 ? until : kSent); ++t) {
       trace::Step step;
       step.tick = t;
       w.step(step, nothing);
@@ -44,7 +45,7 @@ class ComparisonTest : public test::Shell {
       if (peer == 1) w.received(t, d);
     }
     if (peer == 1) w.sent(0, kSent, datagram(1, 1));
-    w.footer({});
+    if (until == 0) w.footer({});
     const std::string name = "peer" + std::to_string(peer) + ".trace";
     write(name, text);
     c.add_trace(path(name));
@@ -119,6 +120,23 @@ TEST_F(ComparisonTest, WhatTheCaptureHasCutOffIsNotJudged) {
 }
 
 // Once, all that it tells counted twice, and contradicted the capture.
+// Once, all that came after a receiver's crash counted as lost.
+TEST_F(ComparisonTest, WhatATraceThatBreaksOffCannotTellIsNotLost) {
+  constexpr Tick kBrokeOff = 300;
+  Comparison c;
+  trace_of(0, c);
+  trace_of(1, c, kBrokeOff);
+  capture(datagram(1, 1), 1, c);
+  for (Tick t = 1; t <= kSent; ++t) capture(datagram(static_cast<std::uint32_t>(t)), 0, c);
+  EXPECT_FALSE(c.traces()[1].clean);
+  for (const LinkStory& l : c.links()) {
+    if (l.from.slot != 0) continue;
+    EXPECT_TRUE(l.lost_after.empty());
+    EXPECT_TRUE(l.contradictions.empty());
+    EXPECT_EQ(l.after_trace.size(), static_cast<std::size_t>(kSent - kBrokeOff));
+  }
+}
+
 TEST_F(ComparisonTest, ATraceIsTakenOnce) {
   Comparison c;
   trace_of(0, c);

@@ -74,6 +74,25 @@ TEST_F(Program, TableByDefault) {
   EXPECT_LT(o.out.find("peer 0"), o.out.find("peer 1"));
 }
 
+// Once, a single trace had a cost of 0.
+TEST_F(Program, CostIsMeasuredInOthersViewsOnly) {
+  const Outcome both = run("0.trace 1.trace --json - --csv both");
+  EXPECT_NE(both.out.find("pcc_mean_m"), std::string::npos);
+  const Outcome one = run("0.trace --json - --csv one");
+  EXPECT_EQ(one.status, 0) << one.err;
+  EXPECT_EQ(one.out.find("pcc_"), std::string::npos);
+  EXPECT_NE(one.out.find("fidelity_mean_m"), std::string::npos);
+  const auto ends_without_cost = [this](const char* folder) {
+    std::istringstream lines(read(dir_ / folder / "fidelity.csv"));
+    std::string line;
+    std::getline(lines, line);
+    return std::getline(lines, line) && line.ends_with(",,");
+  };
+  EXPECT_TRUE(ends_without_cost("one"));
+  EXPECT_FALSE(ends_without_cost("both"));
+  EXPECT_EQ(run("0.trace").out.find("avatar 0 "), std::string::npos);
+}
+
 TEST_F(Program, JsonToStandardOutputIsNothingElse) {
   const Outcome o = run("0.trace 1.trace --json -");
   EXPECT_EQ(o.status, 0);

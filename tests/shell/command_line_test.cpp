@@ -156,6 +156,20 @@ TEST(CommandLine, NoNumberIsTakenForOctal) {
     EXPECT_TRUE(check("010").starts_with("'010' is not allowed; give ")) << check("010");
   }
   EXPECT_EQ(shell::range(0, 1)("0.25"), "");
+  const auto answer = [](const char* option, const char* value) {
+    int number = 0;
+    unsigned size = 0;
+    std::string name;
+    CLI::App app;
+    app.add_option("--number", number)->type_name("N");
+    app.add_option("--size", size);
+    app.add_option("--name", name)->type_name("NAME");
+    return answer_of(app, {option, value});
+  };
+  EXPECT_EQ(answer("--number", "010"), "--number: '010' begins with 0; leave that out");
+  EXPECT_EQ(answer("--size", "08"), "--size: '08' begins with 0; leave that out");
+  EXPECT_EQ(answer("--name", "010"), "");
+  EXPECT_EQ(answer("--number", "0"), "");
 }
 
 TEST(CommandLine, AWrongValueMayBeOfAnyLength) {

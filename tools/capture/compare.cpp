@@ -22,13 +22,14 @@ constexpr const char* kCompareFooter =
     "a trace in the capture, and for each of the capture in the traces. A datagram that was sent and is not in the\n"
     "capture was lost before the capture (by --netem, or on the network). A datagram that is in the capture and was\n"
     "not received was lost behind it, or its receiver was not running. The program also rebuilds the confirmed world\n"
-    "from the capture, and compares it with the world of the traces at every tick.\n"
+    "from the capture, and compares it with the world of the traces at every tick. A trace that breaks off, as of a\n"
+    "peer that crashed, is used as far as it goes.\n"
     "\n"
     "Example:\n"
     "  padr-capture compare lo.pcap out/demo/peer*.trace\n"
     "\n"
     "Exit code: 0 if capture and traces agree, except for lost datagrams; 1 if they do not agree, if the worlds could\n"
-    "not be compared, or if a file is damaged; 2 for a wrong command line.";
+    "not be compared, or if a capture is damaged or breaks off; 2 for a wrong command line.";
 
 struct CompareOptions {
   std::vector<std::string> files;
@@ -165,7 +166,7 @@ std::string links_text(const std::vector<LinkStory>& links, bool all) {
     };
     say("lost before the capture", l.lost_before);
     say("lost behind it", l.lost_after);
-    say("sent after the trace breaks off", l.after_trace);
+    say("not judged, after a trace breaks off", l.after_trace);
     say("CONTRADICTION", l.contradictions);
   }
   std::string out = table.text() + names;
@@ -243,6 +244,10 @@ int run_compare(const CompareOptions& o) {
     books.take(*d);
   }
   const int read = warn_unread(captures);
+  for (const TraceStory& t : comparison.traces())
+    if (!t.clean)
+      std::fprintf(stderr, "padr-capture: %s breaks off at tick %d; it is compared up to there\n", t.label.c_str(),
+                   static_cast<int>(t.last_tick));
   const std::vector<LinkStory> links = comparison.links();
   const WorldChecks worlds = compare_worlds(books, comparison.traces());
   const bool compared = worlds.not_compared.empty();

@@ -24,7 +24,12 @@ std::uint64_t content_of(std::span<const std::byte> b) {
 /// capture may lack a datagram, or one of its copies, and have those told before and after it.
 constexpr Tick kEdge = kTicksPerSecond;
 
-void judge(const Passage& p, Tick first, Tick last, bool sender_clean, Tick sender_end, LinkStory& l) {
+/// From when on a trace may lack what its peer did; no trace lacks what nobody has a trace of.
+Tick end_of(const TraceStory* t) {
+  return t == nullptr || t->clean ? std::numeric_limits<Tick>::max() : t->last_tick;
+}
+
+void judge(const Passage& p, Tick first, Tick last, Tick sender_end, Tick receiver_end, LinkStory& l) {
   l.sent += p.sent;
   l.captured += p.captured;
   l.received += p.received;
@@ -32,7 +37,7 @@ void judge(const Passage& p, Tick first, Tick last, bool sender_clean, Tick send
   const bool at_edge = p.tick <= first + kEdge || p.tick >= last - kEdge;
   if (p.captured > std::max(p.sent, 1U)) l.duplicates += p.captured - std::max(p.sent, 1U);
   if (l.sender_told && p.sent == 0) {
-    if (!sender_clean && p.tick >= sender_end) {
+    if (p.tick >= sender_end) {
       l.after_trace.push_back(p);
     } else {
       l.contradictions.push_back(p);
@@ -44,7 +49,8 @@ void judge(const Passage& p, Tick first, Tick last, bool sender_clean, Tick send
   } else if (p.captured == 0) {
     l.lost_before.push_back(p);
   } else if (l.receiver_told && p.received == 0) {
-    l.lost_after.push_back(p);
+    // What was on its way when the trace broke off is older.
+    (p.tick >= receiver_end - kEdge ? l.after_trace : l.lost_after).push_back(p);
   }
 }
 
@@ -78,8 +84,9 @@ void Comparison::add_trace(const std::string& file) {
   story.label = file;
   story.header = reader.header();
   while (const auto event = reader.next()) {
-    if (const auto* s = std::get_if<trace::Sent>(&*event)) {
-      story.last_tick = s->tick;
+    if (const auto* step = std::get_if<trace::Step>(&*event)) {
+      story.last_tick = step->tick;
+    } else if (const auto* s = std::get_if<trace::Sent>(&*event)) {
       from_trace(s->datagram, story, s->to);
     } else if (const auto* r = std::get_if<trace::Received>(&*event)) {
       from_trace(r->datagram, story, kNoPeer);
@@ -162,8 +169,9 @@ std::vector<LinkStory> Comparison::links() const {
     l.from = key.from;
     l.to = key.to;
     const TraceStory* sender = trace_of(key.from);
+    const TraceStory* receiver = trace_of(key.to);
     l.sender_told = sender != nullptr;
-    l.receiver_told = trace_of(key.to) != nullptr;
+    l.receiver_told = receiver != nullptr;
     const auto range = ranges.find({key.from, key.to});
     if (range == ranges.end() || range->second.cut > 0) {
       l.sent += p.sent;
@@ -172,8 +180,7 @@ std::vector<LinkStory> Comparison::links() const {
       l.cut = range == ranges.end() ? 0 : range->second.cut;
       continue;
     }
-    judge(p, range->second.first, range->second.last, sender == nullptr || sender->clean,
-          sender == nullptr ? 0 : sender->last_tick, l);
+    judge(p, range->second.first, range->second.last, end_of(sender), end_of(receiver), l);
   }
   std::vector<LinkStory> out;
   for (auto& [key, l] : links) {

@@ -18,7 +18,7 @@ struct TraceStory {
   trace::Header header;
   bool clean = false;       ///< it ends as it should
   bool superseded = false;  ///< the peer gave this incarnation up for another one
-  Tick last_tick = -1;      ///< of what it says it sent
+  Tick last_tick = -1;      ///< the last step that it tells of
   std::map<Tick, std::uint64_t> confirmed;
   Incarnation who() const { return {header.peer, header.incarnation}; }
 };
@@ -43,7 +43,7 @@ struct LinkStory {
   std::uint64_t outside = 0;            ///< before the first or after the last datagram that the capture has of it
   std::vector<Passage> lost_before;     ///< sent, and not in the capture: lost before it came there
   std::vector<Passage> lost_after;      ///< in the capture and not received
-  std::vector<Passage> after_trace;     ///< in the capture, sent after the sender's trace broke off
+  std::vector<Passage> after_trace;     ///< in the capture, after the sender's or the receiver's trace broke off
   std::vector<Passage> contradictions;  ///< what loss cannot explain
 };
 

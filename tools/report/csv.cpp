@@ -26,14 +26,17 @@ std::string inconsistency(const Report& r) {
 
 std::string fidelity(const Report& r) {
   std::string s = "peer,tick,seconds,fidelity_m,own_m,others_m,nobody_m,pcc_m,pcc_bodies\n";
-  for (const Peer& p : r.peers)
+  for (const Peer& p : r.peers) {
+    const bool seen = r.is_seen(p);
     for (std::size_t i = 0; i < p.fidelity_series.size(); ++i) {
       const trace::FidelityPoint& f = p.fidelity_series[i];
       s += p.name + ',' + std::to_string(f.tick) + ',' + seconds(f.tick);
-      for (const float m : {f.error_m(), f.own_m, f.others_m, f.nobody_m, p.pcc_series[i].cost_m})
-        s += ',' + fixed(static_cast<double>(m), 6);
-      s += ',' + std::to_string(p.pcc_series[i].bodies) + '\n';
+      for (const float m : {f.error_m(), f.own_m, f.others_m, f.nobody_m}) s += ',' + fixed(static_cast<double>(m), 6);
+      const trace::PccPoint& cost = p.pcc_series[i];
+      s += seen ? ',' + fixed(static_cast<double>(cost.cost_m), 6) + ',' + std::to_string(cost.bodies) : ",,";
+      s += '\n';
     }
+  }
   return s;
 }
 

@@ -96,7 +96,7 @@ void put_peer(Json& j, const Report& r, const Peer& p) {
   put(j, p.inconsistency);
   if (r.fidelity_known) {
     put(j, p.fidelity);
-    put(j, p.pcc);
+    if (r.is_seen(p)) put(j, p.pcc);
     j.field("deeds", p.deeds);
   }
   put(j, p.traffic, p.seconds());

@@ -41,6 +41,12 @@ bool Report::came_later(const Peer& peer) const {
   return peer.header.incarnation > 0 && peer.came > first->came + sync::kStartLead;
 }
 
+bool Report::is_seen(const Peer& peer) const {
+  return std::any_of(peers.begin(), peers.end(), [&peer](const Peer& p) {
+    return &p != &peer && p.first_tick <= peer.went() && peer.came <= p.went();
+  });
+}
+
 double Link::loss_percent() const {
   return judged == 0 ? 0 : 100.0 * static_cast<double>(lost) / static_cast<double>(judged);
 }

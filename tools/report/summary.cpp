@@ -60,7 +60,10 @@ void note_interference(Report& r) {
 }
 
 void note_confirmed(Report& r) {
-  if (r.peers.size() < 2) r.notes.push_back("a single trace: there is nothing to compare its confirmed worlds with");
+  if (r.peers.size() < 2)
+    r.notes.push_back(
+        "a single trace: there is nothing to compare its confirmed worlds with, and no view of others to measure the "
+        "physics-consistency-cost in");
   for (const Peer& p : r.peers)
     if (!p.superseded && p.last_tick - p.last_confirmed > 10 * kTicksPerSecond)
       r.notes.push_back(p.label + ": its confirmed world is " +
