@@ -198,7 +198,8 @@ void Admissions::on_pull(const Endpoint& from, const wire::Pull& pull, const Tra
 
 // A peer that was removed, or left, after the joiner got its transfer sends the joiner nothing, and the members had no
 // reason to publish updates that all of them had.
-void Admissions::pass_on_what_nobody_sends(const Guest& guest, const View& view, Commands& out) {
+std::vector<sync::Bundle> Admissions::what_nobody_sends(const Guest& guest, const View& view) const {
+  std::vector<sync::Bundle> all;
   const sync::UpdateLog& log = view.log;
   for (PeerId p = 0; p < session_.slots; ++p) {
     if (p == session_.self) continue;
@@ -206,11 +207,10 @@ void Admissions::pass_on_what_nobody_sends(const Guest& guest, const View& view,
     const std::uint32_t end = n.there() ? n.first : log.have(p);
     for (const sync::Bundle& b : log.of(p, guest.have[p])) {
       if (b.index >= end) break;
-      sync::Bundle order;
-      order.passed_on.push_back(b);
-      out.publish(order);
+      all.push_back(b);
     }
   }
+  return all;
 }
 
 void Admissions::on_enter(const Endpoint& from, const wire::Enter& enter, const View& view, bool may_admit,
@@ -224,8 +224,16 @@ void Admissions::on_enter(const Endpoint& from, const wire::Enter& enter, const 
     std::erase_if(guests_, [guest](const Guest& g) { return &g == guest; });
     return;
   }
+  const std::vector<sync::Bundle> unsent = what_nobody_sends(*guest, view);
+  // Whose clock was ahead left updates of later ticks than an order now would have; the joiner asks again.
+  if (std::any_of(unsent.begin(), unsent.end(), [&](const sync::Bundle& b) { return b.tick >= view.roster.now; }))
+    return;
   guest->ordered = true;
-  pass_on_what_nobody_sends(*guest, view, out);
+  for (const sync::Bundle& b : unsent) {
+    sync::Bundle order;
+    order.passed_on.push_back(b);
+    out.publish(order);
+  }
   sync::Admission a;
   a.slot = guest->slot;
   a.incarnation = guest->incarnation;

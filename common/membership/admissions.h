@@ -68,7 +68,7 @@ class Admissions {
   bool knows_all_orders(const View& view) const;
   bool may_come_free(const View& view) const;
   Guest* take_in(const Endpoint& from, const wire::Join& join, const View& view, Micros local, Commands& out);
-  void pass_on_what_nobody_sends(const Guest& guest, const View& view, Commands& out);
+  std::vector<sync::Bundle> what_nobody_sends(const Guest& guest, const View& view) const;
   void refuse(const Endpoint& from, const wire::Join& join, const std::string& reason, Commands& out);
 
   const SessionView& session_;

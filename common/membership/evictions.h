@@ -80,6 +80,9 @@ class Evictions {
   /// kSilence more until it misses the lost peer itself, and then reply over a bad link. Shorter than the time after
   /// which members join anew because nothing is confirmed.
   static constexpr Tick kWithheld = 2 * kSilence + 90;
+  /// Timeout for an update that a member claims to have. Each who has it is asked several times a second; a member that
+  /// has confirmed a later tick without it, as a liar promised, keeps none.
+  static constexpr Tick kUnsent = kSilence + kTicksPerSecond;
   /// The same for a member that has asked to be let in anew: if it hears this peer, it replies within a few round
   /// trips.
   static constexpr Tick kReturning = kSilence / 2;

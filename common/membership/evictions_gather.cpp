@@ -51,8 +51,9 @@ std::vector<PeerId> Evictions::withholding(const View& view) const {
   if (lost_.empty() || ordered()) return who;
   for (PeerId p = 0; p < view.roster.slots(); ++p) {
     if (!counts(p, view)) continue;
-    const bool stands = view.roster.now - std::max(moved_, view.roster.seats[p].excused) >= kWithheld;
-    if (is_silent(p, view) || (stands && missing_ && is_to_blame(p, *missing_, view))) who.push_back(p);
+    const bool unsent = missing_ && is_to_blame(p, *missing_, view) &&
+                        view.roster.now - std::max(moved_, view.roster.seats[p].excused) >= kUnsent;
+    if (is_silent(p, view) || unsent) who.push_back(p);
   }
   return who;
 }

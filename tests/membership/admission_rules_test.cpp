@@ -222,6 +222,27 @@ TEST_F(Admitting, ComesInByAnOrderOnceItHasTheWorld) {
   EXPECT_TRUE(again.orders.empty()) << "once";
 }
 
+// Once, a coordinator passed on what one that had left had published with a clock that was ahead; all others took that
+// for invalid, and cut the coordinator off.
+TEST_F(Admitting, WaitsUntilWhatHasToBePassedOnIsNoLaterThanTheOrder) {
+  pieces(1, welcome(1).cookie, kLocal);
+  const Tick ahead = s_.roster.now + 30;
+  s_.log.begin(2, 0, kNow);
+  s_.tells(2, 0, ahead);
+  s_.roster.seats[2].presence = node::Presence::kLeft;
+  s_.log.close(2, 1);
+  for (; s_.roster.now <= ahead; ++s_.roster.now) {
+    ListedCommands early;
+    rules_.on_enter(joiner(1), {1}, s_.view(), true, early);
+    ASSERT_TRUE(early.orders.empty()) << s_.roster.now;
+  }
+  ListedCommands out;
+  rules_.on_enter(joiner(1), {1}, s_.view(), true, out);
+  ASSERT_EQ(out.orders.size(), 2U);
+  EXPECT_EQ(out.orders[0].passed_on.at(0).tick, ahead);
+  EXPECT_TRUE(out.orders[1].admission);
+}
+
 TEST_F(Admitting, BeginsAnewIfItsSlotIsTakenMeanwhile) {
   const wire::Welcome w = welcome(1);
   pieces(1, w.cookie, kLocal);

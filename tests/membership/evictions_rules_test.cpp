@@ -400,7 +400,7 @@ TEST_F(Eviction, GoesOnWithoutAMemberThatSaysItLacksWhatAllHaveConfirmed) {
   begin();
   reply(1, true, 1, -1);
   reply(2, true, 0, -1);
-  pass(Evictions::kWithheld - 1);
+  pass(Evictions::kUnsent - 1);
   EXPECT_TRUE(orders_.empty());
   pass(2);
   ASSERT_FALSE(orders_.empty());
@@ -414,7 +414,7 @@ TEST_F(Eviction, IsNotOrderedIfAllOthersHaveAnUpdateThatNobodyCanSend) {
   send(1, 2, kNow - 200);
   reply(1, true, 3, -1);
   reply(2, true, 3, -1);
-  pass(Evictions::kWithheld - 1);
+  pass(Evictions::kUnsent - 1);
   EXPECT_FALSE(rules_.is_behind());
   pass(2);
   EXPECT_TRUE(rules_.is_behind());
@@ -430,7 +430,7 @@ TEST_F(Eviction, IsOrderedIfOnlySomeSayThatTheyHaveAnUpdateThatNobodyCanSend) {
   send(1, 2, kNow - 200);
   reply(1, true, 3, -1);
   reply(2, true, 1, -1);
-  pass(Evictions::kWithheld + 1);
+  pass(Evictions::kUnsent + 1);
   EXPECT_FALSE(rules_.is_behind());
   EXPECT_FALSE(orders_.empty());
 }
@@ -439,7 +439,7 @@ TEST_F(Eviction, IsOrderedIfNothingShowsThatThereIsAnUpdateThatAllOthersSayTheyH
   begin();
   reply(1, true, 3, -1);
   reply(2, true, 3, -1);
-  pass(Evictions::kWithheld + 1);
+  pass(Evictions::kUnsent + 1);
   EXPECT_FALSE(rules_.is_behind());
   EXPECT_FALSE(orders_.empty());
 }

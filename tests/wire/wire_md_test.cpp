@@ -384,6 +384,7 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("ask_again", node::Evictions::kAskAgain);
   add("returning", node::Evictions::kReturning);
   add("withheld", node::Evictions::kWithheld);
+  add("unsent", node::Evictions::kUnsent);
   add("relay_after", node::kRelayAfter);
   add("relay_until", node::kRelayUntil);
   add("relay_pace", node::Relay::kPace);
