@@ -7,6 +7,10 @@
 namespace padr::node {
 namespace {
 
+/// Fetches at once, and updates that a reply has at least, with signatures and one body each.
+constexpr int kAtOnce = 4;
+constexpr std::uint32_t kInOneReply = 6;
+
 /// How deep updates lie in this one; see sync::kMaxPassing.
 int passings(const sync::Bundle& b) {
   int deepest = 0;
@@ -101,15 +105,18 @@ bool Evictions::gather(PeerId p, Lost& lost, const View& view, Commands& out) {
 }
 
 // A member may count an update without keeping it: a late joiner has it in the state that it began with. So the members
-// are asked one after the other.
+// are asked one after the other. A reply fills one datagram, and a busy peer publishes an update each tick: what lies
+// behind the next replies is asked for, too.
 void Evictions::fetch(PeerId p, Lost& lost, std::uint32_t index, const View& view, Commands& out) {
   if (view.roster.now - asked_ < kAskAgain) return;
-  std::vector<PeerId> had;
-  for (const auto& [q, have] : lost.have)
-    if (have > index && counts(q, view)) had.push_back(q);
-  if (had.empty()) return;
   asked_ = view.roster.now;
-  out.send(view.roster.seats[had[lost.fetches++ % had.size()]].at, wire::Fetch{p, lost.incarnation, index});
+  for (int n = 0; n < kAtOnce && index < lost.most; ++n, index = lost.next(index + kInOneReply)) {
+    std::vector<PeerId> had;
+    for (const auto& [q, have] : lost.have)
+      if (have > index && counts(q, view)) had.push_back(q);
+    if (had.empty()) return;
+    out.send(view.roster.seats[had[lost.fetches++ % had.size()]].at, wire::Fetch{p, lost.incarnation, index});
+  }
 }
 
 void Evictions::bury(Commands& out) {

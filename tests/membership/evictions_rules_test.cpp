@@ -383,6 +383,21 @@ TEST(EvictionRules, AfterATakeBackTheOthersThatAreLostAreEvictedFirst) {
   EXPECT_FALSE(s.roster.seats[4].frozen);
 }
 
+// Once, the updates of a busy peer took longer than others wait for something to be confirmed.
+TEST_F(Eviction, AsksForManyUpdatesAtOnce) {
+  begin();
+  reply(1, true, 60, -1);
+  reply(2, true, 1, -1);
+  ListedCommands out;
+  rules_.advance(s_.view(), out);
+  const auto fetches = out.all<wire::Fetch>();
+  ASSERT_EQ(fetches.size(), 4U);
+  for (std::size_t i = 0; i < fetches.size(); ++i) {
+    EXPECT_EQ(fetches[i].to, s_.roster.seats[1].at);
+    EXPECT_EQ(fetches[i].message.from, 1 + 6 * i);
+  }
+}
+
 // It need not agree with anybody any more. Once, one that only said that it left held up every eviction for 7.5 s, and
 // with them all admissions.
 TEST_F(Eviction, DoesNotWaitForAMemberThatHasLeft) {
