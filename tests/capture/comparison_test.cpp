@@ -44,7 +44,7 @@ class ComparisonTest : public test::Shell {
       if (peer == 0) w.sent(1, t, d);
       if (peer == 1) w.received(t, d);
     }
-    if (peer == 1) w.sent(0, kSent, datagram(1, 1));
+    if (peer == 1) w.sent(0, until > 0 ? until : kSent, datagram(1, 1));
     if (until == 0) w.footer({});
     const std::string name = "peer" + std::to_string(peer) + ".trace";
     write(name, text);

@@ -169,7 +169,8 @@ TEST_P(CrowdSeeds, ThatHaveFailedOnce) {
   push_about(GetParam(), "10%");
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, CrowdSeeds, testing::Values(20, 22, 30, 65), testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Each, CrowdSeeds, testing::Values(20, 22, 30), testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Nightly, CrowdSeeds, testing::Values(65), testing::PrintToStringParamName());
 
 TEST(Crowd, ARegionThatAllHaveLeftIsKeptAsItWas) {
   CrowdRunConfig c = config(1, "delay 20ms");

@@ -82,10 +82,13 @@ TEST_P(LyingSeeds, ThatHaveFailedOnce) {
   EXPECT_EQ(lab::play(how, script).violation, "");
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, LyingSeeds,
+// Each of them has shown something else; of the rest, which are played nightly, the causes have tests of their own.
+INSTANTIATE_TEST_SUITE_P(Each, LyingSeeds, testing::Values(411165, 590951, 591682, 605184, 607401),
+                         testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Nightly, LyingSeeds,
                          testing::Values(123, 278, 338, 437, 597, 330320, 240250, 401108, 411211, 411184, 410354,
                                          450065, 450089, 460681, 540416, 540450, 560319, 570375, 570390, 581013, 590807,
-                                         590951, 591682, 411165, 601328, 605184, 607017, 607401),
+                                         601328, 603423, 607017),
                          testing::PrintToStringParamName());
 
 // The one time in which it tells half of the members other updates is enough.

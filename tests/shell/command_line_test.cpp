@@ -167,7 +167,7 @@ TEST(CommandLine, NoNumberIsTakenForOctal) {
     return answer_of(app, {option, value});
   };
   EXPECT_EQ(answer("--number", "010"), "--number: '010' begins with 0; leave that out");
-  EXPECT_EQ(answer("--size", "08"), "--size: '08' begins with 0; leave that out");
+  EXPECT_EQ(answer("--size", "010"), "--size: '010' begins with 0; leave that out");
   EXPECT_EQ(answer("--name", "010"), "");
   EXPECT_EQ(answer("--number", "0"), "");
 }
