@@ -8,7 +8,7 @@ namespace padr::node {
 namespace {
 
 /// Fetches at once, and updates that a reply has at least, with signatures and one body each.
-constexpr int kAtOnce = 4;
+constexpr int kFetchesAtOnce = 4;
 constexpr std::uint32_t kInOneReply = 6;
 
 /// How deep updates lie in this one; see sync::kMaxPassing.
@@ -110,7 +110,7 @@ bool Evictions::gather(PeerId p, Lost& lost, const View& view, Commands& out) {
 void Evictions::fetch(PeerId p, Lost& lost, std::uint32_t index, const View& view, Commands& out) {
   if (view.roster.now - asked_ < kAskAgain) return;
   asked_ = view.roster.now;
-  for (int n = 0; n < kAtOnce && index < lost.most; ++n, index = lost.next(index + kInOneReply)) {
+  for (int n = 0; n < kFetchesAtOnce && index < lost.most; ++n, index = lost.next(index + kInOneReply)) {
     std::vector<PeerId> had;
     for (const auto& [q, have] : lost.have)
       if (have > index && counts(q, view)) had.push_back(q);
