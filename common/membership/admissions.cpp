@@ -76,10 +76,11 @@ void Admissions::on_join(const Endpoint& from, const wire::Join& join, const Vie
 Admissions::Guest* Admissions::take_in(const Endpoint& from, const wire::Join& join, const View& view, Micros local,
                                        Commands& out) {
   std::size_t sent = 0;
+  std::size_t most = 0;
   Micros counted = local;
   std::erase_if(guests_, [&](const Guest& g) {  // restarted
     if (!same_place(g.at, from) || g.ordered) return false;
-    if (local - g.counted <= kStay) sent = g.sent, counted = g.counted;
+    if (local - g.counted <= kStay) sent = g.sent, most = g.most, counted = g.counted;
     return true;
   });
   const auto slot = free_slot(from, view);
@@ -100,6 +101,7 @@ Admissions::Guest* Admissions::take_in(const Endpoint& from, const wire::Join& j
   g.slot = *slot;
   g.since = local;
   g.sent = sent;
+  g.most = most;
   g.counted = counted;
   g.spectator = join.spectator;
   g.incarnation = incarnation_for(join.nonce, view);
@@ -189,8 +191,9 @@ void Admissions::on_pull(const Endpoint& from, const wire::Pull& pull, const Tra
     }
   }
   const auto count = static_cast<std::uint32_t>(guest->pieces.size());
+  guest->most = std::max<std::size_t>(guest->most, count);
   for (std::uint32_t i = 0; i < kBurst && pull.from + i < count; ++i) {
-    if ((pull.wanted >> i & 1U) == 0 || guest->sent >= kMostTimes * count) continue;
+    if ((pull.wanted >> i & 1U) == 0 || guest->sent >= kMostTimes * guest->most) continue;
     ++guest->sent;
     out.send(from, wire::Piece{pull.nonce, pull.from + i, count, guest->pieces[pull.from + i]});
   }

@@ -56,6 +56,7 @@ class Admissions {
     std::vector<wire::Bytes> pieces;
     std::size_t sent = 0;             ///< pieces sent, each time counted, also to who joined from there a moment before
     Micros counted = 0;               ///< local time from which these are counted
+    std::size_t most = 0;             ///< pieces of the longest transfer since then
     std::vector<std::uint32_t> have;  ///< by slot: with the pieces, the joiner has all updates below this
     bool ordered = false;
     bool spectator = false;

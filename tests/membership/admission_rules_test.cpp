@@ -145,10 +145,15 @@ class Admitting : public testing::Test {
   }
   std::size_t pieces(int n, std::uint64_t nonce, std::uint64_t cookie, Micros local) {
     ListedCommands out;
-    const auto world = [] {
+    const auto world = [this] {
       sync::Transfer t;
       t.have.resize(12);
       t.slots.resize(12);
+      for (std::uint32_t i = 0; i < tail_; ++i) {
+        t.tail.emplace_back().index = i;
+        t.tail.back().tick = static_cast<Tick>(i);
+        t.tail.back().avatar.emplace();
+      }
       return t;
     };
     rules_.on_pull(joiner(n), {nonce, 0, ~std::uint64_t{0}, cookie}, world, local, out);
@@ -157,6 +162,7 @@ class Admitting : public testing::Test {
 
   Situation s_{12, 0};
   Admissions rules_{s_.session};
+  std::uint32_t tail_ = 0;  ///< updates in the transfer
 };
 
 TEST_F(Admitting, OnlyWhoHasGotTheCookieIsSentTheWorld) {
@@ -199,6 +205,18 @@ TEST_F(Admitting, WhoBeginsAnewIsNotSentMoreForThat) {
   const Micros later = kLocal + 60 * kMicrosPerSecond;
   rules_.advance(later);
   EXPECT_EQ(pieces(1, 60, welcome(1, 60, later).cookie, later), whole) << "it is another occasion";
+}
+
+// Once, what it had been sent of a long transfer used up what it might be sent of a short one, and it waited for 8 s.
+TEST_F(Admitting, WhoBeginsAnewWithAShorterTransferGetsIt) {
+  tail_ = 500;
+  const wire::Welcome first = welcome(1, 1, kLocal);
+  const std::size_t many = pieces(1, 1, first.cookie, kLocal);
+  tail_ = 0;
+  const wire::Welcome second = welcome(1, 2, kLocal + 1'000'000);
+  const std::size_t few = pieces(1, 2, second.cookie, kLocal + 1'000'000);
+  EXPECT_GT(many, Admissions::kMostTimes);
+  EXPECT_EQ(few, 1U);
 }
 
 TEST_F(Admitting, ComesInByAnOrderOnceItHasTheWorld) {
