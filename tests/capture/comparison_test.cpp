@@ -119,7 +119,6 @@ TEST_F(ComparisonTest, WhatTheCaptureHasCutOffIsNotJudged) {
   EXPECT_EQ(links[1].captured, 1U);
 }
 
-// Once, all that it tells counted twice, and contradicted the capture.
 // Once, all that came after a receiver's crash counted as lost.
 TEST_F(ComparisonTest, WhatATraceThatBreaksOffCannotTellIsNotLost) {
   constexpr Tick kBrokeOff = 300;
@@ -137,6 +136,7 @@ TEST_F(ComparisonTest, WhatATraceThatBreaksOffCannotTellIsNotLost) {
   }
 }
 
+// Once, all that it tells counted twice, and contradicted the capture.
 TEST_F(ComparisonTest, ATraceIsTakenOnce) {
   Comparison c;
   trace_of(0, c);

@@ -112,12 +112,13 @@ std::string fidelity_table(const Report& r) {
   Table f({"fidelity error", "mean m", "own m", "others m", "nobody's m", "p95 m", "peak m"});
   rows(f, r, [](const std::string& name, const Group& g) { return fidelity_row(name, g.fidelity); });
   Table c({"physics-consistency-cost", "mean m", "peak m", "mean bodies", "most bodies", "deeds"});
+  bool any = false;
   for (const Peer& p : r.peers) {
     if (!r.is_seen(p)) continue;
+    any = true;
     c.row({"avatar " + p.name, fixed(p.pcc.mean_m, 3), fixed(p.pcc.peak_m, 3), fixed(p.pcc.bodies_mean, 2),
            std::to_string(p.pcc.bodies_peak), count(p.deeds)});
   }
-  const bool any = std::any_of(r.peers.begin(), r.peers.end(), [&r](const Peer& p) { return r.is_seen(p); });
   return "\nFidelity error: distance between bodies and the result of the players' deeds alone, summed, by whose "
          "deeds.\n"
          "Left out are bodies that several players shared: " +
