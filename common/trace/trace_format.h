@@ -1,10 +1,15 @@
 #pragma once
 
-// What the writer and the reader of traces share; nobody else includes it.
+// What the writer and the reader of traces share; nobody else but their tests includes it.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
 
+#include "common/model/hash.h"
 #include "common/trace/events.h"
 #include "proto/trace.pb.h"
 
@@ -37,6 +42,13 @@ inline void set_fields(BodyState& s, const std::array<float, 6>& v) {
 inline Truth nothing_agreed(std::size_t entities) {
   return {std::vector<PeerId>(entities, kNoPeer), std::vector<bool>(entities, false), std::vector<Vec2>(entities)};
 }
+
+/// The record as it stands in the file: after the varint of its length.
+std::vector<std::byte> delimited(const file::Record& record);
+/// `bytes`: as delimited() makes them.
+void add_record(Hasher& sum, std::span<const std::byte> bytes);
+/// Of all records that were added; never 0.
+std::uint32_t checksum_of(const Hasher& sum);
 
 void put_technique(const Technique& t, file::Technique& out);
 /// False if a knob is out of range.

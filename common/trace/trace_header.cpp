@@ -1,8 +1,42 @@
+#include <google/protobuf/io/coded_stream.h>
+
 #include <algorithm>
+#include <cassert>
+#include <cstring>
 
 #include "common/trace/trace_format.h"
 
 namespace padr::trace {
+
+using google::protobuf::io::CodedOutputStream;
+
+std::vector<std::byte> delimited(const file::Record& record) {
+  const std::size_t size = record.ByteSizeLong();
+  assert(size <= kMaxRecordBytes);
+  const auto prefix = static_cast<std::size_t>(CodedOutputStream::VarintSize32(static_cast<std::uint32_t>(size)));
+  std::vector<std::byte> bytes(prefix + size);
+  auto* const out = reinterpret_cast<std::uint8_t*>(bytes.data());
+  CodedOutputStream::WriteVarint32ToArray(static_cast<std::uint32_t>(size), out);
+  record.SerializeWithCachedSizesToArray(out + prefix);
+  return bytes;
+}
+
+// By words: all that is recorded passes through here.
+void add_record(Hasher& sum, std::span<const std::byte> bytes) {
+  std::uint64_t word = 0;
+  sum.add(static_cast<std::uint64_t>(bytes.size()));
+  for (; bytes.size() >= sizeof word; bytes = bytes.subspan(sizeof word)) {
+    std::memcpy(&word, bytes.data(), sizeof word);
+    sum.add(word);
+  }
+  word = 0;
+  std::memcpy(&word, bytes.data(), bytes.size());
+  sum.add(word);
+}
+
+std::uint32_t checksum_of(const Hasher& sum) {
+  return std::max<std::uint32_t>(1, static_cast<std::uint32_t>(sum.value()));
+}
 
 void put_technique(const Technique& t, file::Technique& out) {
   // Names every field, so that a new one does not compile until it is told here and in take_technique.

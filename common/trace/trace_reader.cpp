@@ -17,6 +17,8 @@ namespace {
 
 using google::protobuf::io::CodedInputStream;
 
+constexpr std::size_t kPreamble = kMagic.size() + 1;
+
 /// Entity ids out of gaps; an id past the last entity is reported by `ok`.
 class Ids {
  public:
@@ -247,18 +249,17 @@ bool is_capture(std::span<const std::byte> bytes) {
 TraceReader::TraceReader(std::span<const std::byte> bytes, std::string label)
     : bytes_(bytes), label_(std::move(label)) {
   if (bytes.empty()) throw UserError(label_ + ": is empty, not a trace");
-  const std::size_t preamble = kMagic.size() + 1;
   for (std::size_t i = 0; i < std::min(kMagic.size(), bytes.size()); ++i)
     if (bytes[i] != static_cast<std::byte>(kMagic[i]))
       throw UserError(label_ + ": not a trace of padr (it does not begin with " + std::string(kMagic) + ")" +
                       (is_capture(bytes) ? "; it is a capture of packets, which padr-capture reads" : ""));
-  if (bytes.size() < preamble)
-    throw UserError(label_ + ": ends within the first " + std::to_string(preamble) + " bytes");
+  if (bytes.size() < kPreamble)
+    throw UserError(label_ + ": ends within the first " + std::to_string(kPreamble) + " bytes");
   const auto version = std::to_integer<unsigned>(bytes[kMagic.size()]);
   if (version != kFormatVersion)
     throw UserError(label_ + ": trace format " + std::to_string(version) + "; this program reads format " +
                     std::to_string(kFormatVersion));
-  at_ = preamble;
+  at_ = verified_ = kPreamble;
   const auto first = next_record();
   if (!first) throw UserError(label_ + ": ends before its header is complete");
   file::Record record;
@@ -275,6 +276,7 @@ TraceReader::TraceReader(std::span<const std::byte> bytes, std::string label)
 
 std::optional<std::span<const std::byte>> TraceReader::next_record() {
   if (at_ >= bytes_.size()) return std::nullopt;
+  if (record_ > 0) add_record(since_checksum_, bytes_.subspan(record_start_, at_ - record_start_));
   record_start_ = at_;
   ++record_;
   constexpr std::size_t kLongestLength = 5;  // bytes of a varint of 32 bits
@@ -293,6 +295,14 @@ std::optional<std::span<const std::byte>> TraceReader::next_record() {
   const auto record = bytes_.subspan(at_, size);
   at_ += size;
   return record;
+}
+
+void TraceReader::verify(std::uint32_t checksum) {
+  if (checksum == 0 && verified_ == kPreamble) return;  // a trace from before
+  if (checksum_of(since_checksum_) != checksum)
+    refuse("its checksum does not fit: the trace is damaged between byte " + std::to_string(verified_) + " and here");
+  since_checksum_ = {};
+  verified_ = record_start_;
 }
 
 std::optional<Event> TraceReader::next() {
@@ -317,6 +327,7 @@ std::optional<Event> TraceReader::next() {
       return parser.interference(record);
     case file::Record::kStep: {
       Step s;
+      verify(record.step().checksum());
       parser.check(parser.step(record.step(), s));
       return s;
     }
@@ -331,9 +342,14 @@ std::optional<Event> TraceReader::next() {
       parser.check(parser.confirmed(record.confirmed(), c));
       return c;
     }
-    case file::Record::kFooter:
+    case file::Record::kFooter: {
       clean_ = true;
+      const std::uint32_t checksum = record.footer().checksum();
+      record.mutable_footer()->clear_checksum();
+      add_record(since_checksum_, delimited(record));
+      verify(checksum);
       return parser.footer(record.footer());
+    }
     case file::Record::kHeader:
       refuse("is a second header");
     case file::Record::KIND_NOT_SET:

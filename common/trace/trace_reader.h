@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "common/model/hash.h"
 #include "common/trace/events.h"
 
 namespace padr::trace {
@@ -35,12 +36,16 @@ class TraceReader {
   struct Parser;
   std::optional<std::span<const std::byte>> next_record();
   [[noreturn]] void refuse(const std::string& what) const;
+  /// Refuses the trace if this is not the checksum of the records since the last one.
+  void verify(std::uint32_t checksum);
 
   std::span<const std::byte> bytes_;
   std::string label_;
   std::size_t at_ = 0;            ///< of the next record
   std::size_t record_start_ = 0;  ///< of the current one
   std::size_t record_ = 0;        ///< its number; the header is 1
+  std::size_t verified_ = 0;      ///< what follows has not been verified by a checksum
+  Hasher since_checksum_;         ///< of the records from there to the current one
   Header header_;
   LiveView live_;
   Truth truth_;

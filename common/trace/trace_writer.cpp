@@ -1,27 +1,13 @@
 #include "common/trace/trace_writer.h"
 
-#include <google/protobuf/io/coded_stream.h>
-
 #include <bit>
 #include <cassert>
+#include <utility>
 
 #include "common/trace/trace_format.h"
 
 namespace padr::trace {
 namespace {
-
-using google::protobuf::io::CodedOutputStream;
-
-void hand_over(const file::Record& record, const ByteSink& sink) {
-  const std::size_t size = record.ByteSizeLong();
-  assert(size <= kMaxRecordBytes);
-  const auto prefix = static_cast<std::size_t>(CodedOutputStream::VarintSize32(static_cast<std::uint32_t>(size)));
-  std::vector<std::byte> bytes(prefix + size);
-  auto* const out = reinterpret_cast<std::uint8_t*>(bytes.data());
-  CodedOutputStream::WriteVarint32ToArray(static_cast<std::uint32_t>(size), out);
-  record.SerializeWithCachedSizesToArray(out + prefix);
-  sink(bytes);
-}
 
 /// Ids of ascending entities as gaps.
 class Gaps {
@@ -66,6 +52,12 @@ void put_shown(const LiveView& live, file::Step& out) {
 
 }  // namespace
 
+void TraceWriter::hand_over(const file::Record& record) {
+  const std::vector<std::byte> bytes = delimited(record);
+  add_record(since_checksum_, bytes);
+  sink_(bytes);
+}
+
 TraceWriter::TraceWriter(const Header& header, ByteSink sink) : sink_(std::move(sink)) {
   const auto entities = static_cast<std::size_t>(header.entities());
   states_.assign(entities, kUntold);
@@ -76,7 +68,7 @@ TraceWriter::TraceWriter(const Header& header, ByteSink sink) : sink_(std::move(
   sink_(start);
   file::Record record;
   put_header(header, *record.mutable_header());
-  hand_over(record, sink_);
+  hand_over(record);
 }
 
 void TraceWriter::begin(const Begin& b) {
@@ -85,44 +77,44 @@ void TraceWriter::begin(const Begin& b) {
   out.set_tick(static_cast<std::uint32_t>(b.tick));
   out.set_confirmed(static_cast<std::uint32_t>(b.confirmed));
   out.set_transfer(b.transfer.data(), b.transfer.size());
-  hand_over(record, sink_);
+  hand_over(record);
 }
 
 void TraceWriter::order(const Order& o) {
   file::Record record;
   record.mutable_order()->set_fetched(o.fetched.data(), o.fetched.size());
-  hand_over(record, sink_);
+  hand_over(record);
 }
 
 void TraceWriter::freeze(const Freeze& f) {
   file::Record record;
   record.mutable_freeze()->set_peer(f.peer);
   record.mutable_freeze()->set_frozen(f.frozen);
-  hand_over(record, sink_);
+  hand_over(record);
 }
 
 void TraceWriter::give_up(const GiveUp& g) {
   file::Record record;
   record.mutable_give_up()->set_peer(g.peer);
-  hand_over(record, sink_);
+  hand_over(record);
 }
 
 void TraceWriter::relayed(const Relayed& r) {
   file::Record record;
   record.mutable_relayed()->set_fetched(r.fetched.data(), r.fetched.size());
-  hand_over(record, sink_);
+  hand_over(record);
 }
 
 void TraceWriter::excuse() {
   file::Record record;
   record.mutable_excuse();
-  hand_over(record, sink_);
+  hand_over(record);
 }
 
 void TraceWriter::retune(const Retune& r) {
   file::Record record;
   put_technique(r.technique, *record.mutable_retune());
-  hand_over(record, sink_);
+  hand_over(record);
 }
 
 void TraceWriter::push(const Push& p) {
@@ -130,7 +122,7 @@ void TraceWriter::push(const Push& p) {
   record.mutable_push()->set_body(p.body);
   record.mutable_push()->set_x(p.velocity.x);
   record.mutable_push()->set_y(p.velocity.y);
-  hand_over(record, sink_);
+  hand_over(record);
 }
 
 void TraceWriter::remark(const Remark& r) {
@@ -138,7 +130,7 @@ void TraceWriter::remark(const Remark& r) {
   record.mutable_remark()->set_kind(r.kind);
   record.mutable_remark()->set_peer(r.peer == kNoPeer ? 0U : r.peer + 1U);
   record.mutable_remark()->set_text(r.text);
-  hand_over(record, sink_);
+  hand_over(record);
 }
 
 void TraceWriter::step(const Step& s, const LiveView& live) {
@@ -160,14 +152,15 @@ void TraceWriter::step(const Step& s, const LiveView& live) {
   if (s.signature) out.set_signature(s.signature->data(), s.signature->size());
   put_changes(live.states, states_, out);
   put_shown(live, out);
-  hand_over(record, sink_);
+  out.set_checksum(checksum_of(std::exchange(since_checksum_, {})));
+  hand_over(record);
 }
 
 void TraceWriter::received(Micros at, std::span<const std::byte> datagram) {
   file::Record record;
   record.mutable_received()->set_at_us(at);
   record.mutable_received()->set_datagram(datagram.data(), datagram.size());
-  hand_over(record, sink_);
+  hand_over(record);
 }
 
 void TraceWriter::sent(PeerId to, Tick tick, std::span<const std::byte> datagram) {
@@ -175,7 +168,7 @@ void TraceWriter::sent(PeerId to, Tick tick, std::span<const std::byte> datagram
   record.mutable_sent()->set_to(to);
   record.mutable_sent()->set_tick(static_cast<std::uint32_t>(tick));
   record.mutable_sent()->set_datagram(datagram.data(), datagram.size());
-  hand_over(record, sink_);
+  hand_over(record);
 }
 
 void TraceWriter::confirmed(Tick tick, std::uint64_t hash, const Truth& truth) {
@@ -195,7 +188,7 @@ void TraceWriter::confirmed(Tick tick, std::uint64_t hash, const Truth& truth) {
     out.add_position(truth.agreed[e].y);
   }
   truth_ = truth;
-  hand_over(record, sink_);
+  hand_over(record);
 }
 
 void TraceWriter::footer(const Footer& f) {
@@ -217,7 +210,9 @@ void TraceWriter::footer(const Footer& f) {
     of.set_peer(d.peer);
     for (const std::uint64_t n : d.by_reason) of.add_by_reason(n);
   }
-  hand_over(record, sink_);
+  add_record(since_checksum_, delimited(record));
+  out.set_checksum(checksum_of(since_checksum_));
+  hand_over(record);
 }
 
 }  // namespace padr::trace

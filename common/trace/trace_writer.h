@@ -1,8 +1,13 @@
 #pragma once
 
+#include "common/model/hash.h"
 #include "common/trace/events.h"
 
 namespace padr::trace {
+
+namespace file {
+class Record;
+}
 
 /// Turns what happens into the bytes of a trace, record by record; proto/trace.proto has the format. It writes no file:
 /// whoever owns one gives a sink.
@@ -30,7 +35,10 @@ class TraceWriter {
   void footer(const Footer& f);
 
  private:
+  void hand_over(const file::Record& record);
+
   ByteSink sink_;
+  Hasher since_checksum_;          ///< of what was handed over since the last one
   std::vector<BodyState> states_;  ///< as last told
   Truth truth_;                    ///< as last told
 };

@@ -1,3 +1,5 @@
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+#include <google/protobuf/util/delimited_message_util.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -6,6 +8,7 @@
 
 #include "common/model/rng.h"
 #include "common/model/user_error.h"
+#include "common/trace/trace_format.h"
 #include "common/trace/trace_reader.h"
 #include "common/trace/trace_writer.h"
 #include "tests/seed.h"
@@ -317,9 +320,43 @@ TEST(TraceFormat, StepsAndConfirmedTicksFollowOneAnother) {
         << damaged;
 }
 
-// Damage is either refused in one line or read as something else, never worse.
-TEST(TraceFormat, DamagedBytesAreSurvived) {
+TEST(TraceFormat, EveryFlippedBitIsNoticed) {
   const Bytes whole = small_trace();
+  for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
+    Bytes b = whole;
+    b[bit / 8] ^= static_cast<std::byte>(1U << bit % 8);
+    if (!error_of(b).empty()) continue;
+    bool truncated = false;
+    bool clean = false;
+    records_of(b, &truncated, &clean);
+    EXPECT_FALSE(clean) << "bit " << bit % 8 << " of byte " << bit / 8;
+  }
+  Bytes b = whole;
+  b[whole.size() / 2] ^= std::byte{1};
+  EXPECT_NE(error_of(b).find("its checksum does not fit: the trace is damaged between byte "), std::string::npos)
+      << error_of(b);
+}
+
+Bytes without_checksums(const Bytes& whole) {
+  Bytes out(whole.begin(), whole.begin() + 8);
+  google::protobuf::io::ArrayInputStream in(whole.data() + 8, static_cast<int>(whole.size() - 8));
+  trace::file::Record record;
+  while (google::protobuf::util::ParseDelimitedFromZeroCopyStream(&record, &in, nullptr)) {
+    if (record.has_step()) record.mutable_step()->clear_checksum();
+    if (record.has_footer()) record.mutable_footer()->clear_checksum();
+    const Bytes bytes = trace::delimited(record);
+    out.insert(out.end(), bytes.begin(), bytes.end());
+  }
+  return out;
+}
+
+TEST(TraceFormat, TracesFromBeforeChecksumsAreRead) {
+  EXPECT_EQ(error_of(without_checksums(small_trace())), "");
+}
+
+// Damage is either refused in one line or read as something else, never worse. Without checksums it goes further.
+TEST(TraceFormat, DamagedBytesAreSurvived) {
+  const Bytes whole = without_checksums(small_trace());
   Rng rng(test::seed());
   int refused = 0;
   for (int i = 0; i < 20'000; ++i) {
