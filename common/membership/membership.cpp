@@ -73,7 +73,10 @@ void Membership::receive(const Endpoint& from, const wire::Header& header, const
   if (const auto* probe = std::get_if<wire::Probe>(&message)) {
     // A ban that ends protects those who are with this peer; if nobody is, it may only keep it alone.
     const bool barred = bars(from.key) && (!merge_.is_alone(view) || bars_for_good(from.key));
-    if (!barred) merge_.on_probe(from, header.sender, *probe, bytes, view, local, commands_);
+    if (!barred)
+      merge_.on_probe(from, header.sender, *probe, bytes, view, local, commands_);
+    else if (!bars_for_good(from.key))
+      merge_.on_probe_of_barred(from, header.sender, *probe, view);
     if (!testimony_.proofs().empty()) testimony_.tell(from, merge_.gone(), view, commands_);
     return;
   }

@@ -183,6 +183,13 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
   reply_within_credit(from, view, out);
 }
 
+// If only one part counted it, each of two that are of the same size could take itself for the one that stays.
+void PartitionMerge::on_probe_of_barred(const Endpoint& from, PeerId sender, const wire::Probe& probe,
+                                        const View& view) {
+  if (view.roster.member && sender < session_.slots && !member_at(from, view))
+    note_witness(from, sender, probe.incarnation, view.roster.now);
+}
+
 bool PartitionMerge::is_unproven(const Endpoint& at, const View& view) const {
   if (session_.config.sealed) return false;
   const auto& seats = view.roster.seats;

@@ -39,6 +39,8 @@ class PartitionMerge {
   void on_change(const MemberChange& change, const View& view);
   void on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, std::size_t bytes, const View& view,
                 Micros local, Commands& out);
+  /// A Probe of a peer that this one has barred for a while: it is followed nowhere, but counts in its part, as there.
+  void on_probe_of_barred(const Endpoint& from, PeerId sender, const wire::Probe& probe, const View& view);
   /// A state datagram of this session has come from an address of no member.
   void on_stranger(const Endpoint& from, std::size_t bytes, const View& view, Micros local, Commands& out);
   /// A peer of another part has told of one of its part.

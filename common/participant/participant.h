@@ -163,6 +163,7 @@ class Participant {
   /// Whether another member is to be asked than the one that this peer tries to join anew by.
   bool asks_in_vain(const Endpoint& way_back) const;
   void look_for_way_back(Micros local);
+  void note_time(Micros local);
   void plan_farewell();
   void say_goodbye();
   bool nobody_to_tell() const;

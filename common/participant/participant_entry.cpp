@@ -205,7 +205,6 @@ void Participant::take_over() {
   if (left_at_) plan_farewell();  // leave() was called before its admission
   if (!before.session) return;
   collect(before);
-  most_offset_.reset();
   current_.membership->inherit(*before.membership, current_.session->let_in_by().key);
   before.replica->finish(true);
 }
@@ -221,8 +220,7 @@ void Participant::look_for_way_back(Micros local) {
   if (left_at_) return;
   const auto where = current_.membership->way_back();
   if (where) current_.membership->announce_way_back();
-  if (const Micros lead = replica().least_clock_lead(); lead >= Replica::kFarAhead)
-    most_offset_ = session().session_now(local) - local - lead;
+  note_time(local);
   if (current_.membership->founds_anew() && !next_.replica && !scene_.region) return found_anew(local);
   if (next_.session && !next_.replica && (!where || asks_in_vain(*where))) next_ = {};  // no longer needed
   if (next_.session || local < try_again_ || !where || !where->is_set()) return;
@@ -234,6 +232,15 @@ void Participant::look_for_way_back(Micros local) {
   c.patience = kReturnPatience;
   c.most_offset = most_offset_;
   next_.session = std::make_unique<Session>(c, local);
+}
+
+// A session's time does not change: it is not what another introducer says, if most others say that this peer has it.
+void Participant::note_time(Micros local) {
+  const Micros offset = session().session_now(local) - local;
+  if (const Micros lead = replica().least_clock_lead(); lead >= Replica::kFarAhead)
+    most_offset_ = offset - lead;
+  else if (replica().shares_time())
+    most_offset_ = offset;
 }
 
 // Only this peer gives up: the missing ones may still join the members that go on waiting.

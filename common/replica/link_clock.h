@@ -30,8 +30,10 @@ class LinkClock {
   bool measured() const { return least() != kNone; }
   /// Microseconds; only when measured.
   Micros least() const { return std::min(previous_, current_); }
+  /// Whether both have measured.
+  bool compared() const { return measured() && heard_; }
   /// By how much our clock leads theirs, if delays are alike both ways; 0 until both have measured.
-  Micros lead() const { return measured() && heard_ ? (least() - theirs_) / 2 : 0; }
+  Micros lead() const { return compared() ? (least() - theirs_) / 2 : 0; }
   /// By how much it leads theirs at least, whatever the delays are; negative or 0 if that is not known.
   Micros least_lead() const { return heard_ ? -theirs_ : 0; }
   /// By how much it is behind theirs at least, likewise: a datagram has come before it was sent.

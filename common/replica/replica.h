@@ -210,6 +210,8 @@ class Replica {
   Micros least_clock_lead() const;
   /// By how much it is behind theirs, likewise.
   Micros least_clock_lag() const;
+  /// Whether most of at least two others have a clock that differs from this one by less than kFarBehind.
+  bool shares_time() const;
   /// Lead from which on this peer has been told a wrong time, us: the others drop what it sends from 2 s on.
   static constexpr Micros kFarAhead = kMicrosPerSecond;
   /// Lag from which on this peer's clock has stood still for a while, as that of a suspended machine does, us.

@@ -73,6 +73,18 @@ Micros Replica::least_clock_lag() const {
   return as_most_others_show(&LinkClock::least_lag);
 }
 
+bool Replica::shares_time() const {
+  std::size_t others = 0;
+  std::size_t alike = 0;
+  for (PeerId p = 0; p < config_.slots; ++p) {
+    if (p == config_.self || !seat(p).there()) continue;
+    ++others;
+    const LinkClock& clock = links_[p].clock;
+    if (clock.compared() && clock.lead() > -kFarBehind && clock.lead() < kFarBehind) ++alike;
+  }
+  return others >= 2 && 2 * alike > others;
+}
+
 Micros Replica::as_most_others_show(Micros (LinkClock::*what)() const) const {
   std::array<Micros, kMaxPeers> shown;
   std::size_t others = 0;

@@ -140,6 +140,7 @@ void Replica::forgive_arrears() {
 void Replica::forgive(PeerId p, Tick meanwhile) {
   Seat& s = roster_.seats[p];
   s.forgiven = std::min(now(), std::max(told_until(p), s.forgiven) + meanwhile);
+  s.acks_forgiven = std::min(now(), std::max(s.unacknowledged, s.acks_forgiven) + meanwhile);
 }
 
 // The log of a frozen peer must not grow any more: not by its datagrams, and not by passed-on updates that fill a gap

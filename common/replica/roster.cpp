@@ -12,7 +12,7 @@ Tick Roster::unanswered(PeerId p) const {
 
 Tick Roster::unacknowledged(PeerId p) const {
   const Seat& s = seats[p];
-  return s.unacknowledged < 0 ? 0 : std::max(0, now - std::max(s.unacknowledged, s.excused));
+  return s.unacknowledged < 0 ? 0 : std::max(0, now - std::max({s.unacknowledged, s.excused, s.acks_forgiven}));
 }
 
 std::uint32_t Roster::newest_incarnation() const {

@@ -35,6 +35,7 @@ struct Seat {
   Tick seated = 0;                 ///< when this peer learned of that admission
   Tick excused = 0;                ///< silence and arrears before this tick do not count
   Tick forgiven = 0;               ///< arrears before this tick do not count: something was in the way
+  Tick acks_forgiven = 0;          ///< as forgiven, of acknowledgements
   Tick heard = 0;                  ///< when its last valid datagram came
   Tick answered = 0;               ///< when it last acknowledged something new of ours
   Tick answer_mark = -1;           ///< tick of its newest mark that has answered us

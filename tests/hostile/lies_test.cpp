@@ -240,6 +240,28 @@ TEST(Lying, WhoIsToldAWrongTimeLearnsItFromTheOthers) {
   EXPECT_EQ(t.party().net().peer(joiner).incarnation(), 1) << t.party().story();
 }
 
+// Once, it came in with the time that it was told, was declared gone, and so on until the others had told it otherwise.
+TEST(Lying, WhoHasHadTheSessionsTimeIsToldNoOther) {
+  Trial t(4, 0, wire::SealMode::kAuth, 133);
+  t.liar().speak_to_joiners([](wire::SessionMessage& m) {
+    if (auto* pong = std::get_if<wire::Pong>(&m)) pong->session += 3 * kMicrosPerSecond;
+  });
+  const auto cut = [&t](bool is) {
+    for (PeerId p = 0; p < 3; ++p) {
+      t.party().net().cut(t.person(p), t.person(3), is);
+      t.party().net().cut(t.person(3), t.person(p), is);
+    }
+  };
+  cut(true);
+  t.party().run(6);
+  cut(false);
+  EXPECT_TRUE(t.party().run_until(10, [&] { return t.party().united(); })) << t.party().story();
+  t.party().run(4);
+  EXPECT_FALSE(t.noted("clock is")) << t.party().story();
+  EXPECT_EQ(t.party().net().peer(t.person(3)).incarnation(), 1) << t.party().story();
+  EXPECT_NEAR(t.replica(3).now(), t.replica(1).now(), 6);
+}
+
 // Once, nobody could join any more, nor after the liar had left, as a world with something so far out was refused.
 TEST(Lying, WhoLeavesTheWorldClosesItToNobody) {
   Trial t(4, 2, wire::SealMode::kAuth, 777);

@@ -269,6 +269,13 @@ TEST(MisbehaviourRules, WhoHoldsUpEverybodyIsCutOff) {
       {"a tick short", 0, [](Situation& s) { s.log.begin(2, 0, kOwed + 1); }, {}},
       {"one does not acknowledge", 0, [](Situation& s) { s.roster.seats[2].unacknowledged = kIgnored; }, {2}},
       {"a tick short of that", 0, [](Situation& s) { s.roster.seats[2].unacknowledged = kIgnored + 1; }, {}},
+      {"something was in the way",
+       0,
+       [](Situation& s) {
+         s.roster.seats[2].unacknowledged = kIgnored;
+         s.roster.seats[2].acks_forgiven = kIgnored + 1;
+       },
+       {}},
       {"nor did it while it asks to be let in anew",
        0,
        [](Situation& s) {

@@ -147,6 +147,26 @@ TEST(PartitionMerge, WithAKeyOnlyWhoWasAMemberAndSpeaksForItselfCounts) {
 }
 
 // Once, two parts whose peers had all joined anew stayed apart for ever.
+// Once, the part of a senior peer stayed as it counted that one, and the other part as it had barred it.
+TEST(PartitionMerge, WhoIsBarredForAWhileCountsButIsNotFollowed) {
+  for (const bool barred_speaks : {true, false}) {
+    Met m({50, 50, 50}, 3);
+    m.probe.incarnation = 6;
+    if (barred_speaks) m.rules.on_probe_of_barred(keyed(5), 5, m.probe, m.s.view());
+    EXPECT_FALSE(m.yields());
+    m.probed_by(6, 7);
+    EXPECT_EQ(m.yields(), barred_speaks);
+    if (m.yields()) {
+      EXPECT_NE(*m.rules.winner(m.s.view()), keyed(5));
+    }
+    m.probe.incarnation = 6;
+    m.rules.on_probe_of_barred(keyed(5), 5, m.probe, m.s.view());
+    if (m.yields()) {
+      EXPECT_NE(*m.rules.winner(m.s.view()), keyed(5));
+    }
+  }
+}
+
 TEST(PartitionMerge, StrangersAreBelievedAfterAWhileIfTheyAreMore) {
   using test::kNow;
   for (const Tick met : {kNow - PartitionMerge::kStrangers, kNow - PartitionMerge::kStrangers + 1}) {

@@ -416,6 +416,29 @@ TEST(Replica, WhoCouldTellNothingForAWhileIsForgivenThatTimeOnly) {
   }
 }
 
+// Once, who had come into reach again was cut off for what it could not have acknowledged meanwhile.
+TEST(Replica, WhoCouldAcknowledgeNothingForAWhileIsForgivenThatTimeOnly) {
+  Mesh mesh(2, "delay 30ms", 1);
+  std::vector<bool> running(2, true);
+  const auto run = [&](Tick ticks) {
+    for (Tick t = 0; t < ticks; ++t) mesh.step(running);
+  };
+  mesh.settle();
+  run(240);
+  mesh[1].set_judge([since = mesh.now()](const sync::StatePacket& p, PeerId) {
+    const bool refused = !p.updates.empty() && p.updates.back().tick >= since;
+    return refused ? sync::DropReason::kRight : sync::DropReason::kNone;
+  });
+  mesh[0].order({});
+  run(180);
+  EXPECT_NEAR(mesh[0].roster().unacknowledged(1), 180, 10);
+  running[1] = false;
+  run(240);
+  running[1] = true;
+  run(30);
+  EXPECT_NEAR(mesh[0].roster().unacknowledged(1), 180 + 30, 20);
+}
+
 // Nothing that the two say is acknowledged, so both soon send a mark a second only. Once, a pause of more than a second
 // hid that a frozen peer answers, and whoever had frozen it by a liar's word never took it up again.
 TEST(Replica, AFrozenPeerIsKnownToAnswerOnABadLink) {
