@@ -10,6 +10,7 @@
 #include "shell/scenario_flags.h"
 #include "shell/session_words.h"
 #include "shell/technique_text.h"
+#include "shell/text.h"
 #include "shell/unpredictable.h"
 
 namespace padr::peer {
@@ -80,9 +81,16 @@ void CrowdLoop::tell() {
                       region.x, region.y, shell::words_of(event));
 }
 
+// It joins by one address only: what is not reached before it has met anybody is that.
+void CrowdLoop::unreachable(const Endpoint& at, Micros now) {
+  nobody_listens_ |= !peer_->finder().met();
+  peer_->unreachable(at, now);
+}
+
 void CrowdLoop::leave(const std::string& why, Micros now) {
   record_.look(*peer_);
-  log_.session->info("leaving {} regions at tick {}: {}", record_.places.size(), record_.last_tick, why);
+  log_.session->info("leaving {} at tick {}: {}", shell::counted(record_.places.size(), "region"), record_.last_tick,
+                     why);
   left_at_ = now;
   peer_->leave(now);
 }
@@ -96,10 +104,10 @@ void CrowdLoop::end_if_over(Micros now) {
   if (peer_->playing()) return;
   if (!peer_->finder().failure().empty()) return end(shell::kExitFailure, peer_->finder().failure());
   if (options_.join_timeout > 0 && now >= in_micros(options_.join_timeout))
-    end(shell::kExitFailure, fmt::format("{} within {} s",
-                                         peer_->finder().met() ? "could not enter the region of --start"
-                                                               : "no answer from " + options_.join->text,
-                                         options_.join_timeout));
+    end(shell::kExitFailure,
+        peer_->finder().met() ? fmt::format("could not enter the region of --start within {} s", options_.join_timeout)
+                              : fmt::format("no answer from {} within {} s{}", options_.join->text,
+                                            options_.join_timeout, nobody_listens_ ? ": nobody listens there" : ""));
 }
 
 void CrowdLoop::say_status(Micros now) {
@@ -113,11 +121,12 @@ void CrowdLoop::say_status(Micros now) {
   const std::uint64_t bytes = peer_->stats().wire_bytes;
   const double seconds = std::max(1e-3, static_cast<double>(now - told_at_) / kMicrosPerSecond);
   log_.status->info(
-      "{:6.1f} s  at {:.1f},{:.1f} in region {},{}  {} regions, up to {} others in one  confirmed -{:.0f} ms  sent "
+      "{:6.1f} s  at {:.1f},{:.1f} in region {},{}  {}, up to {} in one  confirmed -{:.0f} ms  sent "
       "{:.1f} kbit/s  crossings {}  late {}",
       static_cast<double>(here.last_tick) / kTicksPerSecond, here.position.x, here.position.y, here.home.x, here.home.y,
-      here.places.size(), others, (here.last_tick - oldest) * 1000.0 / kTicksPerSecond,
-      static_cast<double>(bytes - told_bytes_) * 8e-3 / seconds, peer_->stats().handovers, record_.late);
+      shell::counted(here.places.size(), "region"), shell::counted(others, "other"),
+      (here.last_tick - oldest) * 1000.0 / kTicksPerSecond, static_cast<double>(bytes - told_bytes_) * 8e-3 / seconds,
+      peer_->stats().handovers, record_.late);
   told_bytes_ = bytes;
   told_at_ = now;
 }

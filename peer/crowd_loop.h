@@ -22,7 +22,7 @@ class CrowdLoop final : public Loop {
   void receive(const Endpoint& from, std::span<const std::byte> datagram, Micros now) override {
     peer_->receive(from, datagram, now);
   }
-  void unreachable(const Endpoint& at, Micros now) override { peer_->unreachable(at, now); }
+  void unreachable(const Endpoint& at, Micros now) override;
   void advance(Micros now) override;
   Micros next_due() const override;
   void stop(const std::string& signal, Micros now) override;
@@ -40,6 +40,7 @@ class CrowdLoop final : public Loop {
   std::uint64_t told_bytes_ = 0;
   Micros told_at_ = 0;
   std::optional<Micros> left_at_;
+  bool nobody_listens_ = false;  ///< where it asked for the crowd
 };
 
 }  // namespace padr::peer

@@ -7,6 +7,7 @@
 #include "peer/addresses.h"
 #include "peer/summary.h"
 #include "shell/run_main.h"
+#include "shell/text.h"
 #include "shell/unpredictable.h"
 
 namespace padr::peer {
@@ -46,9 +47,8 @@ EventLoop::EventLoop(const Options& options, Log& log, const shell::Clock& clock
   if (join_) log_.session->info("joining {} ({})", options.join->text, to_string(*join_));
   if (!join_)
     log_.session->info("founded, waiting for {}",
-                       options.spectates
-                           ? fmt::format("{} player{}", options.wait_peers, options.wait_peers == 1 ? "" : "s")
-                           : fmt::format("{} peer{} in all", options.wait_peers, options.wait_peers == 1 ? "" : "s"));
+                       shell::counted(options.wait_peers, options.spectates ? "player" : "peer") +
+                           (options.spectates ? "" : " in all"));
 }
 
 void EventLoop::open_all_files() {

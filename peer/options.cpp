@@ -308,8 +308,9 @@ void take_sizes(const Raw& raw, Options& o) {
   const auto check = [&o](const char* flag, int value, int least, int at_most) {
     if (value >= least && value <= at_most) return value;
     throw UserError(std::string(flag) + ": " + std::to_string(value) + " is not allowed; give " +
-                    std::to_string(least) + " to " + std::to_string(at_most) + ", by the avatar slots of scenario '" +
-                    o.scenario.scene.name + "'");
+                    std::to_string(least) + " to " + std::to_string(at_most) + ", by " +
+                    (least > 1 ? "--wait-peers and " : "") + "the avatar slots of scenario '" + o.scenario.scene.name +
+                    "'");
   };
   const int watches = o.spectates ? 1 : 0;
   o.wait_peers = check("--wait-peers", raw.wait_peers.value_or(2), 1, most - watches);
@@ -395,6 +396,8 @@ void take_crowd(const Raw& raw, Options& o) {
   if (o.key) throw UserError("--crowd: a crowd cannot have a key; leave PADR_KEY out");
   for (const NetemOverride& n : o.netem_to)
     if (n.peer) throw UserError("--netem-to: peers of a crowd have no number; give HOST:PORT=SPEC");
+  if (raw.stroll && !o.input.starts_with("wander"))
+    throw UserError("--stroll: is for --input wander only; leave one of them out");
   CrowdOptions& c = o.crowd.emplace();
   c.plane.seed = raw.scenario.seed();
   if (raw.region_side) c.plane.side = static_cast<float>(*raw.region_side);

@@ -8,6 +8,7 @@
 #include "shell/netem_flags.h"
 #include "shell/session_words.h"
 #include "shell/technique_text.h"
+#include "shell/text.h"
 
 namespace padr::peer {
 namespace {
@@ -154,7 +155,8 @@ void Player::follow_start(Micros now) {
   if (waited_) {
     waited_ = false;
     tell_events(now);  // before what follows from them, even if both come in one step
-    log_.session->info("session {} of {} peers starts in {:.2f} s; this is peer {}", session().number(), present(),
+    log_.session->info("session {} of {} starts in {:.2f} s; this is peer {}", session().number(),
+                       shell::counted(present(), "peer"),
                        std::max(0.0, static_cast<double>(start.at - replica().now()) / kTicksPerSecond), self());
     say_what_is_played();
   }

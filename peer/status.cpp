@@ -1,4 +1,5 @@
 #include "peer/status.h"
+#include "shell/text.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -70,8 +71,7 @@ std::string Status::line(const Player& player, Micros now) {
       confirmed_lag_ms(player), player.confirmed().hash >> 32U, player.confirmed().tick,
       static_cast<double>(updates - last_updates_) / seconds, static_cast<double>(bytes - last_bytes_) * 8e-3 / seconds,
       replica.own_error(), static_cast<double>(totals.replayed_steps - last_replayed_) / ticks, player.ticks().late);
-  if (const int wanted = replica.start().wanted; wanted > 0)
-    line += fmt::format("  waits for {} player{}", wanted, wanted == 1 ? "" : "s");
+  if (const int wanted = replica.start().wanted; wanted > 0) line += "  waits for " + shell::counted(wanted, "player");
   if (const int n = player.session().spectators(); n > 0) line += fmt::format("  spectators {}", n);
   if (history.came() > 0) line += fmt::format("  came {}", history.came());
   if (history.left() > 0) line += fmt::format("  left {}", history.left());

@@ -254,11 +254,11 @@ CLI::Validator between(double low, double high, const std::string& unit) {
       return "";
     return "'" + text + "' is not allowed; give " + allowed;
   };
-  return CLI::Validator(check, "");
+  return CLI::Validator(check, "in [" + plain(low) + " - " + plain(high) + "]");
 }
 
 CLI::Validator range(double low, double high) {
-  return between(low, high, "").description("in [" + plain(low) + " - " + plain(high) + "]");
+  return between(low, high, "");
 }
 
 std::vector<std::string> command_of(int argc, const char* const* argv) {

@@ -15,9 +15,9 @@ bool parse(CLI::App& app, int argc, const char* const* argv);
 
 /// For whole numbers from 0: CLI11 by itself takes "-1" for the largest there is.
 CLI::Validator whole_number();
-/// For numbers from `low` to `high` in `unit`. Unlike CLI::Range it does not let NaN pass.
+/// For numbers from `low` to `high` in `unit`; --help shows the two. Unlike CLI::Range it does not let NaN pass.
 CLI::Validator between(double low, double high, const std::string& unit);
-/// The same without a unit; --help shows the two.
+/// The same without a unit.
 CLI::Validator range(double low, double high);
 
 /// The command line as it was given, for results that say where they came from.

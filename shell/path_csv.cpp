@@ -9,6 +9,7 @@
 
 #include "common/model/user_error.h"
 #include "common/scenarios/numbers.h"
+#include "shell/text.h"
 
 namespace padr::shell {
 namespace {
@@ -71,8 +72,7 @@ class Reader {
     }
     if (points_.size() < 2) {
       ++line_;
-      fail(1, "the file ends after " + std::to_string(points_.size()) + (points_.size() == 1 ? " row" : " rows") +
-                  ", allowed: at least 2 rows t,x,y");
+      fail(1, "the file ends after " + counted(points_.size(), "row") + ", allowed: at least 2 rows t,x,y");
     }
     return std::move(points_);
   }

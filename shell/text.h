@@ -1,5 +1,6 @@
 #pragma once
 
+#include <concepts>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -13,6 +14,11 @@ namespace padr::shell {
 std::string fixed(double v, int digits);
 /// The same, and "-" for what is not finite.
 std::string fixed_or_dash(double v, int digits);
+
+/// "1 peer", "2 peers", for `what` whose plural ends with an s.
+std::string counted(std::integral auto n, std::string_view what) {
+  return std::to_string(n) + ' ' + std::string(what) + (n == 1 ? "" : "s");
+}
 
 using padr::hex;
 

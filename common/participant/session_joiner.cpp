@@ -122,7 +122,7 @@ void Joiner::give_up_if_late(Micros local) {
   session_.fail("no answer from " + to_string(target_) + " within " + in_seconds(patience) +
                 (refused                  ? ": nobody listens there"
                  : session_.config.sealed ? "; it may have another session key, or none"
-                                          : "; it may have a session key"));
+                                          : "; it may have a session key, or play in a crowd"));
 }
 
 }  // namespace padr::node

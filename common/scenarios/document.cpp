@@ -69,6 +69,8 @@ Document::Document(std::string_view text, std::string_view label) : label_(label
     fail({},
          "the file has " + std::to_string(text.size()) + " bytes, allowed: at most " + std::to_string(kMaxTextBytes));
   }
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // a byte order mark, as Windows' editors write it
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) fail({}, "the file is in UTF-16, allowed: UTF-8");
   pb::TextFormat::Parser parser;
   pb::TextFormat::ParseInfoTree tree;
   FirstError error;

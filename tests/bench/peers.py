@@ -78,7 +78,7 @@ class Session:
         port = self.wait_for(0, r"listening on \S+:(\d+)")[1]
         for _ in range(1, count):
             self.start("--join", f"127.0.0.1:{port}")
-        lead = float(self.wait_for(0, r"peers starts in ([\d.]+) s")[1])
+        lead = float(self.wait_for(0, r"peers? starts in ([\d.]+) s")[1])
         time.sleep(lead + self.options.warm_up)
 
     def processor_seconds(self):

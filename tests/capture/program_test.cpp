@@ -110,7 +110,9 @@ TEST_F(Program, ACaptureNeedNotBeInTheOrderOfTime) {
   write("mixed.pcapng", file);
   const Outcome o = capture("summary mixed.pcapng");
   EXPECT_EQ(o.status, 0);
-  EXPECT_NE(o.out.find("3 datagrams of PADR in 2.0 s"), std::string::npos) << o.out;
+  EXPECT_NE(o.out.find("3 datagrams of PADR in 2.0 s, 1 earlier than the one before"), std::string::npos) << o.out;
+  const std::string json = capture("summary mixed.pcapng --json -").out;
+  EXPECT_NE(json.find("\"out_of_order\": 1"), std::string::npos) << json;
   EXPECT_TRUE(o.err.starts_with("padr-capture: warning: not in order of time: 1 datagrams are earlier")) << o.err;
   EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
 }

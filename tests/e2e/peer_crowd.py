@@ -110,7 +110,7 @@ class Crowd(Case):
 
         leaver = stands(20, "--duration", 8, "--status-interval", 0.2)
         neighbour = stands(36, "--join", f"127.0.0.1:{leaver.port()}")
-        leaver.wait_for("2 regions, up to 1 others in one")
+        leaver.wait_for("2 regions, up to 1 other in one")
         leaver.wait_for("leaving 2 regions .* the time to play is over")
         neighbour.process.send_signal(signal.SIGSTOP)
         time.sleep(1.5)  # its own region has nobody else and is over; the other one lingers for 3 s
@@ -123,7 +123,7 @@ class Crowd(Case):
     def test_nobody_there(self):
         code, _, err = run("--crowd", "--join", "127.0.0.1:9", "--join-timeout", 1)
         self.assertEqual(code, 1, err)
-        self.assertIn("no answer from 127.0.0.1:9 within 1 s", err)
+        self.assertIn("no answer from 127.0.0.1:9 within 1 s: nobody listens there", err)
 
 
 if __name__ == "__main__":

@@ -36,7 +36,7 @@ class ThreeMachines(OnThreeMachines):
     def test_two_peers_of_one_machine_that_met_on_its_loopback_address(self):
         founder = self.on(1, "--wait-peers", 2, "--duration", 3, "--linger", 0.5)
         elsewhere = self.on(2, "--join", f"10.99.0.1:{founder.port()}", "--duration", 9)
-        elsewhere.wait_for("peers starts in")
+        elsewhere.wait_for("peers? starts in")
         beside = self.on(1, "--join", f"127.0.0.1:{founder.port()}", "--duration", 9)
         beside.wait_for("this is peer 2|in as peer 2")
         self.assertEqual(founder.end(), 0)
@@ -156,7 +156,7 @@ class BesideADownload(OnThreeMachines):
         common = ("--listen", "0.0.0.0:0", "--insecure", "--duration", self.SECONDS)
         founder = self.peer(*common, "--wait-peers", 2, preexec_fn=self.machines.enter(1))
         joiner = self.peer(*common, "--join", f"10.99.0.1:{founder.port()}", preexec_fn=self.machines.enter(2))
-        joiner.wait_for("play begins|peers starts in")
+        joiner.wait_for("play begins|peers? starts in")
         began = time.monotonic()
         came = self.download(began + self.SECONDS - 2)
         share = came * 8 / 1000 / (time.monotonic() - began) / self.RATE

@@ -16,7 +16,7 @@ import time
 import unittest
 
 PROGRAM = sys.argv.pop(1) if len(sys.argv) > 1 else "padr-peer"
-PLAYING = r"peers starts in|: in as peer"  # the log line that says so
+PLAYING = r"peers? starts in|: in as peer"  # the log line that says so
 PATIENCE = 30.0  # s until something that should happen counts as missing; a loaded machine is slow
 
 

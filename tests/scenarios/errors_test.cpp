@@ -172,6 +172,13 @@ TEST(ScenarioErrors, TouchingIsNoOverlap) {
   EXPECT_NE(place("2.594"), "no error");
 }
 
+TEST(ScenarioErrors, AByteOrderMarkIsNoneButUtf16Is) {
+  EXPECT_EQ(error_of([&] { load("\xEF\xBB\xBF" + with_line(0, ""), "t", 1); }), "no error");
+  for (const std::string mark : {"\xFF\xFE", "\xFE\xFF"})
+    EXPECT_NE(error_of([&] { load(mark + with_line(0, ""), "t", 1); }).find("the file is in UTF-16, allowed: UTF-8"),
+              std::string::npos);
+}
+
 TEST(ScenarioErrors, AtMost64Spawns) {
   const auto with_spawns = [](int extra) {
     std::string spawns;

@@ -179,7 +179,7 @@ std::string worlds_text(const WorldChecks& checks) {
   std::string out = "confirmed worlds, rebuilt from the capture:\n";
   for (const WorldCheck& c : checks.traces) {
     out += "  " + c.label + ": ";
-    if (c.superseded) out += "given up for another life, ";
+    if (c.superseded) out += "given up for another incarnation, ";
     out += std::to_string(c.alike) + " of " + std::to_string(c.compared) + " ticks are the same";
     if (c.beyond > 0) out += ", " + std::to_string(c.beyond) + " could not be rebuilt";
     if (c.first_difference >= 0) out += ", the first that differs is tick " + std::to_string(c.first_difference);

@@ -1,4 +1,5 @@
 #include "tools/capture/sentence.h"
+#include "shell/text.h"
 
 #include <set>
 
@@ -15,10 +16,6 @@ std::string joined(const std::vector<Record::Value>* values) {
   if (values == nullptr) return out;
   for (const auto& v : *values) out += (out.empty() ? "" : " ") + v.text;
   return out;
-}
-
-std::string plural(std::size_t n, const std::string& what) {
-  return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
 }
 
 std::string who(const Record& r) {
@@ -47,7 +44,7 @@ std::string state(const Record& r) {
   if (first(r, "padr.mark") == "true") {
     out += ", mark, has " + first(r, "padr.have");
   } else {
-    out += ", " + plural(std::stoul(updates), "update") + causes(r);
+    out += ", " + shell::counted(std::stoul(updates), "update") + causes(r);
     if (const auto* bodies = r.find("padr.entity"))
       out += ", " + std::string(bodies->size() == 1 ? "body " : "bodies ") + joined(bodies);
   }

@@ -4,6 +4,7 @@
 
 #include "common/model/user_error.h"
 #include "common/wire/codec.h"
+#include "shell/text.h"
 
 namespace padr::capture {
 namespace {
@@ -23,8 +24,7 @@ std::string named(const SessionLog& l) {
   std::string text = std::to_string(l.session) + " (";
   if (l.join) text += l.join->scenario + ", ";
   return text + "ticks " + std::to_string(l.oldest) + " to " + std::to_string(l.newest) + ", " +
-         std::to_string(l.voices.size()) + (l.voices.size() == 1 ? " peer, " : " peers, ") + std::to_string(l.states) +
-         " state datagrams)";
+         shell::counted(l.voices.size(), "peer") + ", " + std::to_string(l.states) + " state datagrams)";
 }
 
 /// An update passed on is one of its own slot's log, and may pass on another one.

@@ -21,21 +21,18 @@ double per_second(std::uint64_t n, double seconds) {
   return seconds > 0 ? static_cast<double>(n) / seconds : 0;
 }
 
-std::string counted(std::uint64_t n, const std::string& what) {
-  return count(n) + " " + what + (n == 1 ? "" : "s");
-}
-
 std::string contents_text(const Source& s, const Tally& t) {
   std::string out;
   for (const std::string& f : s.files) out += (out.empty() ? "" : ", ") + (f == "-" ? "standard input" : f);
   const Contents& c = s.contents;
-  out += ": " + counted(c.packets, "packet") + ", " + counted(c.ours, "datagram") + " of PADR in " +
+  out += ": " + shell::counted(c.packets, "packet") + ", " + shell::counted(c.ours, "datagram") + " of PADR in " +
          shell::fixed_or_dash(t.all().seconds(), 1) + " s";
   const auto add = [&out](std::uint64_t n, const std::string& what) {
     if (n > 0) out += ", " + count(n) + " " + what;
   };
   const auto of = [&c](Content k) { return c.of[static_cast<std::size_t>(k)]; };
   add(c.seen_again, "seen in another file, too");
+  add(c.back, "earlier than the one before");
   const auto sealed = [&c](Keyring::Reading r) { return c.sealed[static_cast<std::size_t>(r)]; };
   add(sealed(Keyring::Reading::kChecked), "sealed and checked");
   add(sealed(Keyring::Reading::kUnchecked), "sealed and not checked");

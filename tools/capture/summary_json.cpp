@@ -88,6 +88,7 @@ void put(Json& j, const Source& s) {
   const auto of = [&s](Content c) { return s.contents.of[static_cast<std::size_t>(c)]; };
   j.field("packets", s.contents.packets).field("datagrams", s.contents.ours);
   j.field("seen_in_another_file", s.contents.seen_again).field("other_udp", s.contents.others);
+  j.field("out_of_order", s.contents.back);
   const auto sealed = [&s](Keyring::Reading r) { return s.contents.sealed[static_cast<std::size_t>(r)]; };
   j.key("sealed").begin_object().field("checked", sealed(Keyring::Reading::kChecked));
   j.field("unchecked", sealed(Keyring::Reading::kUnchecked)).field("encrypted", sealed(Keyring::Reading::kHidden));

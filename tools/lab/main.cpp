@@ -25,7 +25,8 @@ struct ReplayCommand {
 
   void declare(CLI::App& app) {
     app.add_option("TRACE", trace, "a trace of padr-peer --trace or padr-lab run --trace")->required();
-    app.footer("Exit: 0 everything was the same, 1 something differed, 2 usage or damaged trace.");
+    app.footer(
+        "Exit: 0 everything was the same, 1 something differed or could not be written, 2 usage or damaged trace.");
   }
   int run() const { return padr::lab::run_replay(trace); }
 };

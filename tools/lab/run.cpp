@@ -88,7 +88,7 @@ void RunCommand::declare(CLI::App& app) {
       "Example:\n"
       "  padr-lab run --scenario arena --peers 4 --technique full --threshold 0.3:0.1 --body-threshold 0.05 \\\n"
       "    --netem \"delay 100ms 50ms loss 10%\" --seconds 60 --seed 3 --json -\n"
-      "Exit: 0 done, 1 confirmed worlds differed, 2 usage.");
+      "Exit: 0 done, 1 confirmed worlds differed or a file could not be written, 2 usage.");
 }
 
 void RunCommand::prepare_outputs(const shell::LoadedScenario& scenario, const std::vector<std::string>& command,

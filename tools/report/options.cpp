@@ -30,8 +30,8 @@ constexpr const char* kFooter =
     "  padr-report out/demo/peer*.trace --plots out/plots --csv out/csv --json out/report.json\n"
     "  padr-report out/demo/peer*.trace --json - | jq .mean_m\n"
     "\n"
-    "Exit code: 0 if all confirmed worlds were identical, 1 if they differ or gnuplot failed, 2 if the command\n"
-    "line is wrong or a trace cannot be used.";
+    "Exit code: 0 if all confirmed worlds were identical, 1 if they differ, gnuplot failed or a file could not be\n"
+    "written, 2 if the command line is wrong or a trace cannot be used.";
 
 }  // namespace
 

@@ -78,8 +78,8 @@ bool comings_and_goings(const Report& r) {
 
 std::string people(const Report& r) {
   const auto later = std::count_if(r.peers.begin(), r.peers.end(), [&r](const Peer& p) { return r.came_later(p); });
-  const std::string start = std::to_string(r.peers_at_start()) + " peers";
-  return later == 0 ? start : start + " at the start, " + std::to_string(later) + " traces of who came later";
+  const std::string start = shell::counted(r.peers_at_start(), "peer");
+  return later == 0 ? start : start + " at the start, " + shell::counted(later, "trace") + " of who came later";
 }
 
 std::string heading(const Report& r) {

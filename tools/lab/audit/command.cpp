@@ -33,7 +33,7 @@ void AuditCommand::declare(CLI::App& app) {
       "Examples:\n"
       "  padr-lab audit out/peer0.trace\n"
       "  padr-lab audit out/*.trace --json findings.json\n"
-      "Exit: 0 nothing found, 1 something found, 2 usage or damaged trace.");
+      "Exit: 0 nothing found, 1 something found or a file could not be written, 2 usage or damaged trace.");
 }
 
 int AuditCommand::run(const std::vector<std::string>& command) const {

@@ -86,8 +86,7 @@ using FindingIterator = std::vector<Finding>::const_iterator;
 
 std::string paragraph(const Report& r, FindingIterator from, FindingIterator to, int worst) {
   const auto all = to - from;
-  std::string out =
-      name_of(r.evidence.members[from->who]) + ": " + std::to_string(all) + (all == 1 ? " finding\n" : " findings\n");
+  std::string out = name_of(r.evidence.members[from->who]) + ": " + shell::counted(all, "finding") + '\n';
   while (from != to) {
     const auto end = std::find_if(from, to, [from](const Finding& f) { return f.kind != from->kind; });
     const auto shown = std::min<std::ptrdiff_t>(end - from, worst);
@@ -183,11 +182,9 @@ std::string text(const Report& r, int worst) {
   for (const std::string& label : r.truncated) out += "Note: " + label + " breaks off, and counts as far as it goes\n";
   for (const std::string& label : r.with_rest)
     out += "Note: " + label + " has something behind its end that is no part of a trace\n";
-  const std::string found = r.findings.empty()       ? "nothing found"
-                            : r.findings.size() == 1 ? "1 finding"
-                                                     : std::to_string(r.findings.size()) + " findings";
-  return out + found + ": " + std::to_string(r.labels.size()) + (r.labels.size() == 1 ? " trace, " : " traces, ") +
-         std::to_string(r.updates) + " updates compared, " + std::to_string(r.judged) + " held against physics\n";
+  const std::string found = r.findings.empty() ? "nothing found" : shell::counted(r.findings.size(), "finding");
+  return out + found + ": " + shell::counted(r.labels.size(), "trace") + ", " + std::to_string(r.updates) +
+         " updates compared, " + std::to_string(r.judged) + " held against physics\n";
 }
 
 std::string json(const Report& r, const std::vector<std::string>& command) {

@@ -27,7 +27,7 @@ void BenchmarkCommand::declare(CLI::App& app) {
       "Example:\n"
       "  padr-lab benchmark --out out/benchmark\n"
       "  padr-lab benchmark --techniques full,rollback-2 --seeds 1 --seconds 10 --out out/short\n"
-      "Exit: 0 done, 1 confirmed worlds differed or gnuplot failed, 2 usage.");
+      "Exit: 0 done, 1 confirmed worlds differed, gnuplot failed or a file could not be written, 2 usage.");
 }
 
 int BenchmarkCommand::run(const std::vector<std::string>& command) const {

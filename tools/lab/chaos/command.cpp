@@ -86,7 +86,7 @@ void ChaosCommand::declare(CLI::App& app) {
       help_on_behaviours() +
       "Example:\n"
       "  padr-lab chaos --seed 1 --runs 20 --minutes 2\n"
-      "Exit: 0 all checks passed, 1 a check failed, 2 usage.");
+      "Exit: 0 all checks passed, 1 a check failed or a file could not be written, 2 usage.");
 }
 
 // Of the run's own seed, so that a run by itself is the same as among many.

@@ -34,7 +34,7 @@ void CompareCommand::declare(CLI::App& app) {
       "  padr-lab compare --out out/compare\n"
       "  padr-lab compare --techniques paper,full --add 'full --lead 0.2' --add 'fixed --unowned agreed'\n"
       "  padr-lab compare --techniques full,dis --netem \"delay 100ms 50ms loss 10%\" --seeds 10 --csv -\n"
-      "Exit: 0 done, 1 confirmed worlds differed or gnuplot failed, 2 usage.");
+      "Exit: 0 done, 1 confirmed worlds differed, gnuplot failed or a file could not be written, 2 usage.");
 }
 
 int CompareCommand::run(const std::vector<std::string>& command) const {

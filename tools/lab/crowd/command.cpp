@@ -188,7 +188,8 @@ void CrowdCommand::declare(CLI::App& app) {
       "error of one avatar.\n"
       "Example:\n"
       "  padr-lab crowd --peers 4,50,200 --seconds 20 --seed 1\n"
-      "Exit: 0 all peers on one side confirmed the same worlds, 1 some differed, 2 usage.");
+      "Exit: 0 all peers on one side confirmed the same worlds, 1 some differed or a file could not be written, 2 "
+      "usage.");
 }
 
 CrowdRunConfig CrowdCommand::config_of(int peers, std::uint64_t seed) const {

@@ -118,7 +118,7 @@ void SweepCommand::declare(CLI::App& app) {
       "    --seeds 1-5 --seconds 30 --csv out/grid.csv --summary out/means.csv\n"
       "  padr-lab sweep ... --shard 2/8 --csv out/part2.csv      and the seven others, on any machine; then\n"
       "  padr-lab merge out/part*.csv --out out/grid.csv\n"
-      "Exit: 0 done, 1 confirmed worlds differed, 2 usage.");
+      "Exit: 0 done, 1 confirmed worlds differed or a file could not be written, 2 usage.");
 }
 
 int SweepCommand::run() {
@@ -154,7 +154,8 @@ void MergeCommand::declare(CLI::App& app) {
       "padr-lab sweep without --shard.\n"
       "Example:\n"
       "  padr-lab merge out/part*.csv --out out/grid.csv\n"
-      "Exit: 0 done, 1 confirmed worlds differed, 2 usage, or the shards are not complete.");
+      "Exit: 0 done, 1 confirmed worlds differed or a file could not be written, 2 usage, or the shards are not "
+      "complete.");
 }
 
 int MergeCommand::run() {
