@@ -164,7 +164,7 @@ TEST(Report, WhoWasInterferedWithIsNoted) {
     if (t == 26) nodes[1]->remark({"netem", kNoPeer, "delay 1ms"});
   };
   const test::RecordedRun run(c);
-  const report::Report r = report::analyse(labelled(run.traces));
+  report::Report r = report::analyse(labelled(run.traces));
   const std::string what = "peer 1 was interfered with while it played: knobs turned 2 times, bodies pushed 1,";
   const auto says = [](const std::string& start) {
     return [start](const std::string& note) { return note.rfind(start, 0) == 0; };
@@ -176,6 +176,12 @@ TEST(Report, WhoWasInterferedWithIsNoted) {
                        "Network of peer 1, changed while it played, at last: delay 1ms\n"),
             std::string::npos)
       << table;
+  r.peers[0].header.netem = "loss 1%";
+  EXPECT_NE(report::table(r).find("Network of peer 0 at the beginning: loss 1%\n"), std::string::npos);
+  EXPECT_TRUE(r.is_seen(r.peers[0]));
+  r.peers[0].header.spectates = true;
+  EXPECT_FALSE(r.is_seen(r.peers[0])) << "it has no avatar";
+  EXPECT_NE(report::table(r).find("and 1 trace of who only watched, "), std::string::npos);
 }
 
 TEST(Report, WhoCarriedForALinkAndForHowLong) {

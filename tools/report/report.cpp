@@ -42,7 +42,7 @@ bool Report::came_later(const Peer& peer) const {
 }
 
 bool Report::is_seen(const Peer& peer) const {
-  return std::any_of(peers.begin(), peers.end(), [&peer](const Peer& p) {
+  return !peer.header.spectates && std::any_of(peers.begin(), peers.end(), [&peer](const Peer& p) {
     return &p != &peer && p.first_tick <= peer.went() && peer.came <= p.went();
   });
 }

@@ -153,8 +153,8 @@ struct Report {
   int peers_at_start() const;
   /// Not one of those.
   bool came_later(const Peer& peer) const;
-  /// Whether there is a trace of another peer that was there at the same time: physics-consistency-cost is measured in
-  /// others' views.
+  /// Whether it has an avatar, and there is a trace of another peer that was there at the same time:
+  /// physics-consistency-cost is measured in others' views.
   bool is_seen(const Peer& peer) const;
   trace::HandOvers hand_overs;                              ///< of all bodies
   std::map<EntityId, trace::HandOvers> hand_overs_by_body;  ///< of those that changed hands

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <map>
 
 #include "common/sync/validation.h"
 #include "shell/text.h"
@@ -78,7 +79,9 @@ bool comings_and_goings(const Report& r) {
 
 std::string people(const Report& r) {
   const auto later = std::count_if(r.peers.begin(), r.peers.end(), [&r](const Peer& p) { return r.came_later(p); });
-  const std::string start = shell::counted(r.peers_at_start(), "peer");
+  const auto watching = std::count_if(r.peers.begin(), r.peers.end(), [](const Peer& p) { return p.header.spectates; });
+  const std::string start = shell::counted(r.peers_at_start(), "peer") +
+                            (watching == 0 ? "" : " and " + shell::counted(watching, "trace") + " of who only watched");
   return later == 0 ? start : start + " at the start, " + shell::counted(later, "trace") + " of who came later";
 }
 
@@ -95,13 +98,15 @@ std::string heading(const Report& r) {
     for (const std::size_t i : r.groups[g].peers) s += " " + r.peers[i].name;
     s += "\n";
   }
-  std::vector<std::string> netems;
-  for (const Peer& p : r.peers)
-    if (std::find(netems.begin(), netems.end(), p.header.netem) == netems.end()) netems.push_back(p.header.netem);
+  std::map<std::string, std::string> netems;  // and whose they are
+  for (const Peer& p : r.peers) {
+    std::string& who = netems[p.header.netem];
+    who += (who.empty() ? " of peer " : ", ") + p.name;
+  }
   const bool changed = std::any_of(r.peers.begin(), r.peers.end(), [](const Peer& p) { return p.netem_last; });
-  for (const std::string& n : netems)
-    s += "Network" + std::string(changed ? " at the beginning" : "") + ": " +
-         (n.empty() ? "not shaped by the peers" : n) + "\n";
+  for (const auto& [netem, who] : netems)
+    s += "Network" + (netems.size() > 1 ? who : "") + (changed ? " at the beginning" : "") + ": " +
+         (netem.empty() ? "not shaped by the peers" : netem) + "\n";
   for (const Peer& p : r.peers)
     if (p.netem_last) s += "Network of peer " + p.name + ", changed while it played, at last: " + *p.netem_last + "\n";
   return s;
