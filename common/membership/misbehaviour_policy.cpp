@@ -200,9 +200,20 @@ void MisbehaviourPolicy::on_drop(PeerId p, DropReason why, const View& view, Mic
   // Late datagrams of a removed peer, and duplicates by the network, are nobody's fault.
   if (!view.roster.seats[p].reachable() || why == DropReason::kForeign || why == DropReason::kDuplicate) return;
   Watch& w = watch(p, view);
+  if (why == DropReason::kRight) w.unlawful = view.roster.now;
   tell(p, why, w, local, out);
   if (!session_.config.sealed || !is_nonsense(why)) return;
   if (is_too_much(p, view)) cut_off(p, true, "keeps sending invalid datagrams", view, out);
+}
+
+// What is dropped may be lawful by an order of somebody who has left, or was lost, before this peer got it.
+bool MisbehaviourPolicy::may_lack_an_order(PeerId p, const View& view) {
+  if (view.roster.now - watch(p, view).unlawful >= kUnlawful) return false;
+  for (PeerId q = 0; q < view.roster.slots(); ++q)
+    if (q != p && q != view.roster.self && view.roster.seats[q].there() && view.roster.silence(q) > kTicksPerSecond &&
+        view.arrears(q) >= view.arrears(p))
+      return true;
+  return false;
 }
 
 bool MisbehaviourPolicy::is_too_much(PeerId p, const View& view) {
@@ -247,6 +258,7 @@ void MisbehaviourPolicy::advance(const View& view, Commands& out) {
     // A lying coordinator can make an honest member freeze this peer for as long as it takes to see through it.
     const Tick patience = (view.returning & only(p)) != 0 ? kMostPatience : kPatience;  // barred, it could not return
     if (tells && view.roster.unacknowledged(p) < patience) continue;
+    if (!tells && may_lack_an_order(p, view)) continue;  // this peer has to join anew
     const Tick lasted = tells ? patience : View::kArrears;
     const std::string what = tells ? "acknowledged no updates" : "not sent the updates that it promised";
     cut_off(p, false, "has " + what + " for " + std::to_string(lasted / kTicksPerSecond) + " s", view, out);

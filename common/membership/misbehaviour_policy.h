@@ -69,6 +69,8 @@ class MisbehaviourPolicy {
   static constexpr Tick kMostPatience = 4 * kPatience;
   /// Time for which a member that is heard again may owe what it could not tell before, ticks; kMostArrears in all.
   static constexpr Tick kBackFor = 2 * kTicksPerSecond;
+  /// Time for which a drop of what a member had no right to say counts, ticks: what is repeated comes sooner.
+  static constexpr Tick kUnlawful = 2 * kTicksPerSecond;
   static constexpr Tick kMostArrears = View::kArrears + kSilence;
   static constexpr std::size_t kMostOffenders = 64;
   /// Signatures of one member's updates that are checked per tick, and at most at once; and as many of those of others
@@ -82,7 +84,8 @@ class MisbehaviourPolicy {
   struct Watch {
     std::uint32_t incarnation = 0;
     Tick deaf_until = -1;
-    Tick unheard = -kBackFor;  ///< when it was last not heard
+    Tick unheard = -kBackFor;    ///< when it was last not heard
+    Tick unlawful = -kUnlawful;  ///< when something was last dropped that it had no right to say
     /// Signatures that may be checked.
     struct Checks {
       double left = kMostChecks;
@@ -117,6 +120,8 @@ class MisbehaviourPolicy {
   bool may_check(const sync::StatePacket& packet, const View& view);
   bool said(const sync::Bundle& update, const View& view) const;
   bool is_too_much(PeerId p, const View& view);
+  /// Whether it may be right to say what is dropped, by updates of a silent peer that are not here.
+  bool may_lack_an_order(PeerId p, const View& view);
   Tick bar(PeerId p, bool for_good, const View& view);
   void tell(PeerId p, sync::DropReason why, Watch& w, Micros local, Commands& out);
   void cut_off(PeerId p, bool for_good, const std::string& why, const View& view, Commands& out);

@@ -333,6 +333,33 @@ TEST(MisbehaviourRules, WhoHoldsUpEverybodyIsCutOff) {
   }
 }
 
+// Once, an honest coordinator was cut off: its orders rested on one of a peer that had left while this one was cut off.
+TEST(MisbehaviourRules, WhoseOrdersMayBeLawfulByWhatIsNotHereIsNotCutOff) {
+  constexpr Tick kOwed = kNow - node::View::kArrears;
+  struct Row {
+    const char* name;
+    sync::DropReason dropped;
+    Tick lacking;  ///< of peer 3, which is silent
+    bool cut_off;
+  };
+  const Row rows[] = {
+      {"peer 3 has told less", sync::DropReason::kRight, kOwed, false},
+      {"peer 3 has told more", sync::DropReason::kRight, kOwed + 1, true},
+      {"what was dropped was no order", sync::DropReason::kOrder, kOwed, true},
+  };
+  for (const Row& r : rows) {
+    Situation s(4, 0);
+    MisbehaviourPolicy rules(s.session);
+    ListedCommands out;
+    s.log.begin(2, 0, kOwed);
+    s.log.begin(3, 0, r.lacking);
+    s.silence(3, kNow - kTicksPerSecond - 1);
+    rules.on_drop(2, r.dropped, s.view(), 0, out);
+    rules.advance(s.view(), out);
+    EXPECT_EQ(out.cut_offs, r.cut_off ? std::vector<PeerId>{2} : std::vector<PeerId>{}) << r.name;
+  }
+}
+
 // Once, it was cut off with the first datagram after a silence of two seconds, before any update could come.
 TEST(MisbehaviourRules, WhoIsHeardAgainHasAMomentToTellWhatItOwes) {
   for (const bool long_owed : {false, true}) {

@@ -163,6 +163,9 @@ TEST(Replay, WhateverIsTamperedWithIsCaught) {
     return true;
   };
   expect(t, "has other bytes");
+  Bytes damaged = whole;
+  damaged[whole.size() / 2] ^= std::byte{1};
+  EXPECT_THROW(replay(damaged), UserError) << "it does not count as a difference";
   t = {};
   t.sent = [](Tick tick, Bytes&) { return tick < 200; };
   expect(t, "were recorded");
