@@ -1,10 +1,11 @@
 #include "peer/status.h"
-#include "shell/text.h"
 
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <numeric>
+
+#include "shell/text.h"
 
 namespace padr::peer {
 

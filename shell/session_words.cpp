@@ -2,6 +2,7 @@
 
 #include "common/membership/last_heard.h"
 #include "common/membership/misbehaviour_policy.h"
+#include "shell/text.h"
 
 namespace padr::shell {
 
@@ -38,7 +39,7 @@ std::string words_of(const node::SessionEvent& e) {
     case Kind::kDirect:
       return who + " is reached directly again";
     case Kind::kDropped:
-      return "dropped " + count + (e.count == 1 ? " datagram of " : " datagrams of ") + who + ": " + e.text;
+      return "dropped " + counted(e.count, "datagram") + " of " + who + ": " + e.text;
     case Kind::kMuted:
       return who + " " + e.text + ": ignored for " + std::to_string(e.tick / kTicksPerSecond) + " s";
     case Kind::kWithholds:
@@ -51,7 +52,7 @@ std::string words_of(const node::SessionEvent& e) {
     case Kind::kReturning:
       return e.text + ": joining anew";
     case Kind::kWrongKey:
-      return count + (e.count == 1 ? " datagram was" : " datagrams were") +
+      return counted(e.count, "datagram") + (e.count == 1 ? " was" : " were") +
              " not made with this session's key, the last by " + to_string(e.at);
     case Kind::kLastKeyLogged:
       return "the keys of " + count + " peers have been logged, and no more will be";

@@ -333,7 +333,8 @@ TEST(MisbehaviourRules, WhoHoldsUpEverybodyIsCutOff) {
   }
 }
 
-// Once, an honest coordinator was cut off: its orders rested on one of a peer that had left while this one was cut off.
+// Once, an honest coordinator was cut off: its orders rested on one of a peer that had left while this one was out of
+// reach.
 TEST(MisbehaviourRules, WhoseOrdersMayBeLawfulByWhatIsNotHereIsNotCutOff) {
   constexpr Tick kOwed = kNow - node::View::kArrears;
   struct Row {

@@ -146,7 +146,6 @@ TEST(PartitionMerge, WithAKeyOnlyWhoWasAMemberAndSpeaksForItselfCounts) {
   }
 }
 
-// Once, two parts whose peers had all joined anew stayed apart for ever.
 // Once, the part of a senior peer stayed as it counted that one, and the other part as it had barred it.
 TEST(PartitionMerge, WhoIsBarredForAWhileCountsButIsNotFollowed) {
   for (const bool barred_speaks : {true, false}) {
@@ -167,6 +166,7 @@ TEST(PartitionMerge, WhoIsBarredForAWhileCountsButIsNotFollowed) {
   }
 }
 
+// Once, two parts whose peers had all joined anew stayed apart for ever.
 TEST(PartitionMerge, StrangersAreBelievedAfterAWhileIfTheyAreMore) {
   using test::kNow;
   for (const Tick met : {kNow - PartitionMerge::kStrangers, kNow - PartitionMerge::kStrangers + 1}) {

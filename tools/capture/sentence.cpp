@@ -1,7 +1,8 @@
 #include "tools/capture/sentence.h"
-#include "shell/text.h"
 
 #include <set>
+
+#include "shell/text.h"
 
 namespace padr::capture {
 namespace {
