@@ -47,6 +47,8 @@ inline Truth nothing_agreed(std::size_t entities) {
 std::vector<std::byte> delimited(const file::Record& record);
 /// `bytes`: as delimited() makes them.
 void add_record(Hasher& sum, std::span<const std::byte> bytes);
+/// `bytes`: a record that ends with its own checksum, as Header and Footer do; all but that is added.
+void add_up_to_checksum(Hasher& sum, std::span<const std::byte> bytes);
 /// Of all records that were added; never 0.
 std::uint32_t checksum_of(const Hasher& sum);
 

@@ -34,6 +34,10 @@ void add_record(Hasher& sum, std::span<const std::byte> bytes) {
   sum.add(word);
 }
 
+void add_up_to_checksum(Hasher& sum, std::span<const std::byte> bytes) {
+  add_record(sum, bytes.first(bytes.size() - sizeof(std::uint32_t)));
+}
+
 std::uint32_t checksum_of(const Hasher& sum) {
   return std::max<std::uint32_t>(1, static_cast<std::uint32_t>(sum.value()));
 }

@@ -265,6 +265,11 @@ TraceReader::TraceReader(std::span<const std::byte> bytes, std::string label)
   file::Record record;
   if (!record.ParseFromArray(first->data(), static_cast<int>(first->size())) || !record.has_header())
     refuse("is not a header");
+  // Without one it is of a trace from before, or the next checksum does not fit.
+  if (record.header().checksum() != 0) {
+    verify_itself(record.header().checksum());
+    verified_ = at_;
+  }
   const std::string wrong = take_header(record.header(), header_);
   if (!wrong.empty()) refuse("header: " + wrong);
   begun_ = header_.incarnation == 0;
@@ -276,7 +281,7 @@ TraceReader::TraceReader(std::span<const std::byte> bytes, std::string label)
 
 std::optional<std::span<const std::byte>> TraceReader::next_record() {
   if (at_ >= bytes_.size()) return std::nullopt;
-  if (record_ > 0) add_record(since_checksum_, bytes_.subspan(record_start_, at_ - record_start_));
+  if (record_start_ >= verified_) add_record(since_checksum_, bytes_.subspan(record_start_, at_ - record_start_));
   record_start_ = at_;
   ++record_;
   constexpr std::size_t kLongestLength = 5;  // bytes of a varint of 32 bits
@@ -303,6 +308,11 @@ void TraceReader::verify(std::uint32_t checksum) {
     refuse("its checksum does not fit: the trace is damaged between byte " + std::to_string(verified_) + " and here");
   since_checksum_ = {};
   verified_ = record_start_;
+}
+
+void TraceReader::verify_itself(std::uint32_t checksum) {
+  if (checksum != 0) add_up_to_checksum(since_checksum_, bytes_.subspan(record_start_, at_ - record_start_));
+  verify(checksum);
 }
 
 std::optional<Event> TraceReader::next() {
@@ -342,14 +352,10 @@ std::optional<Event> TraceReader::next() {
       parser.check(parser.confirmed(record.confirmed(), c));
       return c;
     }
-    case file::Record::kFooter: {
+    case file::Record::kFooter:
       clean_ = true;
-      const std::uint32_t checksum = record.footer().checksum();
-      record.mutable_footer()->clear_checksum();
-      add_record(since_checksum_, delimited(record));
-      verify(checksum);
+      verify_itself(record.footer().checksum());
       return parser.footer(record.footer());
-    }
     case file::Record::kHeader:
       refuse("is a second header");
     case file::Record::KIND_NOT_SET:

@@ -38,6 +38,8 @@ class TraceReader {
   [[noreturn]] void refuse(const std::string& what) const;
   /// Refuses the trace if this is not the checksum of the records since the last one.
   void verify(std::uint32_t checksum);
+  /// As verify() does, for a record whose checksum is of itself, too.
+  void verify_itself(std::uint32_t checksum);
 
   std::span<const std::byte> bytes_;
   std::string label_;

@@ -50,6 +50,15 @@ void put_shown(const LiveView& live, file::Step& out) {
   }
 }
 
+// `part`: the record's Header or Footer. `sum`: of what its checksum is about besides itself.
+template <typename Part>
+std::vector<std::byte> with_checksum(file::Record& record, Part& part, Hasher sum) {
+  part.set_checksum(1);  // any but 0 takes as many bytes
+  add_up_to_checksum(sum, delimited(record));
+  part.set_checksum(checksum_of(sum));
+  return delimited(record);
+}
+
 }  // namespace
 
 void TraceWriter::hand_over(const file::Record& record) {
@@ -68,7 +77,7 @@ TraceWriter::TraceWriter(const Header& header, ByteSink sink) : sink_(std::move(
   sink_(start);
   file::Record record;
   put_header(header, *record.mutable_header());
-  hand_over(record);
+  sink_(with_checksum(record, *record.mutable_header(), {}));
 }
 
 void TraceWriter::begin(const Begin& b) {
@@ -210,9 +219,7 @@ void TraceWriter::footer(const Footer& f) {
     of.set_peer(d.peer);
     for (const std::uint64_t n : d.by_reason) of.add_by_reason(n);
   }
-  add_record(since_checksum_, delimited(record));
-  out.set_checksum(checksum_of(since_checksum_));
-  hand_over(record);
+  sink_(with_checksum(record, out, since_checksum_));
 }
 
 }  // namespace padr::trace
