@@ -22,8 +22,11 @@ constexpr const char* kCompiler = "";  // its version names it
 #else
 constexpr const char* kCompiler = "g++ ";
 #endif
+constexpr std::string_view kLine = "fingerprint: ";
 
+/// The 16 digits, or the whole line as it is printed.
 std::uint64_t parsed(std::string_view text) {
+  if (text.starts_with(kLine)) text.remove_prefix(kLine.size());
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
   if (text.size() != 16 || error != std::errc{} || end != text.data() + text.size())
@@ -54,7 +57,7 @@ int fingerprint_command(int argc, const char* const* argv) {
   if (argc == 3 && other.empty()) throw UserError("fingerprint: OTHER is empty; give a fingerprint, or leave it out");
   const std::uint64_t theirs = other.empty() ? 0 : parsed(other);
   const std::uint64_t ours = world::physics_fingerprint();
-  std::string text = "fingerprint: " + hex(ours) + "\ncomputed by: " + processor() + ", " + kCompiler + __VERSION__ +
+  std::string text = std::string(kLine) + hex(ours) + "\ncomputed by: " + processor() + ", " + kCompiler + __VERSION__ +
                      ", Box2D from " + PADR_BOX2D_ORIGIN + "\n";
   const std::string habits = world::habits_text(ours);
   if (!habits.empty()) text += "this program " + habits + "\n";

@@ -98,6 +98,10 @@ class Usage(Case):
         self.check_wrong(["keygen", ""], "keygen: the name of the file is empty")
         self.assertIn("usage: padr-peer keygen [FILE]", run("keygen", "-h")[1])
         self.check_wrong(["fingerprint", ""], "fingerprint: OTHER is empty")
+        line = run("fingerprint")[1].splitlines()[0]
+        for other in (line, line.split()[1]):
+            code, out, _ = run("fingerprint", other)
+            self.assertEqual((code, out.splitlines()[-1]), (0, "the other one's physics is the same"))
         code, _, err = run("--wait-peers", 1, "--duration", 0.1, "--netem", "")
         self.assertEqual(code, 0, err)
 
