@@ -53,7 +53,7 @@ EventLoop::EventLoop(const Options& options, Log& log, const shell::Clock& clock
 
 void EventLoop::open_all_files() {
   recordings_ = std::make_unique<Recordings>(options_, log_);
-  if (!options_.keylog.empty()) keylog_ = std::make_unique<Keylog>(options_.keylog);
+  if (!options_.keylog.empty()) keylog_ = std::make_unique<Keylog>(options_.keylog, log_);
   open_files();
   if (!options_.health.empty()) health_ = std::make_unique<Health>(options_.health, log_);
 }
@@ -69,7 +69,11 @@ void EventLoop::start() {
 
 void EventLoop::finish() {
   player_->finish();
-  shell::do_all({[this] { or_fail([this] { recordings_->close(); }); }, [this] { Loop::finish(); },
+  const auto close_keylog = [this] {
+    if (keylog_) keylog_->close();
+  };
+  shell::do_all({[this] { or_fail([this] { recordings_->close(); }); }, [&] { or_fail(close_keylog); },
+                 [this] { Loop::finish(); },
                  [this] {
                    if (health_) health_->remove();
                  }});

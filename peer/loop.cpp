@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 #include "common/model/user_error.h"
 #include "peer/addresses.h"
@@ -14,6 +15,9 @@ namespace {
 
 /// After the end, datagrams that wait in the impaired links get this long to leave.
 constexpr Micros kDrain = 300'000;
+
+/// Addresses that are remembered as such that nothing can be sent to.
+constexpr std::size_t kMostUnsendable = 256;
 
 }  // namespace
 
@@ -99,13 +103,14 @@ void Loop::finish() {
     if (packets_->dropped() > 0)
       log_.net->error("--pcap: the file lacks {} datagrams, because the disk was too slow", packets_->dropped());
   };
-  shell::do_all({[&] { or_fail(close_packets); }, [this] { write_summary(); }});
+  shell::do_all({[&] { or_fail(close_packets); }, [this] { or_fail([this] { write_summary(); }); }});
 }
 
 void Loop::or_fail(const std::function<void()>& step) {
   try {
     step();
   } catch (const std::exception& e) {
+    if (std::exchange(step_failed_, true)) log_.session->error("{}", e.what());  // only the first is told by main()
     if (exit_code_ == shell::kExitFine) reason_ = e.what();
     exit_code_ = shell::kExitFailure;
     throw;
@@ -124,9 +129,10 @@ void Loop::flush() {
   socket_->flush([this, time](const Endpoint& to, std::span<const std::byte> datagram, bool sent) {
     if (sent) {
       if (packets_) packets_->sent(to, datagram, time);
-    } else if (net_limit_.pass(clock_.now())) {
-      log_.net->warn("cannot send to {}: {} ({} such messages held back)", to_string(to), socket_->last_error(),
-                     net_limit_.take_suppressed());
+      unsendable_.erase(to);
+    } else if (unsendable_.size() < kMostUnsendable && unsendable_.insert(to).second && net_limit_.pass(clock_.now())) {
+      log_.net->warn("cannot send to {}: {}; this is said once, until it is possible", to_string(to),
+                     socket_->last_error());
     }
   });
 }

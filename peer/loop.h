@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -102,8 +103,10 @@ class Loop {
   std::unique_ptr<shell::OutputFile> json_;
   bool packets_failed_ = false;         ///< and it was said
   std::unique_ptr<PacketLog> packets_;  ///< null: none is kept
+  std::set<Endpoint> unsendable_;       ///< the system has refused to send there, and it was said
   RateLimit net_limit_;
   Micros next_status_ = -1;            ///< local time; -1: not yet playing
+  bool step_failed_ = false;           ///< of those after the end
   std::optional<Micros> drain_until_;  ///< set at the end: what still is in the links may go until then
 };
 

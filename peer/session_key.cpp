@@ -92,13 +92,24 @@ std::optional<wire::Key> session_key(const std::string& file, std::vector<std::s
   return key;
 }
 
-Keylog::Keylog(const std::string& file) : file_("--keylog", file, shell::Readers::kOwner) {}
+Keylog::Keylog(const std::string& file, Log& log) : file_("--keylog", file, shell::Readers::kOwner), log_(log) {}
 
 void Keylog::add(const PublicKey& from, const PublicKey& to, const wire::Key& key) {
+  if (trouble_) return;
   std::string line = shell::keylog_line({from, to, key});
-  file_.write(line);
+  try {
+    file_.write(line);
+    file_.flush();
+  } catch (const std::exception& e) {
+    trouble_ = std::current_exception();
+    log_.session->error("--keylog: {}: no more keys are written", e.what());
+  }
   wipe(line);
-  file_.flush();
+}
+
+void Keylog::close() {
+  if (trouble_) std::rethrow_exception(trouble_);
+  file_.close();
 }
 
 std::optional<node::ChannelConfig> gate_config(const Options& options, Keylog* keylog) {

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <exception>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/channel/secure_channels.h"
+#include "peer/log.h"
 #include "peer/options.h"
 #include "shell/files.h"
 
@@ -23,11 +25,15 @@ std::optional<wire::Key> session_key(const std::string& file, std::vector<std::s
 class Keylog {
  public:
   /// A file that only its owner may read. Throws UserError.
-  explicit Keylog(const std::string& file);
+  Keylog(const std::string& file, Log& log);
   void add(const PublicKey& from, const PublicKey& to, const wire::Key& key);
+  /// Throws std::system_error if something could not be written: then nothing more was since, and play went on.
+  void close();
 
  private:
   shell::OutputFile file_;
+  Log& log_;
+  std::exception_ptr trouble_;
 };
 
 /// For a peer in a session with a key; nothing if there is none. `keylog` may be null, and must outlive the channels.

@@ -27,7 +27,7 @@ std::string words_of(const node::SessionEvent& e) {
     case Kind::kRefused:
       return "refused " + to_string(e.at) + ": " + e.text;
     case Kind::kUnreachable:
-      return "nobody listens at " + who + "'s address any more";
+      return "nobody listens at " + who + "'s address";
     case Kind::kSuspected:
       return who + " is silent: asking the others for its updates";
     case Kind::kHeard:

@@ -135,15 +135,17 @@ bool Membership::doubts() const {
 }
 
 // The machine of an ended process reports it long before silence shows it. A single report proves nothing: it may
-// concern a datagram that arrived before the process started.
+// concern a datagram that arrived before the process started. If others hear it all the same it only cannot be reached
+// from here, and the reports go on: until it is heard, they say no more than the first ones.
 void Membership::on_unreachable(const Endpoint& at) {
   const Tick now = roster().now;
   for (PeerId p = 0; p < session_.slots; ++p) {
     if (!is_at(p, at) || !roster().seats[p].there()) continue;
-    Tick& since = refused_.try_emplace(p, now).first->second;
-    if (roster().seats[p].heard >= since) {
-      since = now;
-    } else if (now - since >= kRefused && !Evictions::suspected(view(), p)) {
+    Refused& refused = refused_.try_emplace(p, Refused{now}).first->second;
+    if (roster().seats[p].heard >= refused.since) {
+      refused = {now};
+    } else if (now - refused.since >= kRefused && !refused.believed && !Evictions::suspected(view(), p)) {
+      refused.believed = true;
       commands_.tell({.kind = SessionEvent::Kind::kUnreachable, .peer = p});
       commands_.give_up(p, false);
     }

@@ -157,8 +157,12 @@ class Membership {
   Paths paths_;
   std::vector<Paths::Link> links_;  ///< by slot, as measured last
   std::vector<MemberChange> changes_;
-  PeerSet returning_ = 0;                   ///< members that have asked this peer to let them in anew
-  std::map<PeerId, Tick> refused_;          ///< since when its machine reports that nobody listens there
+  PeerSet returning_ = 0;  ///< members that have asked this peer to let them in anew
+  struct Refused {
+    Tick since = 0;
+    bool believed = false;  ///< and this peer has begun to declare it gone
+  };
+  std::map<PeerId, Refused> refused_;       ///< whose machines report that nobody listens there
   std::map<PeerId, std::uint32_t> former_;  ///< slots and incarnations of peers that were admitted anew elsewhere
   Tick confirmed_ = -1;                     ///< the newest confirmed tick, and since when
   Tick confirmed_at_ = 0;

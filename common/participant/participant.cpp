@@ -91,8 +91,9 @@ void Participant::warn_of_drops(const Endpoint& place, Micros local) {
   const auto& dropped = channels_->stats().dropped;
   const std::uint64_t drops =
       dropped[static_cast<std::size_t>(ChannelDrop::kUnsealed)] + dropped[static_cast<std::size_t>(ChannelDrop::kTag)];
+  if (std::exchange(drops_seen_, drops) != drops) dropped_at_ = place;
   if (drops == drops_told_ || local - warned_ < kWarnAgain) return;
-  events_.push_back({.kind = SessionEvent::Kind::kWrongKey, .at = place, .count = drops - drops_told_});
+  events_.push_back({.kind = SessionEvent::Kind::kWrongKey, .at = dropped_at_, .count = drops - drops_told_});
   drops_told_ = drops;
   warned_ = local;
 }

@@ -187,7 +187,9 @@ class Participant {
   Micros local_;                                      ///< of the last call
   Micros turn_ = std::numeric_limits<Micros>::min();  ///< `local` of the last step
   int steps_ = 0;                                     ///< made with it
+  std::uint64_t drops_seen_ = 0;
   std::uint64_t drops_told_ = 0;
+  Endpoint dropped_at_;  ///< where the last of them came from
   Micros warned_;
   bool last_key_told_ = false;
   Incarnation current_;  ///< the present one, once there is one

@@ -19,7 +19,7 @@ struct SessionEvent {
     kLeft,         ///< `peer`
     kLost,         ///< `peer`, from `tick` on
     kRefused,      ///< a joiner at `at`; `text`: why
-    kUnreachable,  ///< the machine of `peer` reports that nobody listens at its address any more
+    kUnreachable,  ///< the machine of `peer` reports that nobody listens at its address
     kSuspected,    ///< `peer` has been silent for kSilence, and members are polled for its updates
     kHeard,        ///< `peer` does not answer, but stays, as other members hear it
     kHeardAgain,   ///< as kHeard, of a peer that was suspected

@@ -40,6 +40,26 @@ TEST(SealedParty, WhoHasAnotherKeyOrNoneStaysOutside) {
   EXPECT_EQ(party.judge().violation(), "");
 }
 
+TEST(SealedParty, NoMemberIsBlamedForDatagramsWithAnotherKey) {
+  Party party(keyed(2, "delay 20ms", 28, wire::SealMode::kAuth));
+  ASSERT_TRUE(party.run_until(10, [&] { return party.united(); })) << party.story();
+  party.net().on_start = [](int, node::ParticipantConfig& c) { c.channels->session[0] ^= 1; };
+  const int stranger = party.net().start(0);
+  const Endpoint at = party.net().place_of(stranger);
+  party.run(8);
+  party.net().kill(stranger);
+  party.net().on_start = nullptr;
+  party.run(20);
+  party.net().start(0);  // its first datagrams are a handshake, and nothing that a member says
+  party.run(5);
+  const std::string story = party.story();
+  const std::string words = "not made with this session's key, the last by ";
+  int warnings = 0;
+  for (std::size_t i = story.find(words); i != std::string::npos; i = story.find(words, i + 1), ++warnings)
+    EXPECT_EQ(story.substr(i + words.size(), to_string(at).size()), to_string(at)) << story;
+  EXPECT_GT(warnings, 1) << story;
+}
+
 TEST(SealedParty, WhoCrashesAndIsStartedAnewComesBackWithNewKeys) {
   Party party(keyed(3, "delay 30ms loss 3%", 23, wire::SealMode::kAuth));
   ASSERT_TRUE(party.run_until(10, [&] { return party.united(); })) << party.story();

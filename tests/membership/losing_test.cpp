@@ -59,6 +59,25 @@ TEST(Losing, OneWordOfItsMachineIsNotBelieved) {
   EXPECT_EQ(party.judge().violation(), "");
 }
 
+// Such as behind a router that refuses what comes from here. The reports never end.
+TEST(Losing, WhomOthersHearIsDeclaredGoneOnceByWhatItsMachineSays) {
+  Party party(3, "delay 30ms", 27);
+  party.run(6);
+  party.net().cut(0, 2, true);
+  party.net().cut(2, 0, true);
+  for (int i = 0; i < 100; ++i) {
+    party.net().tell_unreachable(0, party.net().place_of(2));
+    party.run(0.1);
+  }
+  EXPECT_TRUE(party.united()) << party.story();
+  EXPECT_EQ(party.judge().violation(), "");
+  const std::string words = "nobody listens at peer 2's address";
+  const std::string story = party.story();
+  const std::size_t first = story.find(words);
+  ASSERT_NE(first, std::string::npos) << story;
+  EXPECT_EQ(story.find(words, first + 1), std::string::npos) << story;
+}
+
 // Those that hear it again sooner do not follow who began to evict it: they are asked in vain, unless the question is
 // taken back.
 TEST(Losing, WhoComesBackAtTheLastMomentStaysOrGoesButHoldsUpNobody) {

@@ -6,6 +6,7 @@ Usage: datagrams_test.py WIRE_SAMPLES WIRE_MD
 import os
 import random
 import re
+import struct
 import subprocess
 import sys
 import tempfile
@@ -128,6 +129,18 @@ def check_decode_as(path, datagram):
     assert drops.splitlines() == [f"{datagram[3]}\t", f"{datagram[3]}\tmagic", "\t", "\t"], drops
 
 
+def check_ports_of_afs(path, datagrams):
+    """Without any option: what is ours there is shown as ours, and what is AFS's as AFS's."""
+    rx = struct.pack(">IIIIIBBBBHH", 1, 4, 1, 1, 1, 2, 4, 0, 0, 0, 1) + bytes(8)  # an acknowledgement
+    sent = [(data, port) for port in (7000, 7001, 7009) for data in [*datagrams, rx]]
+    pcap.write(path, [pcap.udp(data, 40002, port) for data, port in sent])
+    shown = tshark.output(["tshark", "-n", "-X", f"lua_script:{tshark.PLUGIN}", "-r", path, "-T", "fields", "-e", "padr.version", "-e", "rx.type"],
+                          tshark.environment()).splitlines()  # fmt: skip
+    for (data, port), line in zip(sent, shown, strict=True):
+        ours, theirs = (cell != "" for cell in line.split("\t"))
+        assert (ours, theirs) == (data != rx, data == rx), (port, data, line)
+
+
 def check_others(path):
     sent = packets(OTHERS, seed=4)
     pcap.write(path, sent)
@@ -158,6 +171,7 @@ def main(program, vectors_md):
         good = next(datagram for datagram in drawn if dict(fields(datagram)).get("padr.seq"))
         check_in_icmp(path, good)
         check_decode_as(path, good)
+        check_ports_of_afs(path, [each for each in drawn if is_claimed(each)])
         print(f"none of {check_others(path)} datagrams of other protocols is claimed")
 
 

@@ -261,13 +261,6 @@ function dissect(tvb, pinfo, root, data, envelope, carried, hop)
   return #data
 end
 
--- For Decode As, where nobody has looked at the bytes yet.
-function padr.dissector(tvb, pinfo, root)
-  if tvb:captured_len() < datagram.HEADER then return 0 end
-  local data = tvb:raw()
-  return dissect(tvb, pinfo, root, data, datagram.envelope(data, tvb:reported_len()))
-end
-
 -- Whether what begins with the magic is ours: the tag fits or, for what was damaged or cut off, the header is as ours are. Of
 -- bytes at random that begin so, one in six hundred has such a header.
 local function is_ours(envelope)
@@ -277,12 +270,33 @@ local function is_ours(envelope)
   return envelope.version == datagram.VERSION and kind_is_one and sender_is_one
 end
 
-padr:register_heuristic("udp", function(tvb, pinfo, root)
+local function dissect_ours(tvb, pinfo, root)
   if tvb:captured_len() < datagram.HEADER or tvb(0, 2):uint() ~= datagram.MAGIC then return false end
   local data = tvb:raw()
   local envelope = datagram.envelope(data, tvb:reported_len())
   if not is_ours(envelope) then return false end
   dissect(tvb, pinfo, root, data, envelope)
   return true
-end)
-DissectorTable.get("udp.port"):add_for_decode_as(padr)
+end
+
+-- Wireshark asks who has a port before it asks by what the bytes look like. 7000 to 7009, which all examples use, AFS has: what is
+-- ours is taken from it, and nothing else.
+local ports = DissectorTable.get("udp.port")
+local afs = ports:get_dissector(7001)
+local function is_of_afs(port) return afs and port >= 7000 and port <= 7009 end
+
+-- By its port, nobody has looked at the bytes yet. On others than those it is Decode As that says so.
+function padr.dissector(tvb, pinfo, root)
+  if is_of_afs(pinfo.match_uint) then
+    return dissect_ours(tvb, pinfo, root) and tvb:len() or afs:call(tvb, pinfo, root)
+  end
+  if tvb:captured_len() < datagram.HEADER then return 0 end
+  local data = tvb:raw()
+  return dissect(tvb, pinfo, root, data, datagram.envelope(data, tvb:reported_len()))
+end
+
+padr:register_heuristic("udp", dissect_ours)
+ports:add_for_decode_as(padr)
+for port = 7000, 7009 do
+  if is_of_afs(port) then ports:add(port, padr) end
+end
