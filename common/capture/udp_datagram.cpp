@@ -29,6 +29,7 @@ Content take_udp(ByteView rest, bool cut, UdpDatagram& out) {
   out.to.port = static_cast<std::uint16_t>(be16(rest, 2));
   const std::size_t length = be16(rest, 4);
   if (length < kUdpHeader || (!cut && length > rest.size())) return Content::kMalformed;
+  out.payload_bytes = length - kUdpHeader;
   out.payload = rest.subspan(kUdpHeader, std::min(length, rest.size()) - kUdpHeader);
   return length > rest.size() ? Content::kCutUdp : Content::kUdp;
 }

@@ -24,6 +24,7 @@ struct UdpDatagram {
   Endpoint from;
   Endpoint to;
   std::span<const std::byte> payload;  ///< into the frame
+  std::size_t payload_bytes = 0;       ///< of the whole payload, of which the frame may have less; 0: not known
   std::size_t wire_bytes = 0;          ///< of the IP packet, headers included
 };
 

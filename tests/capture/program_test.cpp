@@ -1,3 +1,5 @@
+#include <nlohmann/json.hpp>
+
 #include "common/model/ids.h"
 #include "common/wire/codec.h"
 #include "common/wire/seal.h"
@@ -99,6 +101,31 @@ TEST_F(Program, SaysWhyNothingCanBeRead) {
   Shell::write("ten.pcap", text_of(pcap({}, {})).substr(0, 10));
   EXPECT_EQ(capture("export ten.pcap --json").err,
             "padr-capture: incomplete: ten.pcap: the file ends in its own header\n");
+}
+
+// Once, what was cut off counted as headers, and as lost.
+TEST_F(Program, WhatIsCutOffIsNeitherHeadersNorLost) {
+  constexpr std::uint32_t kHeaders = 14 + 20 + 8;
+  Data file = pcap({}, {state(1)});
+  const Data short_one = pcap({}, {state(2)}, kHeaders + 11);
+  const Data next = pcap({}, {state(3)});
+  const Data too_short = pcap({}, {state(4)}, kHeaders + 4);
+  for (const Data* part : {&short_one, &next, &too_short}) file.insert(file.end(), part->begin() + 24, part->end());
+  write("some.pcap", file);
+  const Outcome o = capture("summary some.pcap");
+  EXPECT_EQ(o.status, 0);
+  EXPECT_NE(o.out.find("4 packets, 3 datagrams of PADR"), std::string::npos) << o.out;
+  EXPECT_NE(o.out.find("1 cut off in their headers"), std::string::npos) << o.out;
+  EXPECT_NE(o.out.find("The capture has cut off 1 datagram (snaplen"), std::string::npos) << o.out;
+  const auto json = nlohmann::json::parse(capture("summary some.pcap --json -").out);
+  const auto& parts = json["all"]["wire_bytes_by_part"];
+  EXPECT_EQ(parts["headers"], 3 * 28);
+  EXPECT_GT(parts["cut_off"], 0);
+  std::uint64_t sum = 0;
+  for (const auto& part : parts) sum += part.get<std::uint64_t>();
+  EXPECT_EQ(sum, json["all"]["wire_bytes"].get<std::uint64_t>());
+  EXPECT_TRUE(json["sessions"][0]["links"][0]["missing"].is_null());
+  EXPECT_EQ(json["cut_headers"], 1);
 }
 
 // Once, the time from the first packet to the last was -1 s, and every rate 0.

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <filesystem>
 #include <string_view>
@@ -57,6 +58,13 @@ bool is_ours(std::span<const std::byte> payload) {
   if (usual && (sender < kMaxPeers || sender == kNoPeer)) return true;
   wire::SealError error = wire::SealError::kNone;
   return wire::open(payload, error) || error == wire::SealError::kVersion || error == wire::SealError::kKind;
+}
+
+/// Whether so little of a payload is there that it could be ours or others'.
+bool may_become_ours(std::span<const std::byte> payload) {
+  constexpr std::array kMagic{std::byte{'P'}, std::byte{'d'}};
+  const std::size_t both = std::min(payload.size(), kMagic.size());
+  return payload.size() < wire::kHeaderBytes && std::equal(payload.begin(), payload.begin() + both, kMagic.begin());
 }
 
 std::uint64_t hash_of(std::span<const std::byte> b) {
@@ -122,6 +130,11 @@ bool Captures::advance(File& file) {
     d.carried_to.reset();
     file.sealed_by.reset();
     file.whole = d.payload;
+    if (content == Content::kCutUdp && may_become_ours(d.payload)) {
+      --contents_.of[static_cast<std::size_t>(content)];
+      ++contents_.of[static_cast<std::size_t>(Content::kCutHeaders)];
+      continue;
+    }
     if (content == Content::kUdp && wire::is_handshake(d.payload)) {
       ++contents_.handshakes;
       continue;

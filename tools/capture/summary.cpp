@@ -96,9 +96,9 @@ std::string links_text(const Tally& t, std::uint16_t session) {
     const DelayFigures d = delays_of(link, tick0);
     table.row({link_name(t, key),
                count(link.traffic.datagrams),
-               count(link.seqs.missing()),
-               count(link.seqs.span()),
-               shell::fixed_or_dash(loss_percent(link), 2),
+               t.cut() > 0 ? "-" : count(link.seqs.missing()),
+               t.cut() > 0 ? "-" : count(link.seqs.span()),
+               t.cut() > 0 ? "-" : shell::fixed_or_dash(loss_percent(link), 2),
                link.told_loss.of() == 0 ? "-" : shell::fixed_or_dash(link.told_loss.percent(), 1),
                count(link.told_loss.of()),
                count(link.duplicates),
@@ -124,6 +124,9 @@ std::string links_text(const Tally& t, std::uint16_t session) {
   out +=
       ",\nto the capture. Peers' least: the delay to the receiver, as it tells it. Ack: until an update is "
       "acknowledged.\n";
+  if (t.cut() > 0)
+    out += "The capture has cut off " + shell::counted(t.cut(), "datagram") +
+           " (snaplen; capture with -s 0): not known which links' they are, and so what was lost.\n";
   return out + table.text();
 }
 
@@ -137,6 +140,7 @@ std::string bandwidth_text(const Tally& t) {
   row("updates again", a.repeat_bytes);
   row("marks, acks, hashes", a.mark_bytes);
   row("session, membership", a.other_bytes);
+  if (a.cut_bytes > 0) row("cut off by the capture", a.cut_bytes);
   row("all", a.bytes);
   std::string out = "\n" + table.text();
   if (!t.messages().empty()) {

@@ -14,7 +14,7 @@ void put(Json& j, const Traffic& t) {
   j.key("wire_bytes_by_part").begin_object();
   j.field("headers", t.header_bytes).field("envelopes", t.envelope_bytes).field("updates", t.update_bytes);
   j.field("updates_again", t.repeat_bytes).field("marks", t.mark_bytes).field("messages", t.other_bytes);
-  j.end_object();
+  j.field("cut_off", t.cut_bytes).end_object();
 }
 
 void put(Json& j, const LifeKey& key, const LifeTally& who) {
@@ -39,8 +39,11 @@ void put(Json& j, const Tally& t, const LinkKey& key, const LinkTally& link, std
   }
   j.field("to_incarnation", key.to_incarnation).field("to_address", to_string(link.at));
   put(j, link.traffic);
-  j.field("missing", link.seqs.missing()).field("missing_of", link.seqs.span());
-  j.field("loss_percent", loss_percent(link)).field("duplicates", link.duplicates).field("reordered", link.reordered);
+  const bool judged = t.cut() == 0;
+  j.field("missing", judged ? std::optional(link.seqs.missing()) : std::nullopt);
+  j.field("missing_of", judged ? std::optional(link.seqs.span()) : std::nullopt);
+  j.field("loss_percent", judged ? std::optional(loss_percent(link)) : std::nullopt);
+  j.field("duplicates", link.duplicates).field("reordered", link.reordered);
   j.field("marks", link.marks).field("updates_resent", link.repeats);
   j.field("gap_mean_ms", link.gaps.mean_us() / 1000).field("gap_p50_ms", link.gaps.percentile_us(0.5) / 1000);
   j.field("gap_p95_ms", link.gaps.percentile_us(0.95) / 1000);

@@ -40,7 +40,7 @@ typename Map::mapped_type* entry(Map& map, const typename Map::key_type& key, st
 }  // namespace
 
 void Traffic::add(const Datagram& d) {
-  const auto size = static_cast<std::uint32_t>(d.payload.size() + d.seal_bytes);
+  const auto size = static_cast<std::uint32_t>(d.cut ? d.payload_bytes : d.payload.size() + d.seal_bytes);
   if (datagrams++ == 0) {
     first_ns = last_ns = d.time_ns;
     least_size = size;
@@ -49,7 +49,9 @@ void Traffic::add(const Datagram& d) {
   last_ns = std::max(last_ns, d.time_ns);
   bytes += d.wire_bytes;
   header_bytes += d.wire_bytes - std::min<std::size_t>(d.wire_bytes, size);
-  envelope_bytes += std::min(kEnvelope, d.payload.size()) + d.seal_bytes;
+  const std::size_t envelope = std::min<std::size_t>(kEnvelope, d.cut ? size : d.payload.size());
+  envelope_bytes += envelope + d.seal_bytes;
+  if (d.cut) cut_bytes += size - envelope;
   least_size = std::min(least_size, size);
   most_size = std::max(most_size, size);
 }
@@ -76,6 +78,7 @@ void Tally::take(const Datagram& d) {
   all_.add(d);
   if (d.cut) {
     ++dropped_["cut off by the capture"];
+    ++cut_;
     return;
   }
   wire::SealError why = wire::SealError::kNone;

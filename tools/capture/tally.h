@@ -34,6 +34,7 @@ struct Traffic {
   std::uint64_t repeat_bytes = 0;    ///< updates that the link has carried before
   std::uint64_t mark_bytes = 0;      ///< the rest of state datagrams: marks, acknowledgements, hashes
   std::uint64_t other_bytes = 0;     ///< payload of session and membership datagrams
+  std::uint64_t cut_bytes = 0;       ///< of datagrams that the capture has cut off, all but the envelope
   std::int64_t first_ns = 0;         ///< least time; captures need not be in order
   std::int64_t last_ns = 0;          ///< greatest
   std::uint32_t least_size = 0;      ///< of the UDP payload, the seal included
@@ -107,6 +108,8 @@ class Tally {
   const std::map<std::string, std::uint64_t>& messages() const { return messages_; }
   /// By reason: what receivers drop, and what the capture has cut off.
   const std::map<std::string, std::uint64_t>& dropped() const { return dropped_; }
+  /// Datagrams that the capture has cut off: of which links they are is not known, nor so which others were lost.
+  std::uint64_t cut() const { return cut_; }
   /// Lives and links beyond what is kept apart; their datagrams count in the sums alone.
   std::uint64_t beyond() const { return beyond_; }
   /// Capture time of tick 0 of a session in `sessions`, us, and whether that is known from Pings and Pongs; otherwise
@@ -131,6 +134,7 @@ class Tally {
   std::array<Traffic, 3> kinds_;
   std::map<std::string, std::uint64_t> messages_;
   std::map<std::string, std::uint64_t> dropped_;
+  std::uint64_t cut_ = 0;
   std::uint64_t beyond_ = 0;
   std::map<std::pair<Endpoint, std::uint32_t>, LifeKey> who_;  ///< by address and incarnation
   std::map<std::pair<Endpoint, Micros>, std::int64_t> pings_;  ///< capture time, us, by asker and its clock
