@@ -151,7 +151,7 @@ void put_links(Json& j, const Report& r) {
     j.field("left", n.presence == node::Presence::kLeft).field("lost", n.presence == node::Presence::kAbsent);
     put_drops(j, link.dropped);
     j.field("cut_off", link.cut_offs);
-    j.field("rtt_ms", static_cast<double>(link.out.round_trip()) * 1000.0 / kTicksPerSecond);
+    j.field("rtt_ms", static_cast<double>(link.round_trip()) / 1e3);
     j.field("silence_ms", p.replica().roster().silence(to) * 1000.0 / kTicksPerSecond);
     j.field("kbit_s", link_kbit(p.replica(), to));
     j.field("queue_ms", static_cast<double>(link.out.rate().queue()) * 1000.0 / kTicksPerSecond);

@@ -260,9 +260,9 @@ void OutLink::on_packet(const StatePacket& p, Tick now) {
     rate_.arrived(back, p.mark_tick - static_cast<Tick>(p.seen_age), now, srtt_);
 }
 
-void OutLink::left(std::size_t bytes, Tick now) {
+void OutLink::left(std::size_t bytes, Tick now, bool late) {
   if (packet_.updates.empty()) mark_bytes_ = bytes;
-  rate_.sent(bytes, now);
+  rate_.sent(bytes, now, late);
 }
 
 // Whether what was sent a round trip ago, and nothing since, has arrived. Whoever speaks meanwhile waits for it.

@@ -40,8 +40,9 @@ class OutLink {
   /// may take in all.
   StatePacket* compose(const Context& c, const Ring<Bundle>& own, std::uint32_t first, const SizeOf& size_of,
                        std::size_t room);
-  /// What compose() gave left as a datagram of so many bytes, IP and UDP headers included.
-  void left(std::size_t bytes, Tick now);
+  /// What compose() gave left as a datagram of so many bytes, IP and UDP headers included. `late`: see
+  /// LinkRate::sent().
+  void left(std::size_t bytes, Tick now, bool late = false);
   /// Takes in what a datagram from the receiver says about ours. `now`: when it came, no earlier than the last
   /// compose() and perhaps later than the next.
   void on_packet(const StatePacket& p, Tick now);

@@ -34,6 +34,11 @@ std::size_t first_that_may_have_begun_it(std::size_t last) {
 constexpr Tick kMeasured = 6;
 // The quickest datagram is that of one to two such spans.
 constexpr Tick kSpan = 10 * kTicksPerSecond;
+// By so many ticks or fewer is a datagram quicker than all of late; what is quicker still came to a peer whose ticks
+// were far behind its clock, and is believed only of so many in a row: then the link has become shorter, or a clock was
+// set.
+constexpr Tick kTooQuick = 6;
+constexpr int kTooQuickInARow = 16;
 // Times are whole ticks at both ends.
 constexpr float kResolution = 0.5F;
 // What is sent waits for an empty queue no longer than this, s.
@@ -84,12 +89,12 @@ bool LinkRate::may_send(Tick now) {
   return may;
 }
 
-void LinkRate::sent(std::size_t bytes, Tick now) {
+void LinkRate::sent(std::size_t bytes, Tick now, bool late) {
   drain(now);
   queued_ += static_cast<double>(bytes);
   unacknowledged_ += static_cast<double>(bytes);
   ahead_ = std::min(2 * kMostAhead, ahead_ + static_cast<double>(bytes) / meant());
-  sent_.push_back({now, bytes});
+  sent_.push_back({now, bytes, late});
   if (sent_.size() <= kRemembered) return;
   sent_.pop_front();
   ++forgotten_;
@@ -208,7 +213,11 @@ void LinkRate::acknowledged(std::size_t later) {
 
 void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_trip) {
   const std::size_t place = sent_.size() - 1 - later;
-  receipts_.push_back({forgotten_ + place, received - sent_[place].at});
+  const Tick transit = received - sent_[place].at;
+  const bool too_quick = span_ != kNever && transit < quickest().transit - kTooQuick;
+  if (sent_[place].late || (too_quick && ++too_quick_ < kTooQuickInARow)) return;
+  too_quick_ = 0;
+  receipts_.push_back({forgotten_ + place, transit});
   while (receipts_.size() > kReceipts || receipts_.front().number < forgotten_) receipts_.pop_front();
   note_transit({receipts_.back().transit, sent_[place].bytes}, now);
   queue_ = lateness(receipts_.back());

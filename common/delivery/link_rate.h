@@ -32,8 +32,9 @@ class LinkRate {
   /// What is told over seconds is to keep within this.
   void bound(double most) { most_ = most; }
 
-  /// The next datagram, of `bytes`, leaves at `now`.
-  void sent(std::size_t bytes, Tick now);
+  /// The next datagram, of `bytes`, leaves at `now`. `late`: really later, as this peer was held up, so when it arrives
+  /// shows nothing of the link.
+  void sent(std::size_t bytes, Tick now, bool late = false);
   /// Datagrams whose sending is remembered.
   std::size_t remembered() const { return sent_.size(); }
   /// When the datagram was sent that was followed by `later` others, less than remembered().
@@ -64,6 +65,7 @@ class LinkRate {
   struct Sent {
     Tick at = 0;
     std::size_t bytes = 0;
+    bool late = false;
   };
   struct Receipt {
     std::size_t number = 0;  ///< of the datagram, among all that were sent
@@ -110,6 +112,7 @@ class LinkRate {
   Ring<Receipt> receipts_{kReceipts + 1};  ///< the latest
   float jitter_ = 0;                       ///< what no rate has explained of them of late, ticks
   int judged_ = 0;                         ///< receipts that went into that
+  int too_quick_ = 0;                      ///< receipts in a row that came too quickly to be believed
   Tick changed_ = kNever;                  ///< when the estimate last did
   Tick until_trial_ = 0;                   ///< time without a change after which it grows on trial, ticks
   bool held_back_ = false;                 ///< since the rate last grew

@@ -25,7 +25,9 @@ int passings(const sync::Bundle& b) {
 bool Evictions::is_to_blame(PeerId p, const Missing& missing, const View& view) const {
   const auto of = lost_.find(missing.of);
   if (of == lost_.end()) return false;
-  const bool has = of->second.have.at(p) > missing.index;
+  const auto said = of->second.have.find(p);
+  if (said == of->second.have.end()) return false;  // it has come since: is_silent() waits for it
+  const bool has = said->second > missing.index;
   return has != (missing.index < view.log.have(missing.of));
 }
 

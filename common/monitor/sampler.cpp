@@ -24,7 +24,7 @@ LinkStatus link_of(const node::Replica& replica, PeerId p) {
   l.incarnation = n.incarnation;
   l.there = n.there();
   l.at = n.at;
-  l.round_trip_ms = milliseconds(link.out.round_trip());
+  l.round_trip_ms = static_cast<float>(link.round_trip()) * 1e-3F;
   l.measured = link.clock.measured() && link.arrivals.any();
   if (l.measured) {
     const node::Arrivals::Delays d = link.arrivals.delays(tick_start(replica.now()));

@@ -32,6 +32,8 @@ class LinkClock {
   Micros least() const { return std::min(previous_, current_); }
   /// Whether both have measured.
   bool compared() const { return measured() && heard_; }
+  /// Least round trip of recent datagrams, us: the clocks' difference cancels out. 0 until both have measured.
+  Micros round_trip() const { return compared() ? std::max<Micros>(0, least() + theirs_) : 0; }
   /// By how much our clock leads theirs, if delays are alike both ways; 0 until both have measured.
   Micros lead() const { return compared() ? (least() - theirs_) / 2 : 0; }
   /// By how much it leads theirs at least, whatever the delays are; negative or 0 if that is not known.

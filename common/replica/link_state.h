@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -28,6 +29,13 @@ struct LinkState {
 
   std::array<std::uint64_t, sync::kDropReasons> dropped{};  ///< by reason, of all peers that had the slot
   std::uint32_t cut_offs = 0;                               ///< how often its present peer was cut off or muted
+
+  /// Smoothed round trip, us, for people: that of `out` is of whole ticks, which most datagrams take a little more
+  /// than.
+  Micros round_trip() const {
+    return std::max(clock.round_trip(),
+                    static_cast<Micros>(static_cast<double>(out.round_trip()) * 1e6 / kTicksPerSecond));
+  }
 };
 
 }  // namespace padr::node

@@ -19,6 +19,8 @@ constexpr Tick kKeptAtMost = 64 * kTicksPerSecond;
 // Interval between hashes when updates leave no room for marks; otherwise each hash goes out once, with a mark.
 constexpr Tick kTellCheck = 60;
 constexpr double kBytesPerKbit = 125;
+// Ticks after the last one that counted as held up that are still made too late, as a peer makes up for what it missed.
+constexpr Tick kMakesUp = 24;
 // Time without new updates after which marks are less urgent.
 constexpr Tick kQuiet = kTicksPerSecond;
 
@@ -35,6 +37,7 @@ double Replica::share_of_budget() const {
 void Replica::send() {
   sent_ = 0;
   const double share = share_of_budget();
+  const bool is_late = now() - roster_.late <= kMakesUp;
   std::uint32_t everyone = own_end();
   for (PeerId p = 0; p < config_.slots; ++p) {
     LinkState& to = links_[p];
@@ -63,7 +66,7 @@ void Replica::send() {
     wire::seal({wire::Kind::kState, config_.self, config_.session}, encoder_.encode(*packet), o.bytes);
     ++stats_.datagrams_sent;
     stats_.wire_bytes_sent += o.bytes.size() + kIpUdpBytes;
-    to.out.left(o.bytes.size() + kIpUdpBytes, now());
+    to.out.left(o.bytes.size() + kIpUdpBytes, now(), is_late);
   }
   stats_.repeats = repeats_of_gone_;
   for (const LinkState& l : links_) stats_.repeats += l.out.repeats();

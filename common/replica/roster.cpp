@@ -66,6 +66,7 @@ void Roster::excuse_tick() {
   const auto later = [this](Tick& t) {
     if (t >= 0) t = std::min(t + 1, now);
   };
+  late = now;
   for (Seat& s : seats) {
     later(s.heard);
     later(s.answered);

@@ -81,6 +81,7 @@ struct Roster {
   bool member = false;   ///< this peer's avatar is, or was once, part of the session
   bool leaving = false;  ///< this peer has published that it leaves, or is about to
   Tick in_since = 0;     ///< tick of this peer's admission; its updates are of later ones
+  Tick late = -1000;     ///< the last tick that this peer made far too late, as it had been held up
   /// Whose update that was, before it whose transfer this peer began with; kNoPeer: its own, or present from tick 0 on.
   PeerId admitted_by = kNoPeer;
   std::vector<Seat> seats;  ///< by slot; of the own one mainly `first` and `former` count

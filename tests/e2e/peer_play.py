@@ -48,6 +48,12 @@ class Play(Case):
         self.assertEqual([p.end() for p in peers], [0, 0])
         self.check_agreement(peers, least_common=3)
 
+    def test_a_round_trip_of_less_than_two_ticks_is_seen(self):
+        peers = self.session(2, "--duration", 3, "--netem", "delay 15ms")
+        self.assertEqual([p.end() for p in peers], [0, 0])
+        for p in peers:
+            self.assertGreaterEqual(p.summary()["links"][0]["rtt_ms"], 29.9)
+
     def test_per_destination_impairment(self):
         founder = self.peer("--wait-peers", 3, "--duration", 2, "--netem", "delay 1ms", "--netem-to", "2=delay 50ms")
         port = founder.port()

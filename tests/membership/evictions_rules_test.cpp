@@ -459,6 +459,21 @@ TEST_F(Eviction, IsOrderedIfNothingShowsThatThereIsAnUpdateThatAllOthersSayTheyH
   EXPECT_FALSE(orders_.empty());
 }
 
+// Once, this ended the coordinator's process.
+TEST_F(Eviction, AsksWhoComesWhileAnUpdateIsMissing) {
+  s_.roster.seats[2].presence = node::Presence::kAbsent;
+  begin();
+  reply(1, true, 3, -1);
+  pass(2);
+  s_.roster.seats[2].presence = node::Presence::kThere;
+  pass(2);
+  EXPECT_TRUE(orders_.empty());
+  EXPECT_TRUE(rules_.busy());
+  reply(2, true, 1, -1);
+  pass(Evictions::kUnsent + 1);
+  EXPECT_FALSE(orders_.empty());
+}
+
 TEST_F(Eviction, IsTakenBackIfTheLostPeerHasPublishedSomethingNew) {
   begin();
   EXPECT_EQ(send(1, 1, s_.roster.now - node::kSilence), 0U) << "before it fell silent";

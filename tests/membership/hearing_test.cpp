@@ -125,6 +125,14 @@ TEST(HarmMeter, KnowsWhoWasEvictedAndWhetherOthersReachedIt) {
   EXPECT_EQ(meter.harm().evicted_reachable, 0);
 }
 
+int narrow_links(const Party& party) {
+  int narrow = 0;
+  for (int a = 0; a < party.net().persons(); ++a)
+    for (PeerId b = 0; b < party.net().persons(); ++b)
+      if (b != party.replica(a).self()) narrow += party.replica(a).link(b).out.rate().is_limited() ? 1 : 0;
+  return narrow;
+}
+
 // What arrives at a peer that stands still waits for it. Once, its tick of before dated that, so that all other
 // datagrams looked late, and each link to it was taken for one of 10 kbit/s, for minutes.
 TEST(HearingHeldUp, WhoStandsStillNowAndThenHasNoNarrowLinks) {
@@ -136,11 +144,26 @@ TEST(HearingHeldUp, WhoStandsStillNowAndThenHasNoNarrowLinks) {
     party.run(0.15);
     party.net().pause(1, false);
     party.run(1.35);
-    for (int a = 0; a < 4; ++a)
-      for (PeerId b = 0; b < 4; ++b)
-        if (b != party.replica(a).self()) narrow += party.replica(a).link(b).out.rate().is_limited() ? 1 : 0;
+    narrow += narrow_links(party);
   }
   EXPECT_EQ(narrow, 0);
+}
+
+TEST(HearingHeldUp, WhoStandsStillForSecondsHasNoNarrowLinks) {
+  for (const char* const netem : {"delay 1ms", "delay 40ms 10ms loss 1%"})
+    for (const double s : {0.2, 0.3, 0.4, 0.5, 0.75, 1.0, 1.5, 2.0, 2.8}) {
+      Party party(3, netem, seed(62));
+      party.run(6);
+      party.net().pause(2, true);
+      party.run(s);
+      party.net().pause(2, false);
+      int narrow = 0;
+      for (int i = 0; i < 60; ++i) {
+        party.run(0.1);
+        narrow += narrow_links(party);
+      }
+      EXPECT_EQ(narrow, 0) << netem << ", " << s << " s";
+    }
 }
 
 }  // namespace
