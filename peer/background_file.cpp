@@ -15,15 +15,15 @@ BackgroundFile::~BackgroundFile() {
 
 bool BackgroundFile::append(std::span<const std::byte> bytes) {
   const std::lock_guard lock(mutex_);
-  if (failed_ || bytes.size() > room_) return false;
+  if (!failure_.empty() || bytes.size() > room_) return false;
   room_ -= bytes.size();
   waiting_.insert(waiting_.end(), bytes.begin(), bytes.end());
   return true;
 }
 
-bool BackgroundFile::has_failed() {
+std::string BackgroundFile::failure() {
   const std::lock_guard lock(mutex_);
-  return failed_;
+  return failure_;
 }
 
 void BackgroundFile::end_thread() {
@@ -43,6 +43,7 @@ void BackgroundFile::close() {
 
 void BackgroundFile::write_on() {
   std::vector<std::byte> writing;
+  std::string failure;
   for (bool last = false; !last;) {
     {
       std::unique_lock lock(mutex_);
@@ -55,11 +56,12 @@ void BackgroundFile::write_on() {
         file_.write(writing);
         file_.flush();
       }
-    } catch (const std::exception&) {
+    } catch (const std::exception& e) {
       trouble_ = std::current_exception();  // read once the thread has ended
+      failure = e.what();
     }
     const std::lock_guard lock(mutex_);
-    failed_ = trouble_ != nullptr;
+    failure_ = failure;
     room_ += writing.size();
     writing.clear();
   }

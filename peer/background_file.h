@@ -28,8 +28,8 @@ class BackgroundFile {
 
   /// All of it or, if too much waits already or something could not be written, nothing: then false.
   bool append(std::span<const std::byte> bytes);
-  /// Whether something could not be written; then nothing more is.
-  bool has_failed();
+  /// Why something could not be written; then nothing more is. Empty: all could.
+  std::string failure();
   /// Writes what is left. Throws std::system_error if anything could not be written.
   void close();
 
@@ -45,7 +45,7 @@ class BackgroundFile {
   std::vector<std::byte> waiting_;
   std::size_t room_;
   bool closing_ = false;
-  bool failed_ = false;         ///< nothing more is written
+  std::string failure_;         ///< if it is not empty, nothing more is written
   std::exception_ptr trouble_;  ///< the thread's alone, while it runs
   std::thread thread_;          ///< last: runs on all of the above
 };

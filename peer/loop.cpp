@@ -142,9 +142,9 @@ void Loop::wake() {
   if (!ending()) advance(now);
   egress_->pump(now);
   flush();
-  if (packets_ && !packets_failed_ && packets_->has_failed()) {
-    packets_failed_ = true;
-    log_.net->error("--pcap: cannot write '{}': nothing more is captured", options_.pcap);
+  if (packets_ && packets_failure_.empty()) {
+    packets_failure_ = packets_->failure();
+    if (!packets_failure_.empty()) log_.net->error("--pcap: {}: nothing more is captured", packets_failure_);
   }
   if (ending() && (!egress_->next_due() || now >= *drain_until_)) {
     io_.stop();

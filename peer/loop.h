@@ -101,7 +101,7 @@ class Loop {
   std::shared_ptr<shell::HandlerMemory> timer_memory_ = std::make_shared<shell::HandlerMemory>();
   std::optional<Micros> timer_due_;  ///< what it is set to; nothing: it is not
   std::unique_ptr<shell::OutputFile> json_;
-  bool packets_failed_ = false;         ///< and it was said
+  std::string packets_failure_;         ///< as it was said; empty: none
   std::unique_ptr<PacketLog> packets_;  ///< null: none is kept
   std::set<Endpoint> unsendable_;       ///< the system has refused to send there, and it was said
   RateLimit net_limit_;

@@ -28,9 +28,9 @@ class PacketLog {
 
   /// Datagrams that are missing because the disk could not keep up.
   std::uint64_t dropped() const { return dropped_; }
+  /// Why something could not be written; then nothing more is. Empty: all could.
+  std::string failure() { return file_.failure(); }
   /// Throws std::system_error if something could not be written.
-  /// Nothing more is written, as the disk takes no more.
-  bool has_failed() { return file_.has_failed(); }
   void close();
 
  private:

@@ -39,6 +39,18 @@ std::optional<wire::Key> parsed(const shell::SecretText& text) {
   return key;
 }
 
+/// A file that did not exist; nothing of it is left if it cannot be written.
+void write_new(const std::string& file, const std::string& text) {
+  shell::OutputFile out("keygen", file, shell::Readers::kOwnerNew);
+  try {
+    out.write(text);
+    out.close();
+  } catch (const std::system_error&) {
+    std::remove(file.c_str());
+    throw;
+  }
+}
+
 void wipe(std::string& text) {
   wire::wipe(std::as_writable_bytes(std::span(text)));
 }
@@ -63,9 +75,7 @@ int keygen(int argc, const char* const* argv) {
   if (file == "-") {
     shell::write_text("keygen", file, text);
   } else {
-    shell::OutputFile out("keygen", file, shell::Readers::kOwnerNew);
-    out.write(text);
-    out.close();
+    write_new(file, text);
   }
   wipe(text);
   return shell::kExitFine;

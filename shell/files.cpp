@@ -80,6 +80,10 @@ void refuse_binary(std::string_view flag, const std::string& path) {
                     "' is no text, perhaps a recording, and is not overwritten; name another file");
 }
 
+void refuse_standard_output(std::string_view flag, const std::string& path) {
+  if (path == "-") throw UserError(std::string(flag) + ": this cannot be printed; name a file in place of -");
+}
+
 }  // namespace
 
 void check_writable(std::string_view flag, const std::string& file) {
@@ -99,7 +103,7 @@ void check_writable(std::string_view flag, const std::string& file) {
 
 std::string replaceable(std::string_view flag, const std::string& path) {
   constexpr int kMostLinks = 40;  // as Linux follows
-  if (path == "-") throw UserError(std::string(flag) + ": this cannot be printed; name a file in place of -");
+  refuse_standard_output(flag, path);
   refuse_binary(flag, path);
   std::error_code error;
   if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
@@ -119,6 +123,7 @@ OutputFile::OutputFile(std::string_view flag, std::string path, Readers readers,
     file_.reset(stdout);
     return;
   }
+  refuse_standard_output(flag, path_);
   if (content == Content::kText) refuse_binary(flag, path_);
   file_.reset(readers == Readers::kAsUsual ? std::fopen(path_.c_str(), "wb")
                                            : open_for_owner(path_, readers == Readers::kOwnerNew));

@@ -32,7 +32,8 @@ enum class Content : std::uint8_t { kText, kBinary };
 /// at the latest in close().
 class OutputFile {
  public:
-  /// Creates or empties the file. Throws UserError, which names the flag, if that cannot be done.
+  /// Creates or empties the file. Throws UserError, which names the flag, if that cannot be done, or if what is no
+  /// text, or a secret, is to go to standard output.
   OutputFile(std::string_view flag, std::string path, Readers readers = Readers::kAsUsual,
              Content content = Content::kText);
   /// Throw std::system_error.

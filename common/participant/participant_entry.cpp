@@ -81,7 +81,8 @@ void Participant::bring_in_next(Micros local) {
 // The introducer of our first incarnation is lost: we ask anew, and another member will admit us.
 void Participant::ask_again(Micros local) {
   SessionConfig c = config_.session;
-  if (c.patience > 0) c.patience -= local - began_;
+  c.waited = local - began_;
+  if (c.patience > 0) c.patience -= c.waited;
   if (config_.session.patience > 0 && c.patience <= 0) return;
   collect(next_);
   next_ = {};

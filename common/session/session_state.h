@@ -44,6 +44,8 @@ struct SessionConfig {
   std::optional<int> joins{};
   /// Longest time from this peer's start to the begin of play, us; 0: no limit.
   Micros patience = 30 * kMicrosPerSecond;
+  /// So much of it an attempt before this one took, in which a member answered, us; 0: there was none.
+  Micros waited = 0;
 };
 
 enum class SessionPhase : std::uint8_t {

@@ -187,6 +187,24 @@ class Captures(Case):
         # The founder's keys are not those of what it carries, so what peer 2 tells peer 1 cannot be read.
         self.capture("rebuild", self.path("1.pcapng"), "--keylog", self.path("0.keys"), code=1)
 
+    def test_who_gave_up_a_world_has_captured_it(self):
+        peers = self.session(3, "--duration", 16, own=[self.own(i) for i in range(3)])
+        for p in peers:
+            p.wait_for(PLAYING)
+        time.sleep(2)
+        peers[2].process.send_signal(signal.SIGSTOP)
+        time.sleep(5)
+        peers[2].process.send_signal(signal.SIGCONT)
+        peers[2].wait_for("life 2 begins")
+        self.assertEqual([p.end() for p in peers], [0, 0, 0])
+        traces = [self.path(f"{i}.trace") for i in range(3)] + [self.path("2.2.trace")]
+        given_up = 0
+        for i in range(3):
+            c = self.as_json("compare", self.path(f"{i}.pcapng"), *traces)
+            self.assertTrue(c["agree"], c)
+            given_up += sum(w["given_up"] for w in c["confirmed"])
+        print(f"{given_up} ticks of the captures were given up")
+
     def test_everybody_has_seen_the_same(self):
         tcpdump = Tcpdump(self.path("lo.pcap"))
         peers = self.session(2, "--netem", LINK, "--duration", 6, own=[self.own(0), self.own(1)])

@@ -5,10 +5,13 @@ Usage: peer_sealed.py PADR_PEER [--datagrams N]: so many are forged, 20,000 if n
 
 import os
 import random
+import resource
+import signal
 import stat
+import subprocess
 import sys
 
-from peers import PLAYING, Case, main, run, unittest  # noqa: F401
+from peers import PLAYING, PROGRAM, Case, main, run, unittest  # noqa: F401
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "conformance"))
 
@@ -35,6 +38,15 @@ class Keys(Case):
         self.assertEqual(stat.S_IMODE(os.stat(path).st_mode), 0o600)
         code, _, err = run("keygen", path)
         self.assertEqual((code, path in err), (2, True), err)  # nobody's key is overwritten
+
+    def test_a_key_that_cannot_be_written_leaves_no_file(self):
+        path = os.path.join(self.folder.name, "key")
+        def no_room():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
+        done = subprocess.run([PROGRAM, "keygen", path], capture_output=True, text=True, preexec_fn=no_room)
+        self.assertEqual((done.returncode, os.path.exists(path)), (1, False), done.stderr)
+        self.assertIn("File too large", done.stderr)
 
     def test_what_is_no_key_is_said(self):
         bad = self.file("bad", "11" * 31)
@@ -101,6 +113,22 @@ class Memory(Case):
 
 
 class Sessions(Case):
+    def test_a_key_log_that_cannot_be_written_ends_nobody(self):
+        full = os.path.join(self.folder.name, "full")
+        try:
+            os.mknod(full, stat.S_IFCHR | 0o600, os.makedev(1, 7))  # as /dev/full, which keeps its permissions so
+            os.close(os.open(full, os.O_WRONLY))
+        except OSError as error:
+            self.skipTest(f"no device can be made here: {error}")
+        key = ["--key-file", self.file("key", KEY), "--duration", 2]
+        founder = self.peer("--wait-peers", 2, *key, "--keylog", full)
+        joiner = self.peer("--join", f"127.0.0.1:{founder.port()}", *key)
+        self.assertEqual([founder.end(), joiner.end()], [1, 0], founder.text())
+        self.assertIn("--keylog: cannot write '" + full + "': No space left on device: no more keys are written", founder.text())
+        self.assertIn("ended: played to the end", founder.text())
+        self.assertEqual(founder.summary()["exit_code"], 1)
+        self.check_agreement([founder, joiner], 1)
+
     def test_peers_of_both_modes_play(self):
         path = self.file("key", KEY + "\n")
         own = [["--seal", "auth"], ["--seal", "encrypt"], []]

@@ -42,7 +42,7 @@ class Usage(Case):
             with self.subTest(flag=flag):
                 code, summary, said = run(*played, flag, "/dev/full", "--health", os.path.join(self.folder.name, "health"))
                 self.assertEqual(code, 1, said)
-                self.assertIn("cannot write '/dev/full'", said)
+                self.assertIn(f"{flag}: cannot write '/dev/full': No space left on device: nothing more is", said)
                 self.assertIn("ended: played to the end", said)
                 self.assertGreater(json.loads(summary)["ticks"], 50)
                 self.assertEqual(json.loads(summary)["exit_code"], 1)
@@ -95,6 +95,8 @@ class Usage(Case):
                      "--seal", "--log", "--scenario", "--technique", "--input", "--threshold", "--wait-peers"):  # fmt: skip
             self.check_wrong([flag, ""], flag + ": is empty; give ", "or leave " + flag + " out")
         self.check_wrong(["--json="], "--json: no value; give FILE")
+        for flag in ("--pcap", "--trace"):
+            self.check_wrong([flag, "-"], flag + ": this cannot be printed; name a file in place of -")
         self.check_wrong(["keygen", ""], "keygen: the name of the file is empty")
         self.assertIn("usage: padr-peer keygen [FILE]", run("keygen", "-h")[1])
         self.check_wrong(["fingerprint", ""], "fingerprint: OTHER is empty")

@@ -283,6 +283,26 @@ TEST(SessionStart, TimeoutsSayWhy) {
   EXPECT_EQ(failure(1), "only 1 of 3 players came within 7 s");
 }
 
+// Once, it may have had a session key, or played in a crowd.
+TEST(SessionStart, WhoIsWelcomedAndNotAdmittedSaysSo) {
+  Party party(
+      party_config(2, "delay 10ms", 1),
+      [](lab::VirtualNetwork& net) {
+        net.on_start = [](int, node::ParticipantConfig& c) { c.session.patience = 12'000'000; };
+      },
+      1);
+  party.run(1);
+  const int joiner = party.net().start(0);
+  const Endpoint at = party.net().place_of(0);
+  const auto answered = [&] { return party.net().peer(joiner).session().phase() == node::SessionPhase::kEntering; };
+  ASSERT_TRUE(party.run_until(2, answered)) << party.story();
+  party.net().kill(0);
+  ASSERT_TRUE(party.run_until(13, [&] { return !party.net().runs(joiner); })) << party.story();
+  EXPECT_EQ(party.net().peer(joiner).session().failure(),
+            "no admission by " + to_string(at) +
+                " within 12 s: a member answered, but its world did not come through in time");
+}
+
 TEST(SessionStart, JoiningOneselfIsNoticed) {
   Party party(
       party_config(2, "delay 10ms", 1),

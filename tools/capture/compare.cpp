@@ -42,7 +42,8 @@ struct WorldCheck {
   std::string label;
   std::uint64_t compared = 0;
   std::uint64_t alike = 0;
-  std::uint64_t beyond = 0;  ///< ticks that could not be rebuilt
+  std::uint64_t beyond = 0;    ///< ticks that could not be rebuilt
+  std::uint64_t given_up = 0;  ///< ticks of which the capture has a world that another trace's peer gave up
   bool superseded = false;
   Tick first_difference = -1;
 };
@@ -83,10 +84,18 @@ const SessionLog& ledger_of(const Bookkeeper& books, std::uint16_t session) {
                   (all.empty() ? "no state datagrams of PADR" : "others: " + all));
 }
 
-WorldChecks compare_worlds(const Bookkeeper& books, const std::vector<TraceStory>& traces) {
+/// Whether a peer gave up this world of this tick for another incarnation: the capture may be its own.
+bool is_given_up(Tick tick, std::uint64_t hash, const std::vector<TraceStory>& traces) {
+  return std::any_of(traces.begin(), traces.end(), [&](const TraceStory& t) {
+    const auto found = t.confirmed.find(tick);
+    return t.superseded && found != t.confirmed.end() && found->second == hash;
+  });
+}
+
+WorldChecks compare_worlds(const Bookkeeper& books, const Contents& contents, const std::vector<TraceStory>& traces) {
   const SessionLog& session_log = ledger_of(books, traces.front().header.session);
   WorldChecks out;
-  out.not_compared = nothing_to_begin_with(session_log);
+  out.not_compared = nothing_to_begin_with(session_log, contents);
   Setting setting = setting_of(traces);
   if (setting.wanted == 0) setting.wanted = session_log.wanted;
   Tick until = 0;
@@ -104,6 +113,10 @@ WorldChecks compare_worlds(const Bookkeeper& books, const std::vector<TraceStory
       const auto ours = rebuilt.find(tick);
       if (ours == rebuilt.end()) {
         ++c.beyond;
+        continue;
+      }
+      if (ours->second != hash && is_given_up(tick, ours->second, traces)) {
+        ++c.given_up;
         continue;
       }
       ++c.compared;
@@ -182,6 +195,7 @@ std::string worlds_text(const WorldChecks& checks) {
     if (c.superseded) out += "given up for another incarnation, ";
     out += std::to_string(c.alike) + " of " + std::to_string(c.compared) + " ticks are the same";
     if (c.beyond > 0) out += ", " + std::to_string(c.beyond) + " could not be rebuilt";
+    if (c.given_up > 0) out += ", " + std::to_string(c.given_up) + " are in the capture as another peer gave them up";
     if (c.first_difference >= 0) out += ", the first that differs is tick " + std::to_string(c.first_difference);
     out += '\n';
   }
@@ -214,7 +228,7 @@ std::string as_json(const Comparison& c, const std::vector<LinkStory>& links, co
   j.end_array().key("confirmed").begin_array();
   for (const WorldCheck& w : worlds.traces) {
     j.begin_object().field("trace", w.label).field("compared", w.compared).field("alike", w.alike);
-    j.field("not_rebuilt", w.beyond).field("superseded", w.superseded).end_object();
+    j.field("not_rebuilt", w.beyond).field("given_up", w.given_up).field("superseded", w.superseded).end_object();
   }
   j.end_array().end_object();
   return j.text();
@@ -249,7 +263,7 @@ int run_compare(const CompareOptions& o) {
       std::fprintf(stderr, "padr-capture: %s breaks off at tick %d; it is compared up to there\n", t.label.c_str(),
                    static_cast<int>(t.last_tick));
   const std::vector<LinkStory> links = comparison.links();
-  const WorldChecks worlds = compare_worlds(books, comparison.traces());
+  const WorldChecks worlds = compare_worlds(books, captures.contents(), comparison.traces());
   const bool compared = worlds.not_compared.empty();
   bool agree = true;
   for (const LinkStory& l : links) agree = agree && (l.captured == 0 || l.contradictions.empty());

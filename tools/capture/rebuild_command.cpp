@@ -36,7 +36,7 @@ int run_rebuild(const RebuildOptions& o, const std::vector<std::string>& command
   while (const Datagram* d = captures.next()) books.take(*d);
   const int read = warn_unread(captures);
   const SessionLog& session_log = books.choose(o.setting.session());
-  if (const std::string why = nothing_to_begin_with(session_log); !why.empty()) {
+  if (const std::string why = nothing_to_begin_with(session_log, captures.contents()); !why.empty()) {
     std::fprintf(stderr, "padr-capture: rebuild: %s\n", why.c_str());
     return shell::kExitFailure;
   }

@@ -5,6 +5,7 @@
 #include "common/model/user_error.h"
 #include "common/wire/codec.h"
 #include "shell/text.h"
+#include "tools/capture/keyring.h"
 
 namespace padr::capture {
 namespace {
@@ -165,7 +166,7 @@ const SessionLog& Bookkeeper::choose(std::optional<int> session) const {
                   std::string(unreadable_ > 0 ? " that are whole and undamaged" : ""));
 }
 
-std::string nothing_to_begin_with(const SessionLog& session_log) {
+std::string nothing_to_begin_with(const SessionLog& session_log, const Contents& contents) {
   const auto whole = [](const auto& t) { return t.second.complete(); };
   if (std::any_of(session_log.transfers.begin(), session_log.transfers.end(), whole)) return "";
   std::string lacks;
@@ -179,6 +180,12 @@ std::string nothing_to_begin_with(const SessionLog& session_log) {
   }
   if (!anybody) lacks = "it has nothing of those who were there at tick 0";
   if (lacks.empty()) return "";
+  const std::string cannot = ", and without the beginning the confirmed world cannot be rebuilt";
+  if (const auto hidden = contents.sealed[static_cast<std::size_t>(Keyring::Reading::kHidden)]; hidden > 0)
+    return shell::counted(hidden, "datagram") + " of the capture are encrypted, and no --keylog has a key for them" +
+           cannot;
+  if (const auto cut = contents.of[static_cast<std::size_t>(Content::kCutUdp)]; cut > 0)
+    return "the capture has cut off " + shell::counted(cut, "datagram") + " (snaplen; capture with -s 0)" + cannot;
   return "session " + std::to_string(session_log.session) + " had begun when the capture did, at tick " +
          std::to_string(session_log.oldest) + ": " + lacks +
          ", and no whole transfer to a newcomer is. Without one of the two the confirmed world cannot be rebuilt; "

@@ -72,7 +72,7 @@ struct SessionLog {
 /// Why no tick of the session's confirmed world beyond its beginning follows from its packets, for people; empty if one
 /// may. The world begins with the session's start, for which every update of those who were there is needed, or with a
 /// whole transfer to a newcomer.
-std::string nothing_to_begin_with(const SessionLog& session_log);
+std::string nothing_to_begin_with(const SessionLog& session_log, const Contents& contents);
 
 /// Reads sessions into session_logs.
 class Bookkeeper {

@@ -52,7 +52,7 @@ Film film_captures(const std::vector<std::string>& files, const std::vector<std:
   while (const capture::Datagram* d = captures.next()) books.take(*d);
   for (const std::string& trouble : captures.troubles()) note(trouble);
   const capture::SessionLog& session_log = books.choose(flags.session());
-  if (const std::string why = capture::nothing_to_begin_with(session_log); !why.empty())
+  if (const std::string why = capture::nothing_to_begin_with(session_log, captures.contents()); !why.empty())
     throw UserError("--capture: " + why);
   const capture::Setting setting = flags.setting(session_log);
   const std::size_t entities = setting.scene.bodies.size() + static_cast<std::size_t>(setting.slots);
