@@ -107,6 +107,9 @@ std::string not_expected(const CLI::App& app) {
   const std::string& whole = left.front();
   const std::string word = whole.starts_with("--") ? whole.substr(0, whole.find('=')) : whole;
   if (word.starts_with('-')) return "'" + word + "' is no option here" + guess_for(in, word);
+  for (const CLI::Option* o : in.get_options())
+    if (o->get_lnames().empty() && o->get_snames().empty() && o->count() > 0)
+      return "'" + word + "' is one word too many; give one " + o->get_name();
   const std::string for_files = options_for_files(in);
   std::error_code unreadable;
   if (!for_files.empty() && std::filesystem::exists(word, unreadable))

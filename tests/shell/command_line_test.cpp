@@ -207,6 +207,21 @@ TEST(CommandLine, AFileWithoutAnOptionIsToldWhichTakeFiles) {
             "'/no such file' is one word too many; put a value that has spaces in quotes (see --help)");
 }
 
+TEST(CommandLine, ASecondFileWhereOneIsReadIsSaidToBeTooMany) {
+  CLI::App app;
+  std::string capture;
+  std::string keylog;
+  app.add_option("CAPTURE", capture)->type_name("FILE");
+  app.add_option("--keylog", keylog)->type_name("FILE");
+  const std::array argv{"program", "/", "/tmp"};
+  try {
+    shell::parse(app, 3, argv.data());
+    ADD_FAILURE() << "it was taken";
+  } catch (const UserError& e) {
+    EXPECT_EQ(std::string(e.what()), "'/tmp' is one word too many; give one CAPTURE (see --help)");
+  }
+}
+
 TEST(CommandLine, WhoGivesNoCommandIsToldWhichThereAre) {
   CLI::App app;
   app.add_subcommand("run");

@@ -112,6 +112,7 @@ struct Captures::File {
 
 Captures::Captures(std::vector<std::string> files, const std::vector<std::string>& keylogs)
     : names_(std::move(files)), keys_(keylogs), progress_(size_of(names_)) {
+  if (std::count(names_.begin(), names_.end(), "-") > 1) throw UserError("CAPTURE: standard input (-) is given twice");
   for (const std::string& f : names_) files_.push_back(std::make_unique<File>(f, files_.size()));
 }
 

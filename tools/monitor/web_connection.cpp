@@ -18,6 +18,10 @@ std::string_view view(beast::string_view s) {
   return {s.data(), s.size()};
 }
 
+bool only_reads(http::verb method) {
+  return method == http::verb::get || method == http::verb::head;
+}
+
 /// The page may load only files of this server, and no other site may embed it.
 std::string content_policy(std::string_view host) {
   return "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; font-src 'self'; "
@@ -74,6 +78,8 @@ void WebConnection::on_read(const error_code& error) {
   request.keep_alive(false);
   const bool long_header = error == http::error::header_limit || error == http::error::buffer_overflow;
   const bool has_body = error == http::error::body_limit;
+  if (has_body && !only_reads(parser_->get().method()))
+    return refuse(request, http::status::method_not_allowed, "only GET and HEAD");
   refuse(request,
          long_header ? http::status::request_header_fields_too_large
                      : (has_body ? http::status::payload_too_large : http::status::bad_request),
@@ -85,9 +91,7 @@ void WebConnection::answer(const HttpRequest& request) {
   if (request.count(http::field::host) != 1 || !host_allowed(host, server_->names()))
     return refuse(request, http::status::misdirected_request,
                   "this host name is not served; use an IP address, localhost, or a name given with --allow-host");
-  const bool head = request.method() == http::verb::head;
-  if (request.method() != http::verb::get && !head)
-    return refuse(request, http::status::method_not_allowed, "only GET and HEAD");
+  if (!only_reads(request.method())) return refuse(request, http::status::method_not_allowed, "only GET and HEAD");
   const auto target = split_target(view(request.target()));
   if (!target) return refuse(request, http::status::bad_request, "no such target");
   if (target->path == "/ws") return upgrade(request);
