@@ -195,7 +195,7 @@ void declare_output(CLI::App& app, Raw& raw, Options& o) {
       ->group(group);
   app.add_option("--health", o.health,
                  "Write a JSON file once a second, and remove it at the end. It says healthy while the peer plays\n"
-                 "and its confirmed world has advanced in the last 10 s")
+                 "and its confirmed world has advanced in the last 10 s. A killed peer leaves it: look at its age, too")
       ->type_name("FILE")
       ->group(group);
   app.add_option("--status-interval", o.status_interval, "Seconds between status lines; 0: none")

@@ -63,8 +63,8 @@ bool is_ours(std::span<const std::byte> payload) {
 /// Whether so little of a payload is there that it could be ours or others'.
 bool may_become_ours(std::span<const std::byte> payload) {
   constexpr std::array kMagic{std::byte{'P'}, std::byte{'d'}};
-  const std::size_t both = std::min(payload.size(), kMagic.size());
-  return payload.size() < wire::kHeaderBytes && std::equal(payload.begin(), payload.begin() + both, kMagic.begin());
+  const auto head = payload.first(std::min(payload.size(), kMagic.size()));
+  return payload.size() < wire::kHeaderBytes && std::equal(head.begin(), head.end(), kMagic.begin());
 }
 
 std::uint64_t hash_of(std::span<const std::byte> b) {

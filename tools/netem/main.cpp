@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "common/model/rng.h"
+#include "common/model/user_error.h"
 #include "shell/netem_flags.h"
 #include "shell/run_main.h"
 #include "shell/stop_signals.h"
@@ -27,6 +28,18 @@ namespace {
 
 namespace asio = boost::asio;
 using boost::system::error_code;
+
+/// A datagram would go round for ever, as a new client each time.
+void refuse_circles(const std::vector<std::unique_ptr<Relay>>& relays) {
+  for (const auto& first : relays) {
+    const Relay* at = first.get();
+    for (std::size_t hops = 0; hops < relays.size() && at != nullptr; ++hops) {
+      const auto next = std::find_if(relays.begin(), relays.end(), [at](const auto& r) { return at->leads_to(*r); });
+      at = next == relays.end() ? nullptr : next->get();
+      if (at == first.get()) throw UserError("--link: " + first->name() + " would relay in a circle, back to itself");
+    }
+  }
+}
 
 /// Calls itself every `interval` on absolute deadlines, so the period does not drift.
 class Periodic {
@@ -67,6 +80,7 @@ int run(const Options& options) {
     spdlog::info("{}: there {}, back {}, seed {}", relays.back()->name(), shell::describe(l.to_target),
                  shell::describe(l.to_client), options.seed);
   }
+  refuse_circles(relays);
   for (const auto& relay : relays) relay->start();
 
   const auto stats = spdlog::stdout_logger_st("stats");

@@ -140,6 +140,10 @@ void Relay::start() {
   wait_for_clients();
 }
 
+bool Relay::leads_to(const Relay& other) const {
+  return would_reach(io_, target_, other.listening_.local_endpoint());
+}
+
 std::string Relay::name() const {
   return text_of(listening_.local_endpoint()) + " -> " + text_of(target_);
 }

@@ -40,6 +40,9 @@ class Relay {
   /// Begins to relay.
   void start();
 
+  /// Whether what it relays comes to another relay's listening socket.
+  bool leads_to(const Relay& other) const;
+
   /// Forgets clients that have been silent for too long.
   void forget_idle_clients();
 
