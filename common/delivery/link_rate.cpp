@@ -34,9 +34,8 @@ std::size_t first_that_may_have_begun_it(std::size_t last) {
 constexpr Tick kMeasured = 6;
 // The quickest datagram is that of one to two such spans.
 constexpr Tick kSpan = 10 * kTicksPerSecond;
-// By so many ticks or fewer is a datagram quicker than all of late; what is quicker still came to a peer whose ticks
-// were far behind its clock, and is believed only of so many in a row: then the link has become shorter, or a clock was
-// set.
+// What came so many ticks before it was sent, and before all of late, came to a peer whose ticks were far behind its
+// clock. It is believed only of so many in a row: then a clock was set.
 constexpr Tick kTooQuick = 6;
 constexpr int kTooQuickInARow = 16;
 // Times are whole ticks at both ends.
@@ -214,7 +213,7 @@ void LinkRate::acknowledged(std::size_t later) {
 void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_trip) {
   const std::size_t place = sent_.size() - 1 - later;
   const Tick transit = received - sent_[place].at;
-  const bool too_quick = span_ != kNever && transit < quickest().transit - kTooQuick;
+  const bool too_quick = span_ != kNever && transit < std::min(0, quickest().transit) - kTooQuick;
   if (sent_[place].late || (too_quick && ++too_quick_ < kTooQuickInARow)) return;
   too_quick_ = 0;
   receipts_.push_back({forgotten_ + place, transit});
