@@ -303,7 +303,7 @@ class Process(Case):
             (("--link", "nonsense"), "LISTEN=TARGET"),
             (("--link", "127.0.0.1:5=127.0.0.1:5"), "relay to itself"),
             (("--link", "localhost:5=127.0.0.1:5"), '--link: "localhost:5=127.0.0.1:5" would relay to itself'),
-            (("--link", "127.0.0.1:7061=127.0.0.1:7062", "--link", "127.0.0.1:7062=127.0.0.1:7061"), "would relay in a circle"),
+            (("--link", "127.0.0.1:2961=127.0.0.1:2962", "--link", "127.0.0.1:2962=127.0.0.1:2961"), "would relay in a circle"),
             (("--link", "0.0.0.0:5=127.0.0.1:5"), "relay to itself"),
             (("--link", "[::]:5=127.0.0.1:5"), "relay to itself"),
             (("--link", "127.0.0.1:5=0.0.0.0:5"), "relay to itself"),

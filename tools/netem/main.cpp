@@ -75,12 +75,12 @@ int run(const Options& options) {
 
   std::vector<std::unique_ptr<Relay>> relays;
   const Relay::Limits limits{options.max_clients, in_micros(options.client_idle)};
-  for (const LinkOptions& l : options.links) {
+  for (const LinkOptions& l : options.links)
     relays.push_back(std::make_unique<Relay>(io, clock, l, derive_seed(options.seed, relays.size()), limits));
-    spdlog::info("{}: there {}, back {}, seed {}", relays.back()->name(), shell::describe(l.to_target),
-                 shell::describe(l.to_client), options.seed);
-  }
   refuse_circles(relays);
+  for (std::size_t i = 0; i < relays.size(); ++i)
+    spdlog::info("{}: there {}, back {}, seed {}", relays[i]->name(), shell::describe(options.links[i].to_target),
+                 shell::describe(options.links[i].to_client), options.seed);
   for (const auto& relay : relays) relay->start();
 
   const auto stats = spdlog::stdout_logger_st("stats");
