@@ -130,7 +130,8 @@ void Loop::flush() {
     if (sent) {
       if (packets_) packets_->sent(to, datagram, time);
       unsendable_.erase(to);
-    } else if (unsendable_.size() < kMostUnsendable && unsendable_.insert(to).second && net_limit_.pass(clock_.now())) {
+    } else if (unsendable_.size() < kMostUnsendable && !unsendable_.contains(to) && net_limit_.pass(clock_.now())) {
+      unsendable_.insert(to);
       log_.net->warn("cannot send to {}: {}; this is said once, until it is possible", to_string(to),
                      socket_->last_error());
     }

@@ -180,11 +180,13 @@ std::string nothing_to_begin_with(const SessionLog& session_log, const Contents&
   }
   if (!anybody) lacks = "it has nothing of those who were there at tick 0";
   if (lacks.empty()) return "";
+  // A few may be of others, or damaged.
+  const auto many = [&session_log](std::uint64_t n) { return 10 * n > session_log.states; };
   const std::string cannot = ", and without the beginning the confirmed world cannot be rebuilt";
-  if (const auto hidden = contents.sealed[static_cast<std::size_t>(Keyring::Reading::kHidden)]; hidden > 0)
+  if (const auto hidden = contents.sealed[static_cast<std::size_t>(Keyring::Reading::kHidden)]; many(hidden))
     return shell::counted(hidden, "datagram") + " of the capture are encrypted, and no --keylog has a key for them" +
            cannot;
-  if (const auto cut = contents.of[static_cast<std::size_t>(Content::kCutUdp)]; cut > 0)
+  if (const auto cut = contents.of[static_cast<std::size_t>(Content::kCutUdp)]; many(cut))
     return "the capture has cut off " + shell::counted(cut, "datagram") + " (snaplen; capture with -s 0)" + cannot;
   return "session " + std::to_string(session_log.session) + " had begun when the capture did, at tick " +
          std::to_string(session_log.oldest) + ": " + lacks +
