@@ -13,7 +13,7 @@ using sync::StatePacket;
 using Values = std::array<std::uint8_t, LieEntry::kValues>;
 
 constexpr std::uint32_t kStateKinds = 9;
-constexpr std::uint32_t kKinds = 24;
+constexpr std::uint32_t kKinds = LieEntry::kKinds;
 /// Higher numbers have no form on the wire.
 constexpr std::uint32_t kLastIndex = std::numeric_limits<std::uint32_t>::max() - 1;
 

@@ -17,6 +17,7 @@ namespace padr::test {
 struct LieEntry {
   static constexpr std::size_t kBytes = 12;
   static constexpr std::size_t kValues = 9;
+  static constexpr std::uint32_t kKinds = 24;  ///< of `what`, modulo this
   std::uint8_t what = 0;
   std::uint8_t to = 0;     ///< bit p: member p is told
   std::uint8_t turns = 0;  ///< until the next entry
