@@ -105,9 +105,10 @@ void CrowdLoop::end_if_over(Micros now) {
   if (!peer_->finder().failure().empty()) return end(shell::kExitFailure, peer_->finder().failure());
   if (options_.join_timeout > 0 && now >= in_micros(options_.join_timeout))
     end(shell::kExitFailure,
-        peer_->finder().met() ? fmt::format("could not enter the region of --start within {} s", options_.join_timeout)
-                              : fmt::format("no answer from {} within {} s{}", options_.join->text,
-                                            options_.join_timeout, nobody_listens_ ? ": nobody listens there" : ""));
+        peer_->finder().met()
+            ? fmt::format("could not enter the region of --start within {} s", options_.join_timeout)
+            : fmt::format("no answer from {} within {} s{}", options_.join->text, options_.join_timeout,
+                          nobody_listens_ ? ": nobody listens there" : "; it may play in a session, not in a crowd"));
 }
 
 void CrowdLoop::say_status(Micros now) {

@@ -121,11 +121,19 @@ void declare_session(CLI::App& app, Raw& raw, Options& o) {
       ->group(group);
 }
 
+constexpr std::array kNotInACrowd{"--scenario",       "--wait-peers", "--slots",    "--trace", "--health", "--monitor",
+                                  "--monitor-detail", "--control",    "--key-file", "--seal",  "--keylog"};
+
 void declare_crowd(CLI::App& app, Raw& raw) {
   const std::string group = "Crowd";
+  std::string without;
+  for (std::size_t i = 0; i < kNotInACrowd.size(); ++i)
+    without += (i == 0 ? "" : i == 6 ? ",\n" : ", ") + std::string(kNotInACrowd[i]);
   app.add_flag("--crowd", raw.crowd,
                "Play in a crowd, on a plane without end, not in a session. --join names any peer of the crowd;\n"
-               "without --join this is its first peer. --seed sets the plane; all peers of a crowd need the same")
+               "without --join this is its first peer. --seed sets the plane; all peers of a crowd need the same.\n"
+               "These are not for crowds: " +
+                   without)
       ->group(group);
   app.add_option("--start", raw.start, "Where the avatar starts, m [a random place in the region 0,0]")
       ->type_name("X,Y")
@@ -366,8 +374,7 @@ void check_crowd_flags(const CLI::App& app, const Raw& raw) {
       if (app.count(flag) > 0) throw UserError(std::string(flag) + ": is for a crowd; give --crowd, too");
     return;
   }
-  for (const char* flag : {"--scenario", "--wait-peers", "--slots", "--trace", "--health", "--monitor",
-                           "--monitor-detail", "--control", "--key-file", "--seal", "--keylog"})
+  for (const char* flag : kNotInACrowd)
     if (app.count(flag) > 0)
       throw UserError(std::string(flag) + ": cannot be used in a crowd; leave it or --crowd out");
 }

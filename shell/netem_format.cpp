@@ -1,5 +1,7 @@
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <span>
 #include <string>
 #include <variant>
 
@@ -41,6 +43,12 @@ std::string rate_text(std::uint64_t bits) {
   return std::to_string(bits) + "bit";
 }
 
+/// A chance, and what is read where it is left out.
+struct Omittable {
+  Chance is;
+  Chance otherwise;
+};
+
 class Writer {
  public:
   Writer& word(std::string_view w) {
@@ -49,6 +57,12 @@ class Writer {
     return *this;
   }
   Writer& percent(Chance c) { return word(percent_text(c)); }
+  /// Up to the last one that has to be written.
+  void optional(std::span<const Omittable> chances) {
+    while (!chances.empty() && chances.back().is == chances.back().otherwise)
+      chances = chances.first(chances.size() - 1);
+    for (const Omittable& c : chances) percent(c.is);
+  }
   Writer& time(Nanos t) { return word(time_text(t)); }
   Writer& number(std::int64_t n) { return word(std::to_string(n)); }
 
@@ -71,9 +85,13 @@ class Writer {
     if (const auto* random = std::get_if<link::Knob>(&spec.loss)) {
       knob("loss", *random);
     } else if (const auto* s = std::get_if<link::FourStateLoss>(&spec.loss)) {
-      word("loss").word("state").percent(s->p13).percent(s->p31).percent(s->p32).percent(s->p23).percent(s->p14);
+      word("loss").word("state").percent(s->p13);
+      optional(std::array<Omittable, 4>{
+          {{s->p31, link::kAlways - s->p13}, {s->p32, 0}, {s->p23, link::kAlways}, {s->p14, 0}}});
     } else if (const auto* g = std::get_if<link::GilbertElliottLoss>(&spec.loss)) {
-      word("loss").word("gemodel").percent(g->p).percent(g->r).percent(g->lose_bad).percent(g->lose_good);
+      word("loss").word("gemodel").percent(g->p);
+      optional(
+          std::array<Omittable, 3>{{{g->r, link::kAlways - g->p}, {g->lose_bad, link::kAlways}, {g->lose_good, 0}}});
     }
   }
 

@@ -265,6 +265,11 @@ TEST_F(Program, FollowsAPipeAndAFileThatGrows) {
                               std::string(PADR_CAPTURE) + " follow b.pcap --idle 1.5");
   EXPECT_EQ(grown.status, 0) << grown.err;
   EXPECT_EQ(grown.out, piped.out);
+  const Outcome idle = capture("follow - --idle 3 <a.pcap");
+  EXPECT_EQ(idle.status, 2);
+  EXPECT_EQ(
+      idle.err,
+      "padr-capture: --idle does not go with standard input, which ends by itself; leave it out, or name a file\n");
 }
 
 }  // namespace

@@ -127,6 +127,12 @@ class Crowd(Case):
         self.assertEqual(code, 1, err)
         self.assertIn("no answer from 127.0.0.1:9 within 1 s: nobody listens there", err)
 
+    def test_a_session_is_no_crowd(self):
+        place = f"127.0.0.1:{self.peer().port()}"
+        code, _, err = run("--crowd", "--join", place, "--join-timeout", 1)
+        self.assertEqual(code, 1, err)
+        self.assertIn(f"no answer from {place} within 1 s; it may play in a session, not in a crowd", err)
+
 
 if __name__ == "__main__":
     main()

@@ -83,14 +83,16 @@ constexpr Accepted kAccepted[] = {
     {"loss 100", "loss 100%"},
     {"loss 0", ""},
     {"loss random 5% 25%", "loss 5% 25%"},
-    {"loss state 1", "loss state 1% 99% 0% 100% 0%"},
-    {"loss state 1 20", "loss state 1% 20% 0% 100% 0%"},
-    {"loss state 1 20 3 40", "loss state 1% 20% 3% 40% 0%"},
+    {"loss state 1", "loss state 1%"},
+    {"loss state 1 20", "loss state 1% 20%"},
+    {"loss state 1 20 3 40", "loss state 1% 20% 3% 40%"},
     {"loss state 1 2 3 4 5", "loss state 1% 2% 3% 4% 5%"},
-    {"loss state 100", "loss state 100% 0% 0% 100% 0%"},
-    {"loss gemodel 1%", "loss gemodel 1% 99% 100% 0%"},
-    {"loss gemodel 1% 30%", "loss gemodel 1% 30% 100% 0%"},
-    {"loss gemodel 1% 30% 70%", "loss gemodel 1% 30% 70% 0%"},
+    {"loss state 100", "loss state 100%"},
+    {"loss state 10", "loss state 10%"},
+    {"loss state 1 2 0 100 5", "loss state 1% 2% 0% 100% 5%"},
+    {"loss gemodel 1%", "loss gemodel 1%"},
+    {"loss gemodel 1% 30%", "loss gemodel 1% 30%"},
+    {"loss gemodel 1% 30% 70%", "loss gemodel 1% 30% 70%"},
     {"loss gemodel 1% 30% 70% 0.1%", "loss gemodel 1% 30% 70% 0.1%"},
     {"corrupt 1 25", "corrupt 1% 25%"},
     {"duplicate 0", ""},
@@ -229,6 +231,7 @@ constexpr Rejected kRejected[] = {
      "not one of mobile, satellite, uplink; files can be named on a command"},
     {"trace /etc/passwd", "word 2 \"/etc/passwd\" (column 7)", "files can be named on a command line only"},
     {"trace mobile 5parsecs", "word 3 \"5parsecs\"", "not a valid START; allowed: 0 to 4294s"},
+    {"trace mobile 1000s", "word 3 \"1000s\"", "START must be less than the "},
     {"trace mobile rand", "word 3 \"rand\"", "unknown"},
     {"trace mobile 5s random", "word 4 \"random\"", "unknown"},
     {"rate 1mbit trace mobile", "word 3 \"trace\"", "not allowed with rate: both say when packets leave"},
@@ -259,8 +262,8 @@ TEST(NetemText, LinkTracesFromFiles) {
   EXPECT_EQ(*with_file("5").trace.opportunities, Times{5});
   EXPECT_EQ(*with_file("5\r\n6\r\n").trace.opportunities, (Times{5, 6}));
 
-  const NetemSpec spec = with_file("5\n6", "delay 1ms trace my.link 2s");
-  EXPECT_EQ(to_string(spec), "delay 1ms trace my.link 2s");
+  const NetemSpec spec = with_file("5\n6", "delay 1ms trace my.link 5ms");
+  EXPECT_EQ(to_string(spec), "delay 1ms trace my.link 5ms");
   EXPECT_EQ(with_file("5\n6", to_string(spec)), spec);
   EXPECT_NE(with_file("5\n7", to_string(spec)), spec);
   EXPECT_NE(with_file("5\n6", "delay 1ms"), spec);

@@ -3,6 +3,7 @@
 #include <thread>
 
 #include "common/capture/frame_reader.h"
+#include "common/model/user_error.h"
 #include "shell/command_line.h"
 #include "tools/capture/commands.h"
 #include "tools/capture/sentence.h"
@@ -36,6 +37,8 @@ void say(Recorder& recorder, const Datagram& d, bool json) {
 
 int run_follow(const FollowOptions& o) {
   constexpr auto kLook = std::chrono::milliseconds(50);
+  if (o.file == "-" && o.idle > 0)
+    throw UserError("--idle does not go with standard input, which ends by itself; leave it out, or name a file");
   // One file, which is asked again at its end: a pipe has none before the last writer is gone.
   Captures captures({o.file}, o.keylogs);
   Recorder recorder;
@@ -63,7 +66,7 @@ Run declare_follow(CLI::App& app) {
       ->type_name("FILE");
   declare_keylogs(app, o->keylogs);
   app.add_flag("--json", o->json, "Datagrams as padr-capture export --json has them");
-  app.add_option("--idle", o->idle, "Stop after S seconds without a datagram; 0: never")
+  app.add_option("--idle", o->idle, "Stop after S seconds without a datagram, for a file; 0: never")
       ->type_name("S")
       ->check(shell::between(0.0, 86400.0, "seconds"))
       ->capture_default_str();

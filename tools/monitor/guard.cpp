@@ -11,6 +11,11 @@ bool is_digit(char c) {
   return c >= '0' && c <= '9';
 }
 
+/// A letter or a digit of ASCII, or one of these marks.
+bool is_plain(char c, std::string_view marks) {
+  return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || marks.find(c) != std::string_view::npos;
+}
+
 bool is_port(std::string_view text) {
   return !text.empty() && text.size() <= 5 && std::all_of(text.begin(), text.end(), is_digit);
 }
@@ -37,6 +42,10 @@ bool host_allowed(std::string_view host, std::span<const std::string> names) {
                      [&](const std::string& n) { return boost::algorithm::iequals(name, n); });
 }
 
+bool is_host_name(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return is_plain(c, "-._"); });
+}
+
 bool same_origin(std::string_view origin, std::string_view host) {
   for (const std::string_view scheme : {"http://", "https://"})
     if (origin.starts_with(scheme)) return boost::algorithm::iequals(origin.substr(scheme.size()), host);
@@ -46,10 +55,7 @@ bool same_origin(std::string_view origin, std::string_view host) {
 std::optional<Target> split_target(std::string_view target) {
   // Links get fields added on their way, such as ?utm_source=a+b; a path is a name here or nowhere.
   const auto printed = [](char c) { return c > ' ' && c < 0x7F; };
-  const auto plain = [](char c) {
-    return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-           std::string_view("/._-").find(c) != std::string_view::npos;
-  };
+  const auto plain = [](char c) { return is_plain(c, "/._-"); };
   const std::string_view path = target.substr(0, target.find('?'));
   const std::string_view query = path.size() == target.size() ? "" : target.substr(path.size() + 1);
   if (!path.starts_with('/') || !std::all_of(path.begin(), path.end(), plain) ||

@@ -13,6 +13,9 @@ namespace padr::monitor {
 /// with any port or none. A page of somebody else's that points a name of its own at our address asks for that name.
 bool host_allowed(std::string_view host, std::span<const std::string> names);
 
+/// Whether it may be one of `names`: of letters and digits of ASCII, hyphens, full stops and underscores.
+bool is_host_name(std::string_view text);
+
 /// Whether a page of this Origin (RFC 6454) is one that we served under this Host: the same host and port.
 bool same_origin(std::string_view origin, std::string_view host);
 

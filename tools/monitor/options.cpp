@@ -5,6 +5,7 @@
 #include "common/model/user_error.h"
 #include "shell/command_line.h"
 #include "tools/capture/setting.h"
+#include "tools/monitor/guard.h"
 
 namespace padr::monitor {
 namespace {
@@ -78,6 +79,9 @@ void check(const Options& o) {
   if (!o.token.empty() && (o.token.size() < 8 || o.token.size() > 200))
     throw UserError("--control-token or PADR_CONTROL_TOKEN: " + std::to_string(o.token.size()) +
                     " characters are not allowed; give 8 to 200");
+  for (const std::string& name : o.names)
+    if (!is_host_name(name))
+      throw UserError("--allow-host: '" + name + "' is not a host name; give it without scheme, port and path");
 }
 
 }  // namespace
