@@ -183,6 +183,15 @@ TEST_F(Program, ADatagramThatANatGivesAnotherAddressCountsOnce) {
   EXPECT_NE(o.out.find("6 packets, 3 datagrams of PADR in 2.0 s, 3 seen in another file"), std::string::npos) << o.out;
   EXPECT_EQ(count_of(o.out, "\n  1 -> 2 "), 1U) << o.out;
   EXPECT_EQ(count_of(o.out, "\n  2 -> 1 "), 1U) << o.out;
+  // One capture of both sides; one of the datagrams was lost between them, and another came doubled.
+  write("both.pcap", pcap({}, {from(1, 1, 4001, 6001), from(1, 1, 6002, 4002), from(2, 1, 4002, 6002),
+                               from(2, 1, 6001, 4001), from(2, 1, 6001, 4001), from(1, 2, 4001, 6001)}));
+  const Outcome both = capture("summary both.pcap");
+  EXPECT_NE(both.out.find("6 packets, 4 datagrams of PADR in 5.0 s, 2 seen from another address, too"),
+            std::string::npos)
+      << both.out;
+  EXPECT_EQ(count_of(both.out, "\n  1 -> 2 "), 1U) << both.out;
+  EXPECT_EQ(count_of(both.out, "\n  2 -> 1 "), 1U) << both.out;
 }
 
 /// Peer 1, id 0x11, on 4001, speaks to peer 2, id 0x22, on 4002 through one on 4009. A carrier has an id of its own.

@@ -71,6 +71,16 @@ std::uint64_t hash_of(std::span<const std::byte> b) {
   return std::hash<std::string_view>()({reinterpret_cast<const char*>(b.data()), b.size()});
 }
 
+/// In which file a datagram has been seen, and from which address: a NAT or a relay changes that one.
+std::uint64_t sighted_at(const Datagram& d) {
+  std::array<std::byte, sizeof d.outer_from.address + 2 + sizeof d.file> text{};
+  std::byte* end = std::copy_n(reinterpret_cast<const std::byte*>(d.outer_from.address.data()),
+                               sizeof d.outer_from.address, text.data());
+  for (unsigned i = 0; i < 2; ++i) *end++ = static_cast<std::byte>(d.outer_from.port >> 8U * i);
+  for (unsigned i = 0; i < sizeof d.file; ++i) *end++ = static_cast<std::byte>(d.file >> 8U * i);
+  return hash_of(text);
+}
+
 /// Of a peer of which no address is known.
 Endpoint nowhere(std::uint32_t id) {
   Endpoint e;
@@ -236,7 +246,7 @@ const Datagram* Captures::next() {
     progress_.at(done);
     const Datagram& d = given_->datagram;
     place(*given_);
-    if (files_.size() == 1 || !seen_elsewhere(hash_of(given_->whole), d.file, d)) break;
+    if (!seen_elsewhere(hash_of(given_->whole), sighted_at(d), d)) break;
     ++contents_.seen_again;
     advance(*given_);
   }

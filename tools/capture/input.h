@@ -38,7 +38,7 @@ struct Contents {
   std::array<std::uint64_t, kContents> of{};  ///< by Content
   std::uint64_t others = 0;                   ///< UDP datagrams that are not ours
   std::uint64_t ours = 0;                     ///< that are, each once
-  std::uint64_t seen_again = 0;               ///< that another of the files has too, with whatever addresses
+  std::uint64_t seen_again = 0;               ///< that another file has too, or the same one from another address
   std::uint64_t back = 0;                     ///< ours that are earlier than the one before in their file
   std::array<std::uint64_t, 4> sealed{};      ///< by Keyring::Reading; the last two are not among ours
   std::uint64_t carried = 0;         ///< sealed ones that a third peer passes on, each hop; what is in them counts
@@ -46,9 +46,9 @@ struct Contents {
   std::uint64_t handshakes = 0;      ///< of sessions with a key; not among ours
 };
 
-/// The captures of one session, as one: by time, and what several of them have seen counts once. Two equal datagrams
-/// in one file are two datagrams; if another file has them too, they still are two. Memory does not grow with the
-/// files.
+/// The captures of one session, as one: by time, and what several of them have seen, or one on both sides of a NAT or
+/// relay, counts once. Two equal datagrams from one address in one file are two datagrams; if another file has them
+/// too, they still are two. Memory does not grow with the files.
 class Captures {
  public:
   /// `files`: "-" is standard input. Shows progress on long files if standard error is a terminal. What is sealed comes
@@ -84,8 +84,8 @@ class Captures {
   void place(File& file);
   Endpoint same(const Endpoint& address) const;
   Endpoint place_of(std::uint32_t id, const Endpoint* at);
-  /// Whether what has this content has been given out as often as it has been seen at this place: in this file, or on
-  /// this hop.
+  /// Whether what has this content has been given out as often as it has been seen at this place: see sighted_at; or
+  /// on this hop.
   bool seen_elsewhere(std::uint64_t content, std::uint64_t place, const Datagram& d);
   void forget(std::int64_t now_ns);
 

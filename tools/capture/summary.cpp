@@ -31,7 +31,7 @@ std::string contents_text(const Source& s, const Tally& t) {
     if (n > 0) out += ", " + count(n) + " " + what;
   };
   const auto of = [&c](Content k) { return c.of[static_cast<std::size_t>(k)]; };
-  add(c.seen_again, "seen in another file, too");
+  add(c.seen_again, s.files.size() > 1 ? "seen in another file, too" : "seen from another address, too");
   add(c.back, "earlier than the one before");
   const auto sealed = [&c](Keyring::Reading r) { return c.sealed[static_cast<std::size_t>(r)]; };
   add(sealed(Keyring::Reading::kChecked), "sealed and checked");
