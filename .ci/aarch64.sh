@@ -6,7 +6,8 @@ usage() {
   cat <<'TEXT'
 usage: .ci/aarch64.sh [--help] [--mistakes]
 
-Makes build/aarch64/run, a folder with padr-lab, padr-peer, padr-capture and tests for aarch64, each of which runs here.
+Makes build/aarch64/run, a folder with padr-lab (run and replay only), padr-peer, padr-capture and tests for aarch64, each
+of which runs here.
 
   --mistakes   the programs seeded_*, too: each has a mistake that the physics fingerprint must show
 
@@ -17,7 +18,7 @@ environment names another folder for them.
 Exit: 0 done, 77 not possible here, 1 failed.
 TEXT
 }
-programs=(padr-lab padr-peer padr-capture world_test)
+programs=(run_and_replay padr-peer padr-capture world_test)
 for arg in "$@"; do
   case $arg in
     --help | -h) usage; exit 0 ;;
@@ -77,3 +78,4 @@ for program in "${programs[@]}"; do
     >"build/aarch64/run/$program"
   chmod +x "build/aarch64/run/$program"
 done
+mv build/aarch64/run/run_and_replay build/aarch64/run/padr-lab

@@ -2,7 +2,9 @@
 """clang-tidy over a build by clang, several files at once. It remembers the preprocessed text of clean files,
 with comments, and checks only files that have changed since. Prints each finding once; exit status 1 if there are any.
 
-Usage: tidy.py CLANG_TIDY CLANG BUILD_FOLDER JOBS FOLDER...
+Usage: tidy.py [--newest N] CLANG_TIDY CLANG BUILD_FOLDER JOBS FOLDER...
+
+  --newest N  only files that the last N commits have changed, or their headers; all where git does not know so many
 
 FOLDER is one of common, peer and tools; headers of all three are read where a file includes them.
 """
@@ -68,8 +70,31 @@ def forget(cache, most=4000):
         os.unlink(path)
 
 
+def changed_by(newest):
+    """Files that so many commits have changed, without their endings; None if there are not so many."""
+    done = run(["git", "log", f"-{newest}", "--name-only", "--pretty=format:commit %h"])
+    lines = done.stdout.decode(errors="replace").splitlines()
+    if done.returncode or sum(line.startswith("commit ") for line in lines) < newest:
+        return None
+    return {os.path.splitext(line)[0] for line in lines if line.endswith((".cpp", ".h"))}
+
+
+def has_changed(entry, changed):
+    """A file of a unity build is of several."""
+    parts = [os.path.relpath(entry["file"])]
+    if os.path.isabs(entry["file"]) and not parts[0].startswith(("common/", "peer/", "tools/")):
+        with open(entry["file"], encoding="utf-8") as f:
+            parts = re.findall(r'#include "([^"]+)"', f.read())
+    return any(os.path.splitext(part)[0] in changed for part in parts)
+
+
 def main():
-    tidy, clang, build, jobs, *folders = sys.argv[1:]
+    arguments = sys.argv[1:]
+    changed = None
+    if arguments[0] == "--newest":
+        changed = changed_by(int(arguments[1]))
+        del arguments[:2]
+    tidy, clang, build, jobs, *folders = arguments
     ours = re.compile(f"/({'|'.join(folders)})/[^ ]*[.]cpp$")
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
     cache = os.path.join(home, "padr-tidy")
@@ -80,6 +105,8 @@ def main():
         common = f.read() + run([tidy, "--version"]).stdout + (HEADERS + CHECKS).encode()
     if not entries:
         sys.exit(f"tidy.py: {build} compiles no file of ours")
+    if changed is not None:
+        entries = [e for e in entries if has_changed(e, changed)]
     everything, known = set(), 0
     with concurrent.futures.ThreadPoolExecutor(int(jobs)) as pool:
         for found, was_known in pool.map(lambda e: findings_of(e, tidy, clang, build, common, cache), entries):
