@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <functional>
 #include <random>
+#include <span>
 #include <string>
 
 #include "common/model/user_error.h"
@@ -38,7 +39,7 @@ padr::node::ParticipantConfig configure(const char* join_port) {
   padr::node::ParticipantConfig config;
   config.replica.technique = padr::technique_by_name("full");
   config.session.slots = 4;
-  config.session.scenario = "arena seed 1";  // for messages to people
+  config.session.scenario = "arena seed 1";  // for messages to people, and for padr-capture
   std::random_device random;
   config.session.seed = random();
   config.session.secret = std::uint64_t{random()} << 32U | random();
@@ -58,18 +59,28 @@ void draw(const padr::node::Replica& replica) {
   if (replica.now() % 60 != 0) return;
   const std::vector<padr::Vec2>& at = replica.shown().positions();  // of the bodies, then of the avatars by slot; m
   const auto& world = replica.live().world();                       // has angles and velocities: world.state(id)
+  const padr::PeerId owner = replica.agreed().predicted_state().authority[0].holder();  // or padr::kNoPeer
   std::printf("tick %d: body 0 at %.2f %.2f", int(replica.now()), at[0].x, at[0].y);
+  if (owner != padr::kNoPeer) std::printf(" owned by player %d", int{owner});
   for (padr::EntityId id = 0; id < at.size(); ++id)
     if (world.is_avatar(id) && world.present(id))  // a slot may be empty
       std::printf(", %s avatar at %.2f %.2f", id == replica.live().avatar() ? "my" : "another", at[id].x, at[id].y);
   std::puts("");
 }
 
-void send(udp::socket& socket, const padr::node::Parcel& parcel) {
+udp::socket open(boost::asio::io_context& io, std::uint16_t port) {
+  udp::socket socket(io, udp::v4());
+  boost::system::error_code error;
+  socket.bind({boost::asio::ip::address_v4::loopback(), port}, error);
+  if (error) throw padr::UserError("127.0.0.1:" + std::to_string(port) + ": " + error.message());
+  return socket;
+}
+void send(udp::socket& socket, const padr::Endpoint& to, std::span<const std::byte> bytes) {
   boost::asio::ip::address_v4::bytes_type address{};
-  std::copy_n(parcel.to.address.begin() + 12, 4, address.begin());
+  std::copy_n(to.address.begin() + 12, 4, address.begin());
   boost::system::error_code lost;  // as any datagram may be
-  socket.send_to(boost::asio::buffer(parcel.bytes), {boost::asio::ip::address_v4(address), parcel.to.port}, 0, lost);
+  socket.send_to(boost::asio::buffer(bytes.data(), bytes.size()), {boost::asio::ip::address_v4(address), to.port}, 0,
+                 lost);
 }
 
 void tell(const padr::node::SessionEvent& event) {
@@ -78,17 +89,19 @@ void tell(const padr::node::SessionEvent& event) {
   if (event.kind == Kind::kJoined) std::printf("player %d joins\n", int{event.peer});
   if (event.kind == Kind::kLeft) std::printf("player %d has left\n", int{event.peer});
   if (event.kind == Kind::kLost) std::printf("player %d is lost\n", int{event.peer});
+  if (event.kind == Kind::kRefused) std::printf("a joiner is refused: %s\n", event.text.c_str());
+  if (event.kind == Kind::kWrongKey) std::puts("somebody has another key, or none");
 }
 
 int main(int argc, char** argv) try {
   if (argc < 2) return std::puts("usage: own_game PORT [JOIN_PORT]"), 2;
   std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // a log in a file shows each line at once
   // 3. The participant has neither clock nor socket. Both are yours.
+  boost::asio::io_context io;
+  udp::socket socket = open(io, port_of(argv[1]));
   const auto start = steady_clock::now();
   const auto now = [&] { return std::chrono::duration_cast<microseconds>(steady_clock::now() - start).count(); };
   padr::node::Participant peer(padr::scenarios::load_embedded("arena", 1), configure(argv[2]), now());
-  boost::asio::io_context io;
-  udp::socket socket(io, {boost::asio::ip::address_v4::loopback(), port_of(argv[1])});
   std::array<std::byte, 2048> in{};
   udp::endpoint from;
   const std::function<void()> listen = [&] {
@@ -111,7 +124,7 @@ int main(int argc, char** argv) try {
       if (peer.replica().playing() && peer.replica().now() >= peer.replica().start().at + kEnd) peer.leave(time);
       over = peer.done(time);
     }
-    for (const padr::node::Parcel& parcel : peer.take_outgoing()) send(socket, parcel);
+    for (const padr::node::Parcel& parcel : peer.take_outgoing()) send(socket, parcel.to, parcel.bytes);
     for (const padr::node::SessionEvent& event : peer.take_events()) tell(event);
     if (peer.failed()) return std::fprintf(stderr, "own_game: %s\n", peer.session().failure().c_str()), 1;
   }

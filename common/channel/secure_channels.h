@@ -21,6 +21,7 @@
 
 namespace padr::node {
 
+/// `seed` and `random` must be set, and `mode` must not be kNone: that is asserted.
 struct ChannelConfig {
   wire::Key session{};  ///< the session's key
   /// 32 bytes that nobody can guess and no other run of the program has, so not zeros: the secret key and the cookies

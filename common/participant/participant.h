@@ -80,7 +80,10 @@ class Participant {
   /// For crowds, whose peers are not recorded: a trace does not have it, and does not replay afterwards.
   void jolt(Vec2 velocity) { played().jolt(velocity); }
   void set_coarseness(float times) { played().set_coarseness(times); }
-  /// Throws UserError if there is no such body, or the velocity is not finite or above trace::Push::kMost.
+  /// Adds to a body's velocity (m/s), as if this peer's avatar had touched it, with authority over it from then on.
+  /// Does nothing before play has begun, and while another peer holds the body: see Replica::may_push. No body gets
+  /// faster than 60 m/s. Throws UserError if there is no such body, or the velocity is not finite or above
+  /// trace::Push::kMost, 1000 m/s.
   void push(EntityId b, Vec2 velocity);
   void remark(const trace::Remark& r) { played().remark(r); }
   /// Sends a Probe to a peer that claims to be in this session but is no member, so that partitions merge.

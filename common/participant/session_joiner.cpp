@@ -124,9 +124,10 @@ void Joiner::give_up_if_late(Micros local) {
                          in_seconds(session_.config.waited + patience) +
                          ": a member answered, but its world did not come through in time");
   session_.fail("no answer from " + to_string(target_) + " within " + in_seconds(patience) +
-                (refused                  ? ": nobody listens there"
-                 : session_.config.sealed ? "; it may have another session key, or none, or nobody listens there"
-                                          : "; it may have a session key, or play in a crowd"));
+                (refused ? ": nobody listens there"
+                 : session_.config.sealed
+                     ? "; it may have another session key, or none, or nobody listens there"
+                     : "; it may have a session key, or play in a crowd, or nobody listens there"));
 }
 
 }  // namespace padr::node

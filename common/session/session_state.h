@@ -23,7 +23,8 @@ struct SessionConfig {
   std::uint64_t fingerprint = 0;  ///< of physics: see world::physics_fingerprint
   bool authority = true;
   bool spectates = false;  ///< this peer has no avatar
-  std::string scenario;    ///< for messages to people: name and seed
+  /// For messages to people: "NAME seed N". padr-capture loads a built-in scene by it.
+  std::string scenario;
   /// Seed of the session's number, or of the joiner's nonce. No two runs may have the same.
   std::uint64_t seed = 0;
   /// Key of the cookies by which a joiner proves its address. No other peer may know or guess it.

@@ -55,6 +55,12 @@ def main(repository, folder):
     for wrong in (["abc"], ["0"], [free_ports(1)[0], "99999"]):
         done = subprocess.run([os.path.join(folder, "own_game"), *wrong], capture_output=True, text=True, timeout=20)
         assert done.returncode == 1 and done.stderr.startswith(f"own_game: PORT '{wrong[-1]}' is not allowed"), done
+    taken = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    taken.bind(("127.0.0.1", 0))
+    port = str(taken.getsockname()[1])
+    done = subprocess.run([os.path.join(folder, "own_game"), port], capture_output=True, text=True, timeout=20)
+    assert (done.returncode, done.stdout, done.stderr) == (1, "", f"own_game: 127.0.0.1:{port}: Address already in use\n"), done
+    assert any(" owned by player " in text for text in said), "nobody touched body 0"
     print(f"two games agree on {len(both)} confirmed worlds, the last of tick {both[-1]}")
 
 

@@ -181,7 +181,7 @@ TEST(Report, WhoWasInterferedWithIsNoted) {
   EXPECT_TRUE(r.is_seen(r.peers[0]));
   r.peers[0].header.spectates = true;
   EXPECT_FALSE(r.is_seen(r.peers[0])) << "it has no avatar";
-  EXPECT_NE(report::table(r).find("and 1 trace of who only watched, "), std::string::npos);
+  EXPECT_NE(report::table(r).find("2 peers, 1 trace of who only watched, "), std::string::npos);
 }
 
 TEST(Report, WhoCarriedForALinkAndForHowLong) {

@@ -42,6 +42,19 @@ TEST(LinkMeter, NothingSentIsNothingLost) {
   EXPECT_EQ(l.reordered_percent(), 0);
 }
 
+// Once, it had a delay of 0 ms.
+TEST(LinkMeter, WhatNeverArrivedHasNoDelay) {
+  report::LinkMeter m;
+  m.sent(1, 0);
+  const report::Link l = m.result(0, 1, 100);
+  EXPECT_EQ(l.lost, 1U);
+  for (const double none : {l.delay_mean_ms, l.delay_p50_ms, l.delay_p95_ms, l.jitter_ms})
+    EXPECT_TRUE(std::isnan(none));
+  m.received(1, 0, 50'000);
+  EXPECT_DOUBLE_EQ(m.result(0, 1, 100).delay_mean_ms, 50);
+  EXPECT_TRUE(std::isnan(m.result(0, 1, 100).jitter_ms)) << "one datagram has no jitter";
+}
+
 sync::Bundle bundle(std::uint32_t index) {
   sync::Bundle b;
   b.index = index;

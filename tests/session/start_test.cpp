@@ -275,7 +275,9 @@ TEST(SessionStart, TimeoutsSayWhy) {
   party.run(1.99);
   EXPECT_TRUE(party.net().runs(2));
   party.run(0.03);
-  EXPECT_EQ(failure(2), "no answer from 10.0.0.50:7000 within 2 s; it may have a session key, or play in a crowd");
+  EXPECT_EQ(failure(2),
+            "no answer from 10.0.0.50:7000 within 2 s; it may have a session key, or play in a crowd, or nobody "
+            "listens there");
   ASSERT_TRUE(party.run_until(4, [&] { return !party.net().runs(0); })) << party.story();
   EXPECT_TRUE(party.net().peer(0).failed());
   EXPECT_EQ(failure(0), "only 2 of 3 players came within 4 s");

@@ -17,7 +17,8 @@ namespace {
 constexpr const char* kDescription =
     "UDP relay that impairs datagrams as tc-netem does, without root and with a seed.\n"
     "It listens on each LISTEN and relays datagrams to TARGET. It relays each reply back to its client.\n"
-    "Each client and each direction has its own queue and random stream.";
+    "Each client and each direction has its own queue and random stream. Two peers that come in through the relay do\n"
+    "not reach each other: in a session of three or more use padr-peer --netem.";
 
 constexpr const char* kFooter =
     "LISTEN and TARGET are HOST:PORT, HOST a name, an IPv4 address or an IPv6 address in brackets.\n";

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "shell/text.h"
 #include "tools/report/outputs.h"
 
@@ -68,7 +70,8 @@ std::string links(const Report& r) {
     s += l.from_name + ',' + l.to_name;
     for (const std::uint64_t n : {l.sent, l.received, l.judged, l.lost}) s += ',' + std::to_string(n);
     s += ',' + fixed(l.loss_percent(), 3) + ',' + std::to_string(l.duplicates) + ',' + std::to_string(l.reordered);
-    for (const double v : {l.delay_mean_ms, l.delay_p50_ms, l.delay_p95_ms, l.jitter_ms}) s += ',' + fixed(v, 3);
+    for (const double v : {l.delay_mean_ms, l.delay_p50_ms, l.delay_p95_ms, l.jitter_ms})
+      s += ',' + (std::isnan(v) ? "" : fixed(v, 3));
     s += '\n';
   }
   return s;

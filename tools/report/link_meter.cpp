@@ -32,6 +32,7 @@ Link LinkMeter::result(PeerId from, PeerId to, Tick receiver_end) const {
   std::uint32_t newest = 0;
   std::vector<double> delays;
   double steps_ms = 0;
+  double sum_ms = 0;
   for (const Arrival& a : arrivals_) {
     if (!seen.insert(a.seq).second) {
       ++l.duplicates;
@@ -41,7 +42,7 @@ Link LinkMeter::result(PeerId from, PeerId to, Tick receiver_end) const {
     newest = std::max(newest, a.seq);
     if (!delays.empty()) steps_ms += std::abs(a.delay_ms - delays.back());
     delays.push_back(a.delay_ms);
-    l.delay_mean_ms += a.delay_ms;
+    sum_ms += a.delay_ms;
   }
   l.received = delays.size();
   for (const Departure& d : departures_) {
@@ -50,7 +51,7 @@ Link LinkMeter::result(PeerId from, PeerId to, Tick receiver_end) const {
     if (!seen.contains(d.seq)) ++l.lost;
   }
   if (delays.empty()) return l;
-  l.delay_mean_ms /= static_cast<double>(delays.size());
+  l.delay_mean_ms = sum_ms / static_cast<double>(delays.size());
   if (delays.size() > 1) l.jitter_ms = steps_ms / static_cast<double>(delays.size() - 1);
   std::sort(delays.begin(), delays.end());
   l.delay_p50_ms = percentile(delays, 0.5);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -43,10 +44,12 @@ struct Link {
   std::uint64_t reordered = 0;   ///< arrived after one that had been sent later (RFC 4737)
   std::uint64_t judged = 0;      ///< sent early enough to have arrived before the traces end
   std::uint64_t lost = 0;        ///< of those
-  double delay_mean_ms = 0;      ///< from the start of the tick of sending to reception
-  double delay_p50_ms = 0;
-  double delay_p95_ms = 0;
-  double jitter_ms = 0;  ///< mean difference between successive arrivals' delays (RFC 3550, without its smoothing)
+  // NaN if nothing was received, of the jitter also if one datagram was:
+  double delay_mean_ms = kNaN;  ///< from the start of the tick of sending to reception
+  double delay_p50_ms = kNaN;
+  double delay_p95_ms = kNaN;
+  double jitter_ms = kNaN;  ///< mean difference between successive arrivals' delays (RFC 3550, without its smoothing)
+  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   double loss_percent() const;
   double reordered_percent() const;
 };

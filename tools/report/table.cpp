@@ -78,11 +78,13 @@ bool comings_and_goings(const Report& r) {
 }
 
 std::string people(const Report& r) {
-  const auto later = std::count_if(r.peers.begin(), r.peers.end(), [&r](const Peer& p) { return r.came_later(p); });
   const auto watching = std::count_if(r.peers.begin(), r.peers.end(), [](const Peer& p) { return p.header.spectates; });
-  const std::string start = shell::counted(r.peers_at_start(), "peer") +
-                            (watching == 0 ? "" : " and " + shell::counted(watching, "trace") + " of who only watched");
-  return later == 0 ? start : start + " at the start, " + shell::counted(later, "trace") + " of who came later";
+  const auto later = std::count_if(r.peers.begin(), r.peers.end(),
+                                   [&r](const Peer& p) { return !p.header.spectates && r.came_later(p); });
+  std::string s = shell::counted(r.peers_at_start(), "peer");
+  if (later > 0) s += " at the start, " + shell::counted(later, "trace") + " of who came later";
+  if (watching > 0) s += ", " + shell::counted(watching, "trace") + " of who only watched";
+  return s;
 }
 
 std::string heading(const Report& r) {
@@ -149,8 +151,9 @@ std::string links_table(const Report& r) {
            "p95 ms", "jitter ms"});
   for (const Link& l : links)
     g.row({l.from_name + " -> " + l.to_name, count(l.sent), count(l.received), count(l.lost), count(l.judged),
-           fixed(l.loss_percent(), 2), count(l.duplicates), fixed(l.reordered_percent(), 2), fixed(l.delay_mean_ms, 1),
-           fixed(l.delay_p50_ms, 1), fixed(l.delay_p95_ms, 1), fixed(l.jitter_ms, 1)});
+           fixed(l.loss_percent(), 2), count(l.duplicates), fixed(l.reordered_percent(), 2),
+           shell::fixed_or_dash(l.delay_mean_ms, 1), shell::fixed_or_dash(l.delay_p50_ms, 1),
+           shell::fixed_or_dash(l.delay_p95_ms, 1), shell::fixed_or_dash(l.jitter_ms, 1)});
   return "\n" + which +
          ". Column `of`: the datagrams that were sent at least 1 s before the end of the receiver's trace. Lost: those "
          "of\n"
