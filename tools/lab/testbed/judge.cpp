@@ -122,11 +122,15 @@ void Judge::judge_pair(Tick t, const Record& a, const Record& b) {
           (lasted > 0 ? ", for " + std::to_string(static_cast<double>(lasted) / 1e6) + " s now" : ""));
 }
 
+// Whoever is just being let in has no other incarnation yet than the one before. Once, a liar that came in anew as the
+// script ended counted as an honest member.
 bool Judge::is_liars(const node::Replica& seen_by, PeerId slot) const {
   return std::any_of(liars_.begin(), liars_.end(), [&](int liar) {
-    if (!network_.runs(liar) || !network_.peer(liar).playing()) return false;
-    const node::Replica& n = network_.peer(liar).replica();
-    return n.self() == slot && n.config().incarnation == seen_by.seat(slot).incarnation;
+    if (!network_.runs(liar)) return false;
+    const node::Participant& l = network_.peer(liar);
+    const node::Seat& seat = seen_by.seat(slot);
+    return l.channels() != nullptr && seat.at.key == l.channels()->key() &&
+           (!l.playing() || seat.incarnation >= l.replica().config().incarnation);
   });
 }
 
