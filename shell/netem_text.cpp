@@ -319,11 +319,7 @@ class Parser {
       ++next_;
       spec_.trace.start.reset();
     } else if (number_follows()) {
-      const Word& start = words_[next_++];
-      spec_.trace.start = time(start, "START");
-      const std::uint32_t lasts = spec_.trace.opportunities->back();  // ms
-      if (*spec_.trace.start >= lasts * link::kNanosPerMilli)
-        words::fail(start, "START must be less than the " + std::to_string(lasts) + "ms that the trace lasts");
+      spec_.trace.start = time(words_[next_++], "START");
     }
   }
 
