@@ -4,7 +4,7 @@ with comments, and checks only files that have changed since. Prints each findin
 
 Usage: tidy.py [--newest N] CLANG_TIDY CLANG BUILD_FOLDER JOBS FOLDER...
 
-  --newest N  only files that the last N commits have changed, or their headers; all where git does not know so many
+  --newest N  only files that the last N commits have changed, or their headers; all if there are fewer commits
 
 FOLDER is one of common, peer and tools; headers of all three are read where a file includes them.
 """
@@ -80,11 +80,9 @@ def changed_by(newest):
 
 
 def has_changed(entry, changed):
-    """A file of a unity build is of several."""
-    parts = [os.path.relpath(entry["file"])]
-    if os.path.isabs(entry["file"]) and not parts[0].startswith(("common/", "peer/", "tools/")):
-        with open(entry["file"], encoding="utf-8") as f:
-            parts = re.findall(r'#include "([^"]+)"', f.read())
+    """The file itself, or one that it includes: those of a unity build are made of others."""
+    with open(entry["file"], encoding="utf-8") as f:
+        parts = [os.path.relpath(entry["file"]), *re.findall(r'#include "([^"]+)"', f.read())]
     return any(os.path.splitext(part)[0] in changed for part in parts)
 
 

@@ -1,5 +1,7 @@
 #include "peer/options.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -126,14 +128,11 @@ constexpr std::array kNotInACrowd{"--scenario",       "--wait-peers", "--slots",
 
 void declare_crowd(CLI::App& app, Raw& raw) {
   const std::string group = "Crowd";
-  std::string without;
-  for (std::size_t i = 0; i < kNotInACrowd.size(); ++i)
-    without += (i == 0 ? "" : i == 6 ? ",\n" : ", ") + std::string(kNotInACrowd[i]);
   app.add_flag("--crowd", raw.crowd,
                "Play in a crowd, on a plane without end, not in a session. --join names any peer of the crowd;\n"
                "without --join this is its first peer. --seed sets the plane; all peers of a crowd need the same.\n"
                "These are not for crowds: " +
-                   without)
+                   fmt::format("{}", fmt::join(kNotInACrowd, ", ")))
       ->group(group);
   app.add_option("--start", raw.start, "Where the avatar starts, m [a random place in the region 0,0]")
       ->type_name("X,Y")

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "common/model/hash.h"
 #include "common/model/user_error.h"
 #include "common/wire/handshake.h"
 
@@ -73,12 +74,11 @@ std::uint64_t hash_of(std::span<const std::byte> b) {
 
 /// In which file a datagram has been seen, and from which address: a NAT or a relay changes that one.
 std::uint64_t sighted_at(const Datagram& d) {
-  std::array<std::byte, sizeof d.outer_from.address + 2 + sizeof d.file> text{};
-  std::byte* end = std::copy_n(reinterpret_cast<const std::byte*>(d.outer_from.address.data()),
-                               sizeof d.outer_from.address, text.data());
-  for (unsigned i = 0; i < 2; ++i) *end++ = static_cast<std::byte>(d.outer_from.port >> 8U * i);
-  for (unsigned i = 0; i < sizeof d.file; ++i) *end++ = static_cast<std::byte>(d.file >> 8U * i);
-  return hash_of(text);
+  Hasher h;
+  for (const std::uint8_t b : d.outer_from.address) h.add(std::uint64_t{b});
+  h.add(std::uint64_t{d.outer_from.port});
+  h.add(std::uint64_t{d.file});
+  return h.value();
 }
 
 /// Of a peer of which no address is known.
