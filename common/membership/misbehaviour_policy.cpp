@@ -200,15 +200,35 @@ void MisbehaviourPolicy::on_drop(PeerId p, DropReason why, const View& view, Mic
   // Late datagrams of a removed peer, and duplicates by the network, are nobody's fault.
   if (!view.roster.seats[p].reachable() || why == DropReason::kForeign || why == DropReason::kDuplicate) return;
   Watch& w = watch(p, view);
-  if (why == DropReason::kRight) w.unlawful = view.roster.now;
+  if (why == DropReason::kRight) {
+    w.unlawful = view.roster.now;
+    if (session_.config.sealed && cannot_follow(p, view)) offender(p, view).excused = view.roster.now;
+  }
   tell(p, why, w, local, out);
-  if (!session_.config.sealed || !is_nonsense(why)) return;
+  if (!session_.config.sealed) return;
+  if (why == DropReason::kPromise)
+    return cut_off(p, false, "has sent an update of a time for which it had promised that there are no more", view,
+                   out);
+  if (!is_nonsense(why)) return;
   if (is_too_much(p, view)) cut_off(p, true, "keeps sending invalid datagrams", view, out);
 }
 
+bool MisbehaviourPolicy::was_unlawful(PeerId p, const View& view) const {
+  const Watch& w = watches_[p];
+  return w.incarnation == view.roster.seats[p].incarnation && view.roster.now - w.unlawful < kUnlawful;
+}
+
+// Whoever has excused a coordinator that lies has joined anew by it, and would do so again and again.
+bool MisbehaviourPolicy::was_excused_before(PeerId p, const View& view) const {
+  return std::any_of(offenders_.begin(), offenders_.end(), [&](const Offender& o) {
+    return o.key == view.roster.seats[p].at.key && o.excused >= 0 && o.excused < view.roster.in_since &&
+           view.roster.now - o.excused < kExcused;
+  });
+}
+
 // What is dropped may be lawful by an order of somebody who has left, or was lost, before this peer got it.
-bool MisbehaviourPolicy::may_lack_an_order(PeerId p, const View& view) {
-  if (view.roster.now - watch(p, view).unlawful >= kUnlawful) return false;
+bool MisbehaviourPolicy::may_lack_an_order(PeerId p, const View& view) const {
+  if (!was_unlawful(p, view) || was_excused_before(p, view)) return false;
   for (PeerId q = 0; q < view.roster.slots(); ++q)
     if (q != p && q != view.roster.self && view.roster.seats[q].there() && view.roster.silence(q) > kTicksPerSecond &&
         view.arrears(q) >= view.arrears(p))
@@ -249,8 +269,9 @@ void MisbehaviourPolicy::advance(const View& view, Commands& out) {
       watch(p, view).unheard = view.roster.now;
       continue;
     }
-    if (!view.delays(p)) continue;
-    const bool tells = view.arrears(p) < View::kArrears;
+    const bool refused = is_refused(p, view);
+    if (!refused && !view.delays(p)) continue;
+    const bool tells = !refused && view.arrears(p) < View::kArrears;
     if (!tells && view.lacks_former(p)) continue;  // this peer has to join anew
     // Its updates may be on their way: a link that fails all the time has let nothing but marks through.
     const bool is_back = view.roster.now - watch(p, view).unheard < kBackFor;
@@ -259,8 +280,10 @@ void MisbehaviourPolicy::advance(const View& view, Commands& out) {
     const Tick patience = (view.returning & only(p)) != 0 ? kMostPatience : kPatience;  // barred, it could not return
     if (tells && view.roster.unacknowledged(p) < patience) continue;
     if (!tells && may_lack_an_order(p, view)) continue;  // this peer has to join anew
-    const Tick lasted = tells ? patience : View::kArrears;
-    const std::string what = tells ? "acknowledged no updates" : "not sent the updates that it promised";
+    const Tick lasted = tells ? patience : refused ? kRefused : View::kArrears;
+    const std::string what = tells     ? "acknowledged no updates"
+                             : refused ? "given orders that it has no right to give"
+                                       : "not sent the updates that it promised";
     cut_off(p, false, "has " + what + " for " + std::to_string(lasted / kTicksPerSecond) + " s", view, out);
     if (session_.config.sealed) offender(p, view).pardonable = tells && offender(p, view).times == 1;
   }

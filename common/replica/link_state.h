@@ -21,6 +21,8 @@ struct LinkState {
   Arrivals arrivals;
   std::uint32_t answered_seq = 0;    ///< number of our newest datagram that it has acknowledged
   std::uint32_t promised = 0;        ///< highest mark count heard
+  Tick promised_until = -1;          ///< latest tick of its marks
+  std::uint32_t promised_below = 0;  ///< that mark's count: its updates of ticks up to then have lower numbers
   bool repeats = false;              ///< it repeated updates that are here: it lacks our acknowledgement
   Tick checked = 0;                  ///< when a hash for it was last due
   Tick told_check = -1;              ///< tick of the last hash sent to it

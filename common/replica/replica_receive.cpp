@@ -66,6 +66,7 @@ DropReason Replica::take(const wire::Opened& opened, Micros now) {
   if (why != DropReason::kNone) return why;
   link.window.pass(packet->seq);
   link.repeats |= repeats(*packet, h.sender);
+  if (breaks_promise(*packet, link)) return DropReason::kPromise;
   const DropReason filed = file_updates(*packet, h.sender);
   if (filed != DropReason::kNone) return filed;
   // After so long a silence it tells what it could not tell meanwhile.
@@ -77,6 +78,10 @@ DropReason Replica::take(const wire::Opened& opened, Micros now) {
     roster_.note_answer(h.sender, packet->mark_tick);
   } else if (packet->have > link.out.acked()) {  // by whatever way it has got it
     roster_.note_answer(h.sender, packet->mark_tick);
+  }
+  if (packet->mark_tick > link.promised_until) {
+    link.promised_until = packet->mark_tick;
+    link.promised_below = packet->mark_count;
   }
   link.out.on_packet(*packet, came_at(now));
   link.arrivals.sample(packet->mark_tick, now);
@@ -113,6 +118,13 @@ DropReason Replica::check_claims(const sync::StatePacket& packet, PeerId from) c
 bool Replica::repeats(const sync::StatePacket& packet, PeerId from) const {
   return std::any_of(packet.updates.begin(), packet.updates.end(), [&](const sync::Bundle& b) {
     return agreed_.log().knows(from, b.index) && packet.mark_tick - b.tick > kLate;
+  });
+}
+
+// Nobody else can make a member say so: marks come from itself, while what is complete may be an introducer's word.
+bool Replica::breaks_promise(const sync::StatePacket& packet, const LinkState& link) {
+  return std::any_of(packet.updates.begin(), packet.updates.end(), [&](const sync::Bundle& b) {
+    return b.tick <= link.promised_until && b.index >= link.promised_below;
   });
 }
 

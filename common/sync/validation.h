@@ -24,11 +24,12 @@ enum class DropReason : std::uint8_t {
   kSignature,  ///< an update, passed on or not, that whoever it is said to be of has not signed
   kRight,      ///< an order of somebody who has no right to give it
   kCutOff,     ///< of a member that is not listened to any more, or not for now
+  kPromise,    ///< an update of a tick up to which its peer had told this one that there is none any more
 };
-inline constexpr std::size_t kDropReasons = 12;
-inline constexpr std::array<std::string_view, kDropReasons> kDropNames{"none",      "seal",      "foreign", "malformed",
-                                                                       "duplicate", "tick",      "order",   "entity",
-                                                                       "value",     "signature", "right",   "cut_off"};
+inline constexpr std::size_t kDropReasons = 13;
+inline constexpr std::array<std::string_view, kDropReasons> kDropNames{
+    "none",   "seal",  "foreign",   "malformed", "duplicate", "tick",   "order",
+    "entity", "value", "signature", "right",     "cut_off",   "promise"};
 
 /// Incarnations and numbers of updates are below this: counted one by one, they take years to get there.
 inline constexpr std::uint32_t kEndOfNumbers = 1U << 30U;

@@ -7,7 +7,7 @@ import re
 # What words in capitals may stand for; those that are not here stand for any name without dots and brackets.
 STANDS_FOR = {
     "CAUSE": "(threshold|contact_begin|contact_end|proxy|body_threshold|at_rest|leave)",
-    "REASON": "(seal|foreign|malformed|duplicate|tick|order|entity|value|signature|right|cut_off)",
+    "REASON": "(seal|foreign|malformed|duplicate|tick|order|entity|value|signature|right|cut_off|promise)",
     "KNOB": "(threshold|body-threshold|model|lead|time-space|predictor|threshold-law|convergence|replay|end-update|proxy-update|"
             "rest-state|precision|unowned|time-stamps|budget|radius|steps|count|pcc-bound)",
     "PREDICTOR": "(lookahead|density|path-density|pcc)",

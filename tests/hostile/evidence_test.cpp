@@ -119,6 +119,22 @@ TEST(Evidence, WhoIsPromisedThatThereIsNoMoreFindsOutAndBeginsAnew) {
   }
 }
 
+// Once, the order that it had promised not to give was only dropped. All waited for 12 s, and whom it had let in by
+// that order for as long again.
+TEST(Evidence, ACoordinatorThatSaysThatAllIsToldAndThenTellsMoreIsOutAtOnce) {
+  Trial t(5, 0, wire::SealMode::kAuth, 607);
+  t.liar().begin([](sync::StatePacket& p, PeerId) { p.mark_tick += 100; });
+  t.party().net().attract(Vec2{10, 7});
+  for (const PeerId p : {PeerId{1}, PeerId{2}, PeerId{3}, PeerId{4}})
+    EXPECT_TRUE(t.party().run_until(4, [&] { return t.dropped(p, sync::DropReason::kPromise) > 0; }))
+        << p << "\n"
+        << t.party().story();
+  EXPECT_TRUE(t.party().run_until(6, [&] { return t.liar_is_out(); })) << t.party().story();
+  EXPECT_TRUE(t.noted("it had promised that there are no more: ignored for 60 s")) << t.party().story();
+  t.party().run(2);
+  t.expect_no_harm();
+}
+
 /// The liar keeps its updates back from these, promises that there are none, and then shows them all one at once.
 void mislead(Trial& t, const std::set<PeerId>& victims) {
   const auto kept = std::make_shared<std::optional<sync::Bundle>>();

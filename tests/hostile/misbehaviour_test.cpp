@@ -87,6 +87,21 @@ TEST(MisbehaviourPolicy, WhatTheNetworkDoesIsHeldAgainstNobody) {
   }
 }
 
+// Only the member itself can have made the promise that it breaks. The ban ends: it cannot be shown to others.
+TEST(MisbehaviourPolicy, WhoBreaksAPromiseIsBarredForAWhile) {
+  Guarded g;
+  g.drop(DropReason::kPromise);
+  EXPECT_TRUE(g.bars(1));
+  EXPECT_FALSE(g.hears());
+  EXPECT_EQ(g.cut_offs(), 1U);
+  g.run_to(MisbehaviourPolicy::kBarred + 1);
+  EXPECT_FALSE(g.bars(1));
+
+  Guarded anybody(false);
+  anybody.drop(DropReason::kPromise);
+  EXPECT_TRUE(anybody.hears()) << "without a key anybody can have promised that";
+}
+
 // Where nothing says who somebody is, nobody can be told from who speaks in his name.
 TEST(MisbehaviourPolicy, WithoutAKeyNobodyIsCutOffForNonsense) {
   Guarded g(false);

@@ -53,8 +53,9 @@ void Judge::confirmed(int person, int incarnation, const sync::FoldState& s, std
 // Nobody among honest peers has cause to cut anybody off.
 void Judge::check_drops(int person) {
   const auto& dropped = network_.peer(person).replica().stats().dropped;
-  for (const sync::DropReason why : {sync::DropReason::kMalformed, sync::DropReason::kEntity, sync::DropReason::kValue,
-                                     sync::DropReason::kSignature, sync::DropReason::kCutOff})
+  for (const sync::DropReason why :
+       {sync::DropReason::kMalformed, sync::DropReason::kEntity, sync::DropReason::kValue, sync::DropReason::kSignature,
+        sync::DropReason::kCutOff, sync::DropReason::kPromise})
     if (dropped[static_cast<std::size_t>(why)] > 0)
       blame(name(person) +
             " has dropped an honest peer's datagram: " + std::string(sync::kDropNames[static_cast<std::size_t>(why)]));
