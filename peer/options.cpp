@@ -52,6 +52,7 @@ constexpr const char* kFooter =
     "Between machines, with a key that only the peers have:\n"
     "  padr-peer keygen session.key\n"
     "  padr-peer --listen 0.0.0.0:7001 --key-file session.key --wait-peers 3\n"
+    "  padr-peer --listen 0.0.0.0:0 --join HOST:7001 --key-file session.key\n"
     "Whether two machines compute the same physics; they do if both print the same fingerprint:\n"
     "  padr-peer fingerprint\n"
     "\n";
@@ -116,7 +117,7 @@ void declare_session(CLI::App& app, Raw& raw, Options& o) {
   app.add_flag(
          "--meeting-point", o.meeting_point,
          "As --spectate, for a machine that all peers can reach: it introduces peers that cannot reach each other,\n"
-         "carries for them without the limit that players have, and waits for the first ones for ever")
+         "carries up to 1 MB/s for them, and waits for the first ones for ever")
       ->group(group);
   app.add_flag("--insecure", o.insecure,
                "Without a key: allow addresses that other machines can reach; senders are then not authenticated")

@@ -22,7 +22,7 @@ constexpr float kDear = 2;
 std::uint64_t refused(const node::ReplicaStats& stats) {
   using enum sync::DropReason;
   std::uint64_t sum = 0;
-  for (const sync::DropReason why : {kMalformed, kTick, kOrder, kEntity, kValue, kSignature, kRight, kCutOff})
+  for (const sync::DropReason why : {kMalformed, kTick, kOrder, kEntity, kValue, kSignature, kRight, kCutOff, kPromise})
     sum += stats.dropped[static_cast<std::size_t>(why)];
   return sum;
 }
