@@ -109,8 +109,6 @@ std::string Membership::why_back() const {
            std::to_string(n.stats().first_mismatch);
   if (const PeerId p = lacks_former(); p != kNoPeer)
     return "a former peer " + std::to_string(p) + " kept an update from this peer that it has told others";
-  if (misbehaviour_.cannot_follow(c, view()))
-    return "peer " + std::to_string(c) + "'s orders rest on one that this peer lacks";
   if (roster().now - confirmed_at_ > kStuck)
     return "nothing has been confirmed for " + std::to_string(kStuck / kTicksPerSecond) + " s";
   if (roster().now - std::max(confirmed_, roster().in_since) > kBehind)

@@ -157,7 +157,10 @@ DropReason MisbehaviourPolicy::judge(const sync::StatePacket& packet, PeerId rel
   for (const Bundle& b : packet.updates) {
     const bool lawful = is_lawful(b, view, evictions, freed, session_.config.sealed) ||
                         (session_.config.sealed && was_lawful_to(relayed_by, b, view));
-    if (!lawful || !is_in_step(b, view, newest)) return DropReason::kRight;
+    if (!lawful || !is_in_step(b, view, newest)) {
+      if (b.index == view.log.have(b.peer)) watch(b.peer, view).refused = view.roster.now;
+      return DropReason::kRight;
+    }
     note_freed(b, freed);
     if (!session_.config.sealed) continue;
     if (b.admission && !b.admission->at.has_key()) return DropReason::kValue;
@@ -200,10 +203,7 @@ void MisbehaviourPolicy::on_drop(PeerId p, DropReason why, const View& view, Mic
   // Late datagrams of a removed peer, and duplicates by the network, are nobody's fault.
   if (!view.roster.seats[p].reachable() || why == DropReason::kForeign || why == DropReason::kDuplicate) return;
   Watch& w = watch(p, view);
-  if (why == DropReason::kRight) {
-    w.unlawful = view.roster.now;
-    if (session_.config.sealed && cannot_follow(p, view)) offender(p, view).excused = view.roster.now;
-  }
+  if (why == DropReason::kRight) w.unlawful = view.roster.now;
   tell(p, why, w, local, out);
   if (!session_.config.sealed) return;
   if (why == DropReason::kPromise)
@@ -213,22 +213,14 @@ void MisbehaviourPolicy::on_drop(PeerId p, DropReason why, const View& view, Mic
   if (is_too_much(p, view)) cut_off(p, true, "keeps sending invalid datagrams", view, out);
 }
 
-bool MisbehaviourPolicy::was_unlawful(PeerId p, const View& view) const {
-  const Watch& w = watches_[p];
-  return w.incarnation == view.roster.seats[p].incarnation && view.roster.now - w.unlawful < kUnlawful;
-}
-
-// Whoever has excused a coordinator that lies has joined anew by it, and would do so again and again.
-bool MisbehaviourPolicy::was_excused_before(PeerId p, const View& view) const {
-  return std::any_of(offenders_.begin(), offenders_.end(), [&](const Offender& o) {
-    return o.key == view.roster.seats[p].at.key && o.excused >= 0 && o.excused < view.roster.in_since &&
-           view.roster.now - o.excused < kExcused;
-  });
+// Whether the first update of p that is missing here is an order that nobody has relayed.
+bool MisbehaviourPolicy::is_refused(PeerId p, const View& view) {
+  return view.roster.now - watch(p, view).refused < kUnlawful && view.arrears(p) >= kRefused;
 }
 
 // What is dropped may be lawful by an order of somebody who has left, or was lost, before this peer got it.
-bool MisbehaviourPolicy::may_lack_an_order(PeerId p, const View& view) const {
-  if (!was_unlawful(p, view) || was_excused_before(p, view)) return false;
+bool MisbehaviourPolicy::may_lack_an_order(PeerId p, const View& view) {
+  if (view.roster.now - watch(p, view).unlawful >= kUnlawful) return false;
   for (PeerId q = 0; q < view.roster.slots(); ++q)
     if (q != p && q != view.roster.self && view.roster.seats[q].there() && view.roster.silence(q) > kTicksPerSecond &&
         view.arrears(q) >= view.arrears(p))

@@ -22,7 +22,8 @@ class Evictions;
 
 /// The rules for what a member may send, beyond the range of values: only the coordinator gives orders, every update is
 /// signed by its peer, and a member that keeps sending invalid datagrams is cut off. An order that breaks a rule is
-/// only dropped: whether it does depends on what the receiver knows, which a liar can arrange.
+/// only dropped, and its member cut off for a while if nobody relays what would make it lawful: whether it is depends
+/// on what the receiver knows, which a liar can arrange.
 ///
 /// Signatures, and cut-offs for invalid datagrams, apply only in a session with a key; without one, anybody can send in
 /// a member's name.
@@ -52,8 +53,6 @@ class MisbehaviourPolicy {
   std::size_t offenders() const { return offenders_.size(); }
   /// Whether datagrams of p are taken. The others relay the updates of a peer that is not heard.
   bool hears(PeerId p, const View& view) const;
-  /// Whether this peer refuses what p orders, which may be right by an order that this peer cannot get any more.
-  bool cannot_follow(PeerId p, const View& view) const { return is_refused(p, view) && may_lack_an_order(p, view); }
   /// There is proof that p has lied: it is barred and cut off for good, whoever else hears it.
   void convict(PeerId p, const View& view, Commands& out);
   /// p has misled this peer by words that it cannot show to others.
@@ -75,8 +74,6 @@ class MisbehaviourPolicy {
   static constexpr Tick kUnlawful = 2 * kTicksPerSecond;
   /// Time for which a member's orders may be refused that nobody who has taken them relays, ticks.
   static constexpr Tick kRefused = 5 * kTicksPerSecond;
-  /// Time for which it is remembered whose refused orders were excused: after this peer's next admission they are not.
-  static constexpr Tick kExcused = 10 * 60 * kTicksPerSecond;
   static constexpr Tick kMostArrears = View::kArrears + kSilence;
   static constexpr std::size_t kMostOffenders = 64;
   /// Signatures of one member's updates that are checked per tick, and at most at once; and as many of those of others
@@ -92,6 +89,7 @@ class MisbehaviourPolicy {
     Tick deaf_until = -1;
     Tick unheard = -kBackFor;    ///< when it was last not heard
     Tick unlawful = -kUnlawful;  ///< when something was last dropped that it had no right to say
+    Tick refused = -kUnlawful;   ///< likewise, of its updates the first that is missing
     /// Signatures that may be checked.
     struct Checks {
       double left = kMostChecks;
@@ -119,20 +117,16 @@ class MisbehaviourPolicy {
     Tick barred_until = 0;
     int times = 0;
     bool pardonable = false;  ///< see pardon
-    Tick excused = -1;        ///< when an order of it was last refused that may be right by one that was not here
   };
   bool is_heard(PeerId p, const View& view) const;
   Offender& offender(PeerId p, const View& view);
   Watch& watch(PeerId p, const View& view);
   bool may_check(const sync::StatePacket& packet, const View& view);
   bool said(const sync::Bundle& update, const View& view) const;
-  bool was_unlawful(PeerId p, const View& view) const;
-  bool was_excused_before(PeerId p, const View& view) const;
-  /// Whether orders of p have been refused for so long that nobody who has taken them will relay them.
-  bool is_refused(PeerId p, const View& view) const { return was_unlawful(p, view) && view.arrears(p) >= kRefused; }
+  bool is_refused(PeerId p, const View& view);
   bool is_too_much(PeerId p, const View& view);
   /// Whether it may be right to say what is dropped, by updates of a silent peer that are not here.
-  bool may_lack_an_order(PeerId p, const View& view) const;
+  bool may_lack_an_order(PeerId p, const View& view);
   Tick bar(PeerId p, bool for_good, const View& view);
   void tell(PeerId p, sync::DropReason why, Watch& w, Micros local, Commands& out);
   void cut_off(PeerId p, bool for_good, const std::string& why, const View& view, Commands& out);

@@ -198,6 +198,7 @@ class Participant {
   Incarnation current_;  ///< the present one, once there is one
   Incarnation next_;     ///< one that is being begun
   int begun_ = 0;
+  std::vector<std::uint32_t> had_;  ///< incarnations of this peer, as the wire has them
   Micros began_;
   Tick steered_ = 0;
   /// What links show of clocks goes back no further than this.

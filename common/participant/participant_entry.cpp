@@ -61,6 +61,10 @@ void Participant::bring_in_next(Micros local) {
     try_again_ = local + kTryAgain;
   } else if (s.lost_introducer()) {
     ask_again(local);
+  } else if (!next_.replica && s.phase() == SessionPhase::kEntering &&
+             std::find(had_.begin(), had_.end(), s.incarnation()) != had_.end()) {
+    // Its numbers could count from anew there, and then it would sign what contradicts what it has signed before.
+    s.state().fail(to_string(s.let_in_by()) + " gives this peer an incarnation that it has had");
   } else if (!next_.replica && s.phase() == SessionPhase::kMember) {
     found();
   } else if (!next_.replica && s.may_enter()) {
@@ -199,6 +203,7 @@ void Participant::take_over() {
   current_ = std::move(next_);
   next_ = {};
   ++begun_;
+  had_.push_back(current_.session->incarnation());
   if (!current_.membership) {
     current_.membership = std::make_unique<Membership>(current_.session->state(), *current_.replica);
     current_.session->hand_over_to(current_.membership.get());

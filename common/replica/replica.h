@@ -240,7 +240,7 @@ class Replica {
   Tick came_at(Micros now) const;
   sync::DropReason check_claims(const sync::StatePacket& packet, PeerId from) const;
   bool repeats(const sync::StatePacket& packet, PeerId from) const;
-  static bool breaks_promise(const sync::StatePacket& packet, const LinkState& link);
+  bool breaks_promise(const sync::StatePacket& packet, PeerId from) const;
   sync::DropReason file_updates(const sync::StatePacket& packet, PeerId from);
   void file(const sync::Bundle& bundle);
   void note_farewell(const sync::Bundle& b);

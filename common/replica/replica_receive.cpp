@@ -66,7 +66,7 @@ DropReason Replica::take(const wire::Opened& opened, Micros now) {
   if (why != DropReason::kNone) return why;
   link.window.pass(packet->seq);
   link.repeats |= repeats(*packet, h.sender);
-  if (breaks_promise(*packet, link)) return DropReason::kPromise;
+  if (breaks_promise(*packet, h.sender)) return DropReason::kPromise;
   const DropReason filed = file_updates(*packet, h.sender);
   if (filed != DropReason::kNone) return filed;
   // After so long a silence it tells what it could not tell meanwhile.
@@ -121,10 +121,12 @@ bool Replica::repeats(const sync::StatePacket& packet, PeerId from) const {
   });
 }
 
-// Nobody else can make a member say so: marks come from itself, while what is complete may be an introducer's word.
-bool Replica::breaks_promise(const sync::StatePacket& packet, const LinkState& link) {
+// Marks come from the member itself, while what it is complete up to may be an introducer's word. Relayed updates are
+// not held to marks.
+bool Replica::breaks_promise(const sync::StatePacket& packet, PeerId from) const {
+  const LinkState& link = links_[from];
   return std::any_of(packet.updates.begin(), packet.updates.end(), [&](const sync::Bundle& b) {
-    return b.tick <= link.promised_until && b.index >= link.promised_below;
+    return b.tick <= link.promised_until && b.index >= link.promised_below && !agreed_.log().knows(from, b.index);
   });
 }
 

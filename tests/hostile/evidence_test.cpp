@@ -135,6 +135,44 @@ TEST(Evidence, ACoordinatorThatSaysThatAllIsToldAndThenTellsMoreIsOutAtOnce) {
   t.expect_no_harm();
 }
 
+// Once, the peer took it, counted its updates from anew, and so signed two of one number: a proof, which the liar could
+// show to all.
+TEST(Evidence, NobodyTakesAnIncarnationThatItHasHad) {
+  Trial t(4, 0, wire::SealMode::kAuth, 608);
+  t.party().net().attract(Vec2{10, 7});
+  t.party().run(2);
+  const std::uint32_t had = t.incarnation(1);
+  int welcomed = 0;
+  t.liar().speak_to_joiners([&](wire::SessionMessage& m) {
+    auto* welcome = std::get_if<wire::Welcome>(&m);
+    if (welcome == nullptr || welcomed >= 3) return;
+    ++welcomed;
+    welcome->peer = 1;
+    welcome->incarnation = had;
+  });
+  t.liar().begin([had](sync::StatePacket& p, PeerId to) {
+    if (to == 1) p.to_incarnation = had;
+    for (sync::Bundle& b : p.updates)
+      if (b.admission && b.admission->slot == 1 && to == 1) {
+        b.admission->incarnation = had;
+        b.admission->first = 0;
+      }
+  });
+  t.party().net().pause(t.person(1), true);
+  t.party().run(5);
+  t.party().net().pause(t.person(1), false);
+  t.party().run(12);
+  EXPECT_GT(welcomed, 0) << t.party().story();
+  t.liar().stop();
+  t.party().run(12);
+  const node::Participant& peer = t.party().net().peer(t.person(1));
+  EXPECT_TRUE(peer.playing() && !peer.returning()) << t.party().story();
+  EXPECT_EQ(peer.incarnation(), 1) << t.party().story();
+  EXPECT_NE(peer.replica().config().incarnation, had) << t.party().story();
+  EXPECT_FALSE(t.noted("peer 1 has signed two different updates")) << t.party().story();
+  t.expect_confirmed({1, 2, 3});
+}
+
 /// The liar keeps its updates back from these, promises that there are none, and then shows them all one at once.
 void mislead(Trial& t, const std::set<PeerId>& victims) {
   const auto kept = std::make_shared<std::optional<sync::Bundle>>();

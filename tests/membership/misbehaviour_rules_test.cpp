@@ -361,48 +361,46 @@ TEST(MisbehaviourRules, WhoseOrdersMayBeLawfulByWhatIsNotHereIsNotCutOff) {
   }
 }
 
-// Once, all waited for 12 s for a coordinator whose order nobody took, as somebody was lost meanwhile.
-TEST(MisbehaviourRules, WhoseOrdersAreRefusedIsExcusedOnceAndNotForLong) {
+// Once, all waited for 8 s for a coordinator whose order nobody took.
+TEST(MisbehaviourRules, WhoseNextUpdateIsRefusedIsCutOffSooner) {
   struct Row {
     const char* name;
-    sync::DropReason dropped;
+    std::uint32_t index;  ///< of the order that is refused
     Tick owed;
     bool peer_3_is_silent;
-    Tick in_since;  ///< when this peer comes in anew
-    bool joins_anew;
+    Tick ago;
     bool cut_off;
   };
   constexpr Tick kLong = MisbehaviourPolicy::kRefused;
-  constexpr auto kRight = sync::DropReason::kRight;
   const Row rows[] = {
-      {"nobody is lost whose order may be missing", kRight, kLong, false, -1, false, true},
-      {"others may still relay it", kRight, kLong - 1, false, -1, false, false},
-      {"what was dropped was no order", sync::DropReason::kOrder, kLong, false, -1, false, false},
-      {"peer 3 may have given one", kRight, kLong, true, -1, true, false},
-      {"not for so long", kRight, kLong - 1, true, -1, false, false},
-      {"and once more, though this peer is in anew", kRight, kLong, true, kNow + 1, false, true},
+      {"nobody has relayed it", 7, kLong, false, 0, true},
+      {"somebody may still relay it", 7, kLong - 1, false, 0, false},
+      {"another one is missing", 8, kLong, false, 0, false},
+      {"it is not said any more", 7, kLong, false, MisbehaviourPolicy::kUnlawful, false},
+      {"it may be lawful by what peer 3 has said", 7, kLong, true, 0, false},
   };
   for (const Row& r : rows) {
     Situation s(4, 1);
-    s.session.config.sealed = true;
     MisbehaviourPolicy rules(s.session);
+    Evictions evictions(s.session);
     ListedCommands out;
-    const auto refuse = [&] {
-      s.log.begin(0, 0, s.roster.now - r.owed);
+    const auto owe = [&] {
+      s.log.begin(0, 7, s.roster.now - r.owed);
       s.log.begin(3, 0, r.peer_3_is_silent ? s.roster.now - r.owed : s.roster.now);
       s.silence(0, s.roster.now);
       s.silence(2, s.roster.now);
       s.silence(3, r.peer_3_is_silent ? s.roster.now - kTicksPerSecond - 1 : s.roster.now);
-      rules.on_drop(0, r.dropped, s.view(), 0, out);
-      rules.advance(s.view(), out);
     };
-    refuse();
-    if (r.in_since >= 0) {
-      s.roster.in_since = r.in_since;
-      s.roster.now = r.in_since + 2 * kTicksPerSecond;
-      refuse();
-    }
-    EXPECT_EQ(rules.cannot_follow(0, s.view()), r.joins_anew) << r.name;
+    owe();
+    sync::StatePacket packet;
+    packet.updates.push_back(removes(0, 2));
+    packet.updates[0].index = r.index;
+    const auto why = rules.judge(packet, kNoPeer, s.view(), evictions);
+    EXPECT_EQ(why, DropReason::kRight) << r.name;
+    rules.on_drop(0, why, s.view(), 0, out);
+    s.roster.now += r.ago;
+    owe();
+    rules.advance(s.view(), out);
     EXPECT_EQ(out.cut_offs, r.cut_off ? std::vector<PeerId>{0} : std::vector<PeerId>{}) << r.name;
   }
 }
