@@ -1,14 +1,31 @@
 #include "common/paths/relay.h"
 
+#include <algorithm>
+#include <limits>
+#include <optional>
+
 namespace padr::node {
+namespace {
+
+/// Number of the first update in the slot that is not of the occupant with that incarnation; none: it never sat there.
+std::optional<std::uint32_t> end_of(const Seat& seat, std::uint32_t incarnation) {
+  if (seat.incarnation == incarnation) return std::numeric_limits<std::uint32_t>::max();
+  const auto is_it = [incarnation](const Former& f) { return f.incarnation == incarnation; };
+  const auto former = std::find_if(seat.former.begin(), seat.former.end(), is_it);
+  if (former == seat.former.end()) return std::nullopt;
+  return std::next(former) == seat.former.end() ? seat.first : std::next(former)->first;
+}
+
+}  // namespace
 
 Relay::Relay(const SessionView& session) : session_(session), questions_(kMaxPeers), services_(kMaxPeers) {}
 
+// Also of who has left or was removed, and if another one sits there by now: a member that was out of reach may lack
+// its last orders, on which those of the present coordinator rest.
 void Relay::on_fetch(PeerId from, const wire::Fetch& fetch, const View& view, Commands& out) {
   if (fetch.slot >= session_.slots || fetch.slot == session_.self) return;
   const Seat& of = view.roster.seats[fetch.slot];
-  if (!of.frozen && (!of.reachable() || of.incarnation != fetch.incarnation)) return;
-  if (!of.frozen) note_unheard(from, fetch.slot, view);
+  if (!of.frozen && of.reachable() && of.incarnation == fetch.incarnation) note_unheard(from, fetch.slot, view);
   serve(from, fetch, view, out);
 }
 
@@ -16,7 +33,10 @@ void Relay::serve(PeerId asker, const wire::Fetch& wanted, const View& view, Com
   Service& s = services_[asker];
   if (view.roster.now - s.since >= kPace) s = {view.roster.now, 0};
   if (s.times >= kServed) return;
-  const wire::Fetched f{wanted.slot, wanted.incarnation, view.log.of(wanted.slot, wanted.from)};
+  const auto end = end_of(view.roster.seats[wanted.slot], wanted.incarnation);
+  if (!end) return;
+  wire::Fetched f{wanted.slot, wanted.incarnation, view.log.of(wanted.slot, wanted.from)};
+  std::erase_if(f.updates, [end](const sync::Bundle& b) { return b.index >= *end; });
   if (f.updates.empty()) return;
   ++s.times;
   out.send(view.roster.seats[asker].at, f);

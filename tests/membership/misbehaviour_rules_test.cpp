@@ -334,8 +334,8 @@ TEST(MisbehaviourRules, WhoHoldsUpEverybodyIsCutOff) {
 }
 
 // Once, an honest coordinator was cut off: its orders rested on one of a peer that had left while this one was out of
-// reach.
-TEST(MisbehaviourRules, WhoseOrdersMayBeLawfulByWhatIsNotHereIsNotCutOff) {
+// reach. With a key the others send that one.
+TEST(MisbehaviourRules, WithoutAKeyWhoseOrdersMayBeLawfulByWhatIsNotHereIsNotCutOff) {
   constexpr Tick kOwed = kNow - node::View::kArrears;
   struct Row {
     const char* name;
@@ -370,6 +370,7 @@ TEST(MisbehaviourRules, WhoseNextUpdateIsRefusedIsCutOffSooner) {
     bool peer_3_is_silent;
     Tick ago;
     bool cut_off;
+    bool sealed = true;
   };
   constexpr Tick kLong = MisbehaviourPolicy::kRefused;
   const Row rows[] = {
@@ -377,10 +378,12 @@ TEST(MisbehaviourRules, WhoseNextUpdateIsRefusedIsCutOffSooner) {
       {"somebody may still relay it", 7, kLong - 1, false, 0, false},
       {"another one is missing", 8, kLong, false, 0, false},
       {"it is not said any more", 7, kLong, false, MisbehaviourPolicy::kUnlawful, false},
-      {"it may be lawful by what peer 3 has said", 7, kLong, true, 0, false},
+      {"without a key nobody's word counts but its own", 7, kLong, false, 0, false, false},
+      {"what peer 3 has said somebody would have relayed, too", 7, kLong, true, 0, true},
   };
   for (const Row& r : rows) {
     Situation s(4, 1);
+    s.session.config.sealed = r.sealed;
     MisbehaviourPolicy rules(s.session);
     Evictions evictions(s.session);
     ListedCommands out;

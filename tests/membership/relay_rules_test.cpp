@@ -71,6 +71,36 @@ TEST(RelayRules, ServesWhatIsHereAndNoMoreThanItsShare) {
   EXPECT_EQ(out.all<wire::Fetched>().size(), static_cast<std::size_t>(Relay::kServed) + 1);
 }
 
+// Once, nobody sent the last orders of a coordinator that had left, and whoever had been out of reach refused the next
+// one's, which rested on them.
+TEST(RelayRules, ServesWhatWhoIsGoneHasSaidAndNothingOfWhoSitsThereNow) {
+  Situation s(4, 0);
+  s.tells(2, 0, 900);
+  const std::uint32_t gone = s.roster.seats[2].incarnation;
+  const auto served = [&](std::uint32_t incarnation) {
+    ListedCommands out;
+    Relay(s.session).on_fetch(1, {2, incarnation, 0}, s.view(), out);
+    return out.all<wire::Fetched>();
+  };
+  s.roster.seats[2].presence = node::Presence::kAbsent;
+  ASSERT_EQ(served(gone).size(), 1U) << "removed";
+  EXPECT_EQ(served(gone)[0].message.updates.size(), 1U);
+
+  s.roster.seat(2, gone + 40, 1, {}, 910);
+  s.tells(2, 1, 920);
+  ASSERT_EQ(served(gone).size(), 1U) << "another one sits there";
+  EXPECT_EQ(served(gone)[0].message.updates.size(), 1U);
+  EXPECT_EQ(served(gone)[0].message.updates[0].index, 0U);
+  EXPECT_EQ(served(gone)[0].message.incarnation, gone);
+
+  s.roster.seat(2, gone + 80, 2, {}, 930);
+  s.tells(2, 2, 940);
+  ASSERT_EQ(served(gone + 40).size(), 1U) << "two have sat there";
+  EXPECT_EQ(served(gone + 40)[0].message.updates.front().index, 0U) << "what is asked for, from the first on";
+  EXPECT_EQ(served(gone + 40)[0].message.updates.back().index, 1U);
+  EXPECT_TRUE(served(gone + 41).empty()) << "nobody with that incarnation";
+}
+
 // Once, a coordinator that had made this peer freeze another one got a datagram of updates for each Fetch.
 TEST(RelayRules, ServesWhoGathersWhatALostPeerHasToldNoMoreThanItsShareEither) {
   Situation s(4, 0);
