@@ -119,8 +119,10 @@ void declare_session(CLI::App& app, Raw& raw, Options& o) {
          "As --spectate, for a machine that all peers can reach: it introduces peers that cannot reach each other,\n"
          "carries up to 1 MB/s for them, and waits for the first ones for ever")
       ->group(group);
-  app.add_flag("--insecure", o.insecure,
-               "Without a key: allow addresses that other machines can reach; senders are then not authenticated")
+  app.add_flag(
+         "--insecure", o.insecure,
+         "Without a key: allow addresses that other machines can reach; senders are then not authenticated. With\n"
+         "--control, with a key or without: obey a monitor on another machine, too")
       ->group(group);
 }
 
