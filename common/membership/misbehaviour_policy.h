@@ -63,7 +63,7 @@ class MisbehaviourPolicy {
 
   static constexpr std::size_t kNonsense = 20;  ///< invalid datagrams within kWithin for which p is cut off
   static constexpr Tick kWithin = 10 * kTicksPerSecond;
-  static constexpr Tick kBarred = 60 * kTicksPerSecond;  ///< first ban for arrears; doubles each time
+  static constexpr Tick kBarred = 60 * kTicksPerSecond;  ///< first ban that ends; doubles each time
   /// Time for which a member that is heard may acknowledge no updates, ticks.
   static constexpr Tick kPatience = 2 * View::kArrears;
   /// The same for one that asks to be let in anew. All that it has not acknowledged must be kept meanwhile.

@@ -112,7 +112,7 @@ class Participant {
   const Session& session() const { return current_.session ? *current_.session : *next_.session; }
   Session& session() { return current_.session ? *current_.session : *next_.session; }
   /// Incarnations begun so far, less one.
-  int incarnation() const { return begun_ - 1; }
+  int incarnation() const { return begun() - 1; }
   bool returning() const { return playing() && next_.session != nullptr; }
   /// This peer was not admitted, or left because too few members came; session().failure() says why.
   bool failed() const {
@@ -180,6 +180,8 @@ class Participant {
   void warn_of_last_key();
   void warn_of_drops(const Endpoint& place, Micros local);
   ReplicaConfig replica_config(const Session& session) const;
+  /// Incarnations begun so far.
+  int begun() const { return static_cast<int>(had_.size()); }
   /// Where the incarnation that is being begun is recorded, if anywhere.
   std::optional<RecordedReplica::Recording> recording() const;
   Replica::ConfirmedSink sink();
@@ -195,10 +197,9 @@ class Participant {
   Endpoint dropped_at_;  ///< where the last of them came from
   Micros warned_;
   bool last_key_told_ = false;
-  Incarnation current_;  ///< the present one, once there is one
-  Incarnation next_;     ///< one that is being begun
-  int begun_ = 0;
-  std::vector<std::uint32_t> had_;  ///< incarnations of this peer, as the wire has them
+  Incarnation current_;             ///< the present one, once there is one
+  Incarnation next_;                ///< one that is being begun
+  std::vector<std::uint32_t> had_;  ///< its incarnations so far, as the wire has them
   Micros began_;
   Tick steered_ = 0;
   /// What links show of clocks goes back no further than this.

@@ -42,12 +42,12 @@ ReplicaConfig Participant::replica_config(const Session& session) const {
 }
 
 std::optional<RecordedReplica::Recording> Participant::recording() const {
-  return config_.recording ? config_.recording(begun_) : std::nullopt;
+  return config_.recording ? config_.recording(begun()) : std::nullopt;
 }
 
 Replica::ConfirmedSink Participant::sink() {
   if (!config_.on_confirmed) return {};
-  return [this, incarnation = begun_](const sync::FoldState& s, std::uint64_t hash) {
+  return [this, incarnation = begun()](const sync::FoldState& s, std::uint64_t hash) {
     config_.on_confirmed(incarnation, s, hash);
   };
 }
@@ -202,7 +202,6 @@ void Participant::take_over() {
   Incarnation before = std::move(current_);
   current_ = std::move(next_);
   next_ = {};
-  ++begun_;
   had_.push_back(current_.session->incarnation());
   if (!current_.membership) {
     current_.membership = std::make_unique<Membership>(current_.session->state(), *current_.replica);
