@@ -47,6 +47,10 @@ class Look(Case):
         self.wait_for_peers(b, PEERS)
         return b
 
+    def wait_in_view(self, b, spots, what):
+        where = "return arguments[0].map((s) => { const box = document.querySelector(s).getBoundingClientRect(); return [s, box.top, box.bottom]; })"
+        wait(lambda: not b.script(OUT_OF_VIEW, spots), lambda: f"{what} to be in view; out of it {b.script(OUT_OF_VIEW, spots)} of {b.script(where, spots)}")
+
     def take_tour(self, b, look):
         b.find("#tour-button").click()
         for step in range(1, STEPS + 1):
@@ -67,7 +71,7 @@ class Look(Case):
 
         def look(step):
             spot = b.script("return padr.tour.spot()")
-            wait(lambda: not b.script(OUT_OF_VIEW, ["#tour", "#views", SPOTS[spot]]), f"step {step} to be in view")
+            self.wait_in_view(b, ["#tour", "#views", SPOTS[spot]], f"step {step}")
             self.assertEqual(b.script(CUT_OFF), [], f"step {step}")
             if step == 4:
                 self.assertIn("1.5 m for peers 0 and 2 now, and 0.1 m for peer 1", b.text("#tour .text"))

@@ -84,6 +84,18 @@ class Scene(Case):
         self.assertIn("the story “Collision by proxy”", said["The chain by proxy"])
         self.check_console(b)
 
+    # Once, the tour vanished without a word, and left the settings of its step.
+    def test_goes_on_after_the_connection_was_lost(self):
+        b = self.browser
+        self.wait_for_peers(b, 2)
+        b.find("#tour-button").click()
+        b.find("#tour .next").click()
+        b.script("padr.session.takePeers({ peers: [] }); padr.connection.socket.close()")
+        self.wait_for_peers(b, 2)
+        self.assertEqual(b.text("#tour .count"), f"Step 2 of {STEPS}")
+        self.assertFalse(b.script("return document.querySelector('#tour').hidden"))
+        b.find("#tour .end").click()
+        wait(lambda: b.script("return document.querySelector('#tour').hidden"), "the end of the tour")
 
     # Once, the focus was nowhere afterwards, and steps changed without a word to a screen reader.
     def test_escape_ends_it_and_the_focus_goes_back(self):

@@ -67,6 +67,7 @@ const connection = new Connection({
     refresh();
   },
   scene(scene) {
+    const same = session.scene?.session === scene.session && session.scene?.name === scene.name; // told again after the connection was lost
     session.begin(scene);
     camera.setArea({ x: scene.lower[0], y: scene.lower[1] }, { x: scene.upper[0], y: scene.upper[1] });
     views.forgetBackgrounds();
@@ -74,7 +75,7 @@ const connection = new Connection({
     events.begin();
     drivenOnce = null; // the program forgets its path, too
     driver.forget(null);
-    tour.forget();
+    if (!same) tour.forget();
     refresh();
   },
   history(message) {
@@ -84,6 +85,7 @@ const connection = new Connection({
     session.takePeers(message);
     if (driver.slot !== null && !session.controllable().some((p) => p.slot === driver.slot)) driver.forget(`Peer ${driver.slot} is not there any more.`);
     if (camera.follow !== null && !session.present().some((p) => p.slot === camera.follow)) camera.follow = null;
+    endTourWithoutPeers();
     refresh();
   },
   series(point) {
@@ -174,7 +176,6 @@ function endTourWithoutPeers() {
 
 /** Everything that is not drawn for each frame. */
 function refresh() {
-  endTourWithoutPeers();
   views.update();
   tables.update(session);
   knobs.update();
