@@ -68,7 +68,7 @@ PathSurvey survey_path(const scenarios::Path& path, const Scene& scene) {
     s.upper = {std::max(s.upper.x, p.position.x), std::max(s.upper.y, p.position.y)};
     if (!inside(p.position, scene)) ++s.outside;
     const double since = p.seconds - points.front().seconds;
-    if (since + span > path.duration()) continue;
+    // The path rests where it ends, so that its last second counts, too.
     const double speed = static_cast<double>(distance(p.position, path.at(since + span, false))) / span;
     s.fastest = std::max(s.fastest, speed);
     if (speed > static_cast<double>(scene.avatar.max_speed)) ++s.too_fast;

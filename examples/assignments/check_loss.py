@@ -9,12 +9,13 @@ from checking import NotYet, check, need, rows
 LEAST_SEEDS = 8
 LEAST_LOSSES = 4
 LEAST_WORDS = 40
-NUMBERS = {
-    "fixed_factor": "mean inconsistency of fixed at the highest loss, divided by that without loss",
-    "full_factor": "the same of full",
-    "fixed_kbit_factor": "kbit/s of fixed at the highest loss, divided by those without loss",
-    "full_kbit_factor": "the same of full",
+NUMBERS = {  # at the highest loss, divided by that without loss
+    "fixed_factor": "mean inconsistency (mean_m) of fixed",
+    "full_factor": "mean inconsistency (mean_m) of full",
+    "fixed_kbit_factor": "traffic (wire_kbps) of fixed",
+    "full_kbit_factor": "traffic (wire_kbps) of full",
 }
+TOLERANCE = 0.03  # of the right number
 
 
 def measured(path):
@@ -55,11 +56,18 @@ def judge(folder):
             answers = json.load(file)
     except json.JSONDecodeError as e:
         raise NotYet(f"answers.json is no JSON: {e}") from None
+    if not isinstance(answers, dict):
+        raise NotYet('answers.json must be an object, such as {"fixed_factor": 1.5, ...}')
     right = factors(grid, losses)
     for name, meaning in NUMBERS.items():
         given = answers.get(name)
-        if not isinstance(given, (int, float)) or abs(given - right[name]) > 0.03 * right[name]:
-            raise NotYet(f"{name} in answers.json is {given}, and loss.csv says otherwise; it is the {meaning}")
+        if isinstance(given, bool) or not isinstance(given, (int, float)):
+            raise NotYet(f"{name} in answers.json must be a number: {meaning} at the highest loss, divided by that without loss")
+        if abs(given - right[name]) > TOLERANCE * right[name]:
+            raise NotYet(
+                f"{name} in answers.json is {given}, and loss.csv says otherwise by more than {TOLERANCE:.0%}; "
+                f"it is the {meaning} at the highest loss, divided by that without loss"
+            )
     words = len(str(answers.get("why") or "").split())
     if words < LEAST_WORDS:
         raise NotYet(f"'why' in answers.json has {words} words, needs {LEAST_WORDS}")

@@ -125,6 +125,17 @@ TEST(PathSurvey, SaysWhatThePathAsksForAndWarnsOfOtherUnits) {
                 "6.1 m/s, but an avatar reaches only 6 m/s; padr-lab path --stretch 1.1 makes it slow enough"}));
 }
 
+// Once, the last second did not count: the first of these hardly moved, and the second kept to a walk.
+TEST(PathSurvey, ARushAtTheEndCounts) {
+  for (const std::vector<PathPoint>& rush : {std::vector<PathPoint>{{0, {3, 7}}, {1, {3, 7}}, {1.2, {14, 7}}},
+                                             std::vector<PathPoint>{{0, {3, 7}}, {1, {4, 7}}, {1.01, {14, 7}}}}) {
+    EXPECT_GE(survey_path(Path(rush), room()).fastest, 10);
+    const PathNotes notes = notes_on_path(Path(rush), "p.csv", room());
+    ASSERT_EQ(notes.warnings.size(), 1U);
+    EXPECT_NE(notes.warnings[0].find("more than an avatar can do"), std::string::npos) << notes.warnings[0];
+  }
+}
+
 // Once, it named a stretch that padr-lab path refuses.
 TEST(PathSurvey, APathThatNoStretchSlowsDownIsToldSo) {
   const Path leap({{0, {0, 15}}, {0.0001, {19, 15}}, {2, {19, 15}}});

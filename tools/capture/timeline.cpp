@@ -18,7 +18,8 @@ const char* const kEventsHelp =
     "avatar)\n"
     "  proxy                           a body joins or leaves the chain that the avatar moves\n"
     "  claim, release                  authority over a body; `other` is the last owner\n"
-    "  claim_lost                      a claim that loses against another one\n"
+    "  claim_lost                      an update by a peer whose claim loses against the one seen before; for earlier\n"
+    "                                  ticks its claim may hold\n"
     "  resend                          an update that the link to `other` has carried before, duplicates aside\n"
     "  gap                             datagram numbers skipped so far on the link to `other`; some may come later";
 

@@ -76,6 +76,7 @@ std::string fidelity_table(const trace::FidelityMeter& m, int peers, std::option
     left("all", m.overall());
     out += "\n";
   }
+  if (watched) out += fmt::sprintf("physics-consistency-cost: of avatar %d's model, in the others' views\n", *watched);
   return out +
          fmt::sprintf("bodies that several players had to do with are left out of fidelity: %.1f %% of the time\n",
                       100 * m.left_out());

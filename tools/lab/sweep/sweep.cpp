@@ -30,14 +30,15 @@ std::map<std::size_t, std::string> rows_done(const Runs& runs, const Shard& shar
     if (row.grid != runs.id || row.of != runs.size)
       throw UserError(where + ": is of grid " + row.grid + ", this one is " + runs.id +
                       " (other lists, a file or a contestant that has changed, another revision or another machine's "
-                      "physics); give another file");
+                      "physics); give another file, or delete this one");
     if (!shard.has(row.run))
       throw UserError(where + ": run " + std::to_string(row.run) + " is not of shard " + std::to_string(shard.index) +
                       "/" + std::to_string(shard.count) + "; give another file");
     done[row.run] = row.text;
   }
   if (stored.heading != runs.heading)
-    throw UserError(runs.flag + ": " + file + ":1: has other columns than this grid; give another file");
+    throw UserError(runs.flag + ": " + file +
+                    ":1: has other columns than this grid; give another file, or delete this one");
   return done;
 }
 
