@@ -38,6 +38,11 @@ double longest_above_s(const trace::InconsistencySeries& s, double bound) {
   return static_cast<double>(longest) / kTicksPerSecond;
 }
 
+double within(const trace::InconsistencySeries& s, double bound) {
+  const auto n = std::count_if(s.begin(), s.end(), [bound](const auto& p) { return combined(p) <= bound; });
+  return s.empty() ? 0 : static_cast<double>(n) / static_cast<double>(s.size());
+}
+
 double free_within(const FigureRun& run, double bound) {
   std::size_t free = 0;
   std::size_t within = 0;
@@ -67,6 +72,7 @@ Measures measure(const FigureRun& run, double threshold_high, double tick_way) {
       std::max_element(s.begin(), s.end(), [](const auto& a, const auto& b) { return a.combined() < b.combined(); });
   m.peak_touching = highest != s.end() && run.touching[static_cast<std::size_t>(highest->tick - 1)];
   m.free_within_share = free_within(run, threshold_high + tick_way);
+  m.within_share = within(s, threshold_high + tick_way);
   m.bodies_off_m = s.empty() ? 0 : static_cast<double>(s.back().bodies_m);
   m.above_longest_s = longest_above_s(s, threshold_high);
   const double seconds = static_cast<double>(run.threshold_m.size()) / kTicksPerSecond;

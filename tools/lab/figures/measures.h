@@ -20,6 +20,7 @@ struct Measures {
   /// Of the ticks at which the avatar touches nothing, those within the threshold (the high one) and what the avatar
   /// can move in the tick that an update takes to arrive; 0 .. 1.
   double free_within_share = 0;
+  double within_share = 0;     ///< the same of all ticks
   bool peak_touching = false;  ///< whether the avatar touched a body when the peak was reached
   double updates_per_min = 0;
   double kbps = 0;       ///< on the wire, IP and UDP headers included

@@ -19,7 +19,7 @@ struct Column {
   const char* name;
   double (*value)(const Measures&);
 };
-constexpr std::array<Column, 25> kColumns{{
+constexpr std::array<Column, 26> kColumns{{
     {"mean_m", [](const Measures& m) { return m.combined.mean_m; }},
     {"avatar_mean_m", [](const Measures& m) { return m.combined.avatar_mean_m; }},
     {"body_mean_m", [](const Measures& m) { return m.combined.body_mean_m; }},
@@ -37,6 +37,7 @@ constexpr std::array<Column, 25> kColumns{{
     {"updates_per_min", [](const Measures& m) { return m.updates_per_min; }},
     {"wire_kbps", [](const Measures& m) { return m.kbps; }},
     {"free_ticks_within_threshold_share", [](const Measures& m) { return m.free_within_share; }},
+    {"ticks_within_threshold_share", [](const Measures& m) { return m.within_share; }},
     {"low_threshold_share", [](const Measures& m) { return m.low_share; }},
     {"fidelity_mean_m", [](const Measures& m) { return m.fidelity.mean_m; }},
     {"fidelity_others_mean_m", [](const Measures& m) { return m.fidelity.others_mean_m; }},
