@@ -127,7 +127,8 @@ constexpr std::array<Knob, kKnobCount> kKnobs{{
     {"--precision", "exact|rounded", "Send states to the bit, or rounded by less than anybody can see",
      named<&Technique::precision, kPrecisions>},
     {"--unowned", "live|agreed",
-     "Bodies that nobody owns move by the player's own live world (live, the paper's) or by the predicted world "
+     "Bodies that nobody owns move by the player's own live world (live, our reading of the paper) or by the predicted "
+     "world "
      "(agreed)",
      named<&Technique::unowned, kUnowned>},
     {"--time-stamps", "on|off", "Without replay: extrapolate an update by its age on arrival; off: apply it unchanged",

@@ -35,8 +35,8 @@ usage() {
   --netem SPEC      impairment of every directed link, in the grammar of tc-netem; "" for none
                     (default "delay 100ms 50ms loss 10%")
   --technique NAME  avatar-only, fixed, adaptive, full or everything   (default full)
-  --scene NAME      stop-short, predictor or proxy: a story of the paper in place of made-up play; sets the other
-                    defaults, flags beside it still count:
+  --scene NAME      stop-short, predictor or proxy: a story of the paper, or made from one, in place of made-up play; sets
+                    the other defaults, flags beside it still count:
                     stop-short: the avatar of peer 0 stops just short of a ball, nobody has authority, and its model
                       runs on into the ball at the others'; also with --scenario dominoes or van, or --technique full
                     predictor: the same before dominoes, with a predictor that sees what the model is about to do

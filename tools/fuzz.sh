@@ -74,7 +74,7 @@ for target in "${targets[@]}"; do
   log=$out/logs/$target.log
   mkdir -p "$corpus"
   status=0
-  "build/fuzz/bin/fuzz_$target" -max_total_time="$seconds" -max_len=8192 -timeout=10 -print_final_stats=1 \
+  "build/fuzz/bin/fuzz_$target" -max_total_time="$seconds" -max_len=8192 -timeout=60 -print_final_stats=1 \
     -artifact_prefix="$out/findings/$target-" "$corpus" >"$log" 2>&1 || status=$?
   runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
   rate=$(sed -n 's/^stat::average_exec_per_sec: *//p' "$log")

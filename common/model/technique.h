@@ -37,7 +37,7 @@ enum class Precision : std::uint8_t {
 /// Where a body that nobody owns comes from in a player's own world.
 enum class Unowned : std::uint8_t {
   kAgreed,  ///< the predicted world: all players see the same, even where nobody's own world has it so
-  kLive,    ///< the player's own world, which stays its own until somebody tells of the body (the paper's)
+  kLive,    ///< the player's own world, which stays its own until somebody tells of the body: our reading of the paper
 };
 
 /// Everything that makes one synchronisation technique differ from another. All fields but `authority` are a peer's
@@ -59,7 +59,8 @@ struct Technique {
   int steps = 30;          ///< ticks that predictors look ahead
   int count = 4;           ///< bodies in the vicinity that make it dense
   float pcc_bound = 0.1F;  ///< m of predicted cost above which the low threshold applies
-  /// Every contact and chain member is updated, as the paper does; otherwise only what the predicted world gets wrong.
+  /// Every contact and chain member is updated, as in the paper, and chain members also when they join; otherwise only
+  /// what the predicted world gets wrong.
   bool update_every_contact = false;
   bool every_tick = false;   ///< the own avatar and every awake body under own authority are told at every tick
   bool end_update = true;    ///< the end of a contact carries the states it leaves; off: only that it has ended
@@ -68,7 +69,7 @@ struct Technique {
   Precision precision = Precision::kRounded;
   Unowned unowned = Unowned::kAgreed;
   /// Without replay: an update is moved on by its age when it arrives, as DIS practice has it; off: applied as if true
-  /// on arrival (the paper's).
+  /// on arrival, our reading of the paper.
   bool time_stamps = false;
   /// kbit/s that this peer's updates are to fit into with all that it sends to all others together, IP and UDP headers
   /// included; every link gets the same share. 0: no limit but what links carry.

@@ -14,7 +14,7 @@ struct ChainChanges {
   std::vector<EntityId> left;    ///< bodies that are no longer in it
 };
 
-/// The record of collisions by proxy (paper, section on recursive contacts): which bodies the avatar touches, directly
+/// The record of collisions by proxy (paper, section III.c): which bodies the avatar touches, directly
 /// or through others. Box2D's contacts flicker while something is pushed, so a link counts as ended only after it has
 /// been open for `patience` ticks.
 class ContactChain {

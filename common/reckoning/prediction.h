@@ -16,8 +16,9 @@ struct Prediction {
   Tick contact_in = -1;      ///< ticks until the predicted contact, -1 if none
 };
 
-/// Looks at the avatar's surroundings and tells whether an interaction with bodies is near (paper: dynamic threshold
-/// by prediction of the physics-consistency cost). Look-aheads step a copy of what lies within a radius of the avatar.
+/// Looks at the avatar's surroundings and tells whether an interaction with bodies is near (paper, section III.d: a
+/// threshold that adapts to a predicted physics-consistency cost). Look-aheads step a copy of what lies within a radius
+/// of the avatar.
 class InteractionPredictor {
  public:
   InteractionPredictor(const Scene& scene, int slots, PeerId self, const Technique& technique);

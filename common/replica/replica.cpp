@@ -81,8 +81,9 @@ Replica::Replica(const Scene& scene, const ReplicaConfig& config, const sync::Tr
   shown_.begin(live_.world().kinematics());
 }
 
-// The loop of the paper's Figure 5: sample input, apply received updates, step, contacts -> update; else predict, adapt
-// the threshold, test the model error, update if it is exceeded.
+// The steps of the paper's Figure 5: sample input, apply received updates, step, predict, adapt the threshold, contacts
+// -> update, test the model error, update if it is exceeded. The paper predicts after the contacts, and only without
+// one.
 void Replica::step(Vec2 target) {
   if (agreed_.catch_up()) adopt();
   if (jolt_ != Vec2{} && joined_) live_.jolt(std::exchange(jolt_, {}));

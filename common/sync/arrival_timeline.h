@@ -5,8 +5,8 @@
 
 namespace padr::sync {
 
-/// Without replay (the paper): updates are applied to predicted when they arrive, as if true now. Confirmed is a second
-/// world that follows behind.
+/// Without replay, our reading of the paper: updates are applied to predicted when they arrive, as if true now.
+/// Confirmed is a second world that follows behind.
 class ArrivalTimeline final : public Timeline {
  public:
   /// Goes on with predicted as it is: updates that are in it count as having arrived, those of ticks to come arrive

@@ -7,8 +7,8 @@
 
 namespace padr::sync {
 
-/// Without replay (the paper): updates are applied when they arrive, as if true now, but never an older word on an
-/// entity after a newer one of the same peer.
+/// Without replay, our reading of the paper: updates are applied when they arrive, as if true now, but never an older
+/// word on an entity after a newer one of the same peer.
 ///
 /// With time stamps (DIS practice) an update is moved on by its age first: an avatar as its model has it, a body by its
 /// velocity and spin. Nothing stands in the way of either.

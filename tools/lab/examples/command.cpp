@@ -66,7 +66,8 @@ void ExamplesCommand::declare(CLI::App& app) {
       ->type_name("FILE|-");
   app.add_flag("--no-pictures", no_pictures_, "Tables only");
   app.footer(
-      "In ball, dominoes, van and carton, as in the paper, the avatar of peer 0 stops just short of a body, and its\n"
+      "In ball and dominoes, as in the paper, and in van and carton the avatar of peer 0 stops just short of a body, "
+      "and its\n"
       "model at peer 1 runs on into the body. In proxy and in the stories with -missed the avatar does touch a body; "
       "in\n"
       "the latter the model misses it. The error of the bodies is the physics-consistency cost. Written to DIR:\n"

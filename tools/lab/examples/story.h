@@ -27,10 +27,11 @@ struct Story {
   Camera camera;
 };
 
-/// As the paper has them: the avatar stops just short of a body, and its model runs on into it. ball: the paper's
-/// Figure 2; dominoes: its Figure 3; van: its large, heavy counter-example; carton: the same with a body of the van's
-/// size but 25 kg. proxy: its Figure 4 with one body more, where the avatar does touch. Those with -missed are the
-/// converse: the avatar comes along the body, turns and touches it, which its model, going straight on, misses.
+/// The avatar stops just short of a body, and its model runs on into it. ball: the paper's Figure 2; dominoes: its
+/// Figure 3; van: its large, heavy counter-example, of which it says only that the model hits it; carton, ours: the
+/// same with a body of the van's size but 25 kg. proxy: its Figure 4 with one body more, where the avatar does touch.
+/// Those with -missed are the converse: the avatar comes along the body, turns and touches it, which its model, going
+/// straight on, misses.
 std::vector<std::string> story_names();
 
 /// Throws UserError, which begins with --stories, for a name that is not one of them. `dominoes`: how many there are in

@@ -80,7 +80,8 @@ void FiguresCommand::declare(CLI::App& app) {
       ->check(shell::between(kLeastSeconds, kMostSeconds, "seconds"))
       ->capture_default_str();
   app.add_option("--netem", netem_,
-                 "Impairment of datagrams, in the grammar of tc-netem; default: none, as in the paper")
+                 "Impairment of datagrams, in the grammar of tc-netem; default: none, so that an update\n"
+                 "takes one tick; the paper has no latency")
       ->type_name("SPEC");
   knobs_.resize(shell::knobs().size());
   for (std::size_t k = 0; k < knobs_.size(); ++k) {
