@@ -201,7 +201,7 @@ Claim smaller_peaks(const Asker& a) {
 }
 
 Claim smaller_body_peaks(const Asker& a) {
-  Claim c{.id = "tighter-smaller-body-peaks", .figure = "8"};
+  Claim c{.id = "tighter-smaller-bodies", .figure = "8"};
   c.says = "The tighter the threshold, the less bodies are off at collisions.";
   c.test = "the peak of the bodies' part falls from 0.8 to 0.5 to 0.3 m";
   a.ask_thresholds(c, falls, body_peak);
@@ -219,7 +219,7 @@ Claim more_updates(const Asker& a) {
 }
 
 Claim adaptive_mostly_within(const Asker& a) {
-  Claim c{.id = "adaptive-mostly-within-threshold", .figure = "9"};
+  Claim c{.id = "adaptive-mostly-within", .figure = "9"};
   c.says = "With a threshold that goes from 0.8 to 0.3 m inconsistency is mostly within 0.8 m.";
   c.test = "combined inconsistency is within 0.8 m, and the way of a tick, at more than half of all ticks";
   const std::vector<double> share = a.of(kAdaptive, within);

@@ -138,12 +138,17 @@ std::string table(const Plan& plan, const Results& r, const std::vector<Claim>& 
       const auto mean = [&](double (*number_of)(const Measures&)) {
         return mean_of(over_cases(plan, r, setting.id, number_of, kind));
       };
-      s += padded(title, 32) + " " + padded(kind, 10) + right(fixed(mean(kColumns[0].value), 2), 7) +
-           right(fixed(mean(kColumns[10].value), 2), 12) + right(fixed(mean(kColumns[5].value), 2), 8) +
+      s += padded(title, 32) + " " + padded(kind, 10) +
+           right(fixed(mean([](const Measures& m) { return m.combined.mean_m; }), 2), 7) +
+           right(fixed(mean([](const Measures& m) { return m.thirds_m[2]; }), 2), 12) +
+           right(fixed(mean([](const Measures& m) { return m.combined.peak_m; }), 2), 8) +
            right(percent(mean([](const Measures& m) { return m.free_within_share; })), 8) +
-           right(fixed(mean(kColumns[6].value), 2), 9) + right(fixed(mean(kColumns[7].value), 2), 8) +
-           right(fixed(mean(kColumns[18].value), 2), 6) + right(fixed(mean(kColumns[21].value), 2), 6) +
-           right(fixed(mean(kColumns[14].value), 0), 8) + right(fixed(mean(kColumns[15].value), 2), 8) + "\n";
+           right(fixed(mean([](const Measures& m) { return m.avatar_peak_m; }), 2), 9) +
+           right(fixed(mean([](const Measures& m) { return m.body_peak_m; }), 2), 8) +
+           right(fixed(mean([](const Measures& m) { return m.fidelity.mean_m; }), 2), 6) +
+           right(fixed(mean([](const Measures& m) { return m.fidelity.peak_m; }), 2), 6) +
+           right(fixed(mean([](const Measures& m) { return m.updates_per_min; }), 0), 8) +
+           right(fixed(mean([](const Measures& m) { return m.kbps; }), 2), 8) + "\n";
       title.clear();
     }
   }
