@@ -24,7 +24,7 @@ events = [row for row in csv.DictReader(open(sys.argv[1])) if row["entity"] and 
 owner, epoch = {}, {}
 for row in sorted(events, key=lambda row: int(row["tick"])):
     body = row["entity"]
-    if row["event"] in ("claim", "claim_lost"):
+    if row["event"] == "claim":
         number = int(row["detail"].split()[1])
         if number > epoch.get(body, 0):
             owner[body], epoch[body] = row["peer"], number
@@ -34,7 +34,7 @@ for body, peer in owner.items():
     print(body, peer)
 '''
 OWNERS_UNSORTED = OWNERS.replace('sorted(events, key=lambda row: int(row["tick"]))', "events")
-OWNERS_WITHOUT_EPOCHS = OWNERS.replace("number > epoch.get(body, 0)", "True").replace('("claim", "claim_lost")', '("claim",)')
+OWNERS_WITHOUT_EPOCHS = OWNERS.replace("number > epoch.get(body, 0)", "True")
 
 PREDICTOR = '''
 def predict(updates, t):
