@@ -104,6 +104,16 @@ struct Asker {
   void ask_thresholds(Claim& c, Question question, double (*number)(const Measures&)) const {
     ask(c, question, of("fixed-0.8", number), of("fixed-0.5", number), of("fixed-0.3", number));
   }
+  /// Asks a share at each of the paper's thresholds by itself; the means, as at_thresholds has them.
+  std::string ask_shares(Claim& c, Question question, double (*number)(const Measures&)) const {
+    std::string shares;
+    for (const char* t : kThresholds) {
+      const std::vector<double> share = of(std::string("fixed-") + t, number);
+      ask(c, question, share, share, share);
+      shares += (shares.empty() ? "" : (t == kThresholds.back() ? " and " : ", ")) + percent(mean_of(share));
+    }
+    return shares;
+  }
 };
 
 Claim growth(const Asker& a) {
@@ -131,12 +141,7 @@ Claim bounded(const Asker& a) {
       "% "
       "of the ticks, at each threshold";
   const auto enough = [](double share, double, double) { return share >= 0.95; };
-  std::string shares;
-  for (const char* t : kThresholds) {
-    const std::vector<double> share = a.of(std::string("fixed-") + t, free_within);
-    a.ask(c, enough, share, share, share);
-    shares += (shares.empty() ? "" : (t == kThresholds.back() ? " and " : ", ")) + percent(mean_of(share));
-  }
+  const std::string shares = a.ask_shares(c, enough, free_within);
   c.measured = "At 0.8, 0.5 and 0.3 m it is within the threshold at " + shares +
                " of the ticks without contact; over the whole run the mean is " +
                a.at_thresholds("fixed", combined_mean, 2) + " m, over its last third " +
@@ -160,13 +165,8 @@ Claim mostly_within(const Asker& a) {
   c.test =
       "combined inconsistency is within the threshold, and the way of a tick, at more than half of all ticks, at each "
       "threshold";
-  std::string shares;
-  for (const char* t : kThresholds) {
-    const std::vector<double> share = a.of(std::string("fixed-") + t, within);
-    a.ask(c, more_than_half, share, share, share);
-    shares += (shares.empty() ? "" : (t == kThresholds.back() ? " and " : ", ")) + percent(mean_of(share));
-  }
-  c.measured = "At 0.8, 0.5 and 0.3 m it is within the threshold at " + shares + " of all ticks.";
+  c.measured = "At 0.8, 0.5 and 0.3 m it is within the threshold at " + a.ask_shares(c, more_than_half, within) +
+               " of all ticks.";
   return c;
 }
 
