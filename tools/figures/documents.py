@@ -228,7 +228,7 @@ def claims(m):
 EXAMPLES = ["examples", "--no-pictures", "--takes", ("8", "2"), "--out", "OUT"]
 
 
-FILMS = ["examples", "--stories", "ball,dominoes", "--takes", "1"]
+FILMS = ["examples", "--stories", "ball,dominoes,proxy", "--takes", "1"]
 
 
 def stories(m):
@@ -321,6 +321,7 @@ FIGURES = [
     Picture("figures", experiments_over_time, copied(*DRAWN, "--out", "OUT", file="drift.svg")),
     Picture("film-ball", stories, copied(*FILMS, "--out", "OUT", file="film-ball.svg")),
     Picture("film-dominoes", stories, copied(*FILMS, "--out", "OUT", file="film-dominoes.svg")),
+    Picture("film-proxy", stories, copied(*FILMS, "--out", "OUT", file="film-proxy.svg")),
     Figure("rivals", "docs/compare.md", rivals.briefly),
     Figure("budgets", "docs/compare.md", rivals.budgets),
     Figure("met", "docs/compare.md", rivals.met),
