@@ -104,7 +104,9 @@ constexpr std::array<Knob, kKnobCount> kKnobs{{
      "How others continue an avatar between updates: static, first, second (order), input or auto; auto: each update"
      " chooses second or input",
      named<&Technique::model, kModels>},
-    {"--lead", "S", "Input model: send the target's position as it will be in S seconds",
+    {"--lead", "S",
+     "Input model: send the target's position as it will be in S seconds, and in twice as many if an update takes 250 "
+     "ms",
      [](Technique& t, Text flag, Text v) { t.lead = in_range(flag, v, 0.0F, 1.0F, "seconds"); }},
     {"--time-space", "S|off", "Also send an update when the integral of the error over time exceeds threshold x S",
      [](Technique& t, Text flag, Text v) {

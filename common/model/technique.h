@@ -49,11 +49,12 @@ struct Technique {
   Model model = Model::kChosen;
   Predictor predictor = Predictor::kLookahead;
   ThresholdLaw law = ThresholdLaw::kTwoLevel;
-  float lead = 0.05F;        ///< s, how far ahead of its motion the input model's target is told; 0: as it is
-  float time_space = 0.04F;  ///< s, an avatar error is told once its time integral exceeds threshold x this; 0: off
+  float lead =
+      0.04F;  ///< s, how far ahead of its motion the input model's target is told, more on a long way; 0: as it is
+  float time_space = 0.05F;  ///< s, an avatar error is told once its time integral exceeds threshold x this; 0: off
   float threshold_high = 0.012F;  ///< m, when nothing is predicted
   float threshold_low = 0.01F;    ///< m, when interaction is predicted; equal to the high one for a fixed threshold
-  float body_threshold = 0.01F;   ///< m, for bodies under own authority; 0 switches it off
+  float body_threshold = 0.012F;  ///< m, for bodies under own authority; 0 switches it off
   Convergence convergence = Convergence::kTrack;
   float radius = 3.0F;     ///< m, of the surroundings that predictors look at
   int steps = 30;          ///< ticks that predictors look ahead

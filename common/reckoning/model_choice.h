@@ -11,6 +11,16 @@
 
 namespace padr::sync {
 
+/// What is known of an avatar in a tick: where it is, how fast, where it heads, m, and its acceleration, m/s^2.
+struct AvatarMoment {
+  Vec2 position;
+  Vec2 velocity;
+  Vec2 aim;
+  Vec2 acceleration;
+};
+/// Where the avatar is so many ticks later by that model, if it touches nothing. Model::kChosen: as kInput.
+Vec2 foretold(const AvatarDef& avatar, Model model, AvatarMoment m, Tick ticks);
+
 /// Which model to tell of an avatar: the one that has lately foretold its motion better. A hand that points jumps and
 /// stops, and its avatar is best foretold by where it heads (Model::kInput); who runs goes on as before, and is best
 /// foretold by velocity and acceleration (Model::kSecond). Both are tried on the avatar's own past, without contacts,
@@ -26,16 +36,6 @@ class ModelChoice {
   Model best() const { return second_error_ < kClearly * input_error_ ? Model::kSecond : Model::kInput; }
 
  private:
-  /// What was known of the avatar in a tick.
-  struct Moment {
-    Vec2 position;
-    Vec2 velocity;
-    Vec2 aim;
-    Vec2 acceleration;
-  };
-  /// Where the avatar is so many ticks after the moment, as kInput or kSecond has it.
-  Vec2 foretold(Model model, const Moment& m, std::size_t ticks) const;
-
   /// An update is believed until the next one comes: for its way, and about so many ticks between two.
   static constexpr Tick kBetween = 9;
   static constexpr std::size_t kLongest = 60;
@@ -46,7 +46,7 @@ class ModelChoice {
   static constexpr float kClearly = 0.5F;
 
   AvatarDef avatar_;
-  std::array<Moment, kLongest> past_{};
+  std::array<AvatarMoment, kLongest> past_{};
   std::size_t seen_ = 0;
   float input_error_ = 0;   ///< m, averaged
   float second_error_ = 0;  ///< m, averaged

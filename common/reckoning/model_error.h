@@ -7,35 +7,43 @@
 
 namespace padr::sync {
 
-/// Whether an avatar's model error is worth an update. It is when it exceeds the threshold now or will within the tick
-/// that a word of it takes at least; and, by the time-space law (Zhou, Cai, Lee and Turner: Time-space consistency in
-/// large-scale distributed virtual environments, 2004), when a smaller error has lasted: once its integral over time
-/// since it was last put right exceeds threshold times `seconds`. A fast error may then grow to the threshold, a slow
-/// one is put right for what it costs all the while.
+/// Whether an avatar's model error is worth an update. It is when it exceeds the threshold, or will: an error that
+/// began a while ago, because the avatar is driven otherwise than its model, is four times as large after twice the
+/// while. By the time-space law (Zhou, Cai, Lee and Turner: Time-space consistency in large-scale distributed virtual
+/// environments, 2004) it is worth one, too, when a smaller error has lasted: once its integral over time since it was
+/// last put right exceeds threshold times `seconds`. A fast error may then grow to the threshold, a slow one is put
+/// right for what it costs all the while.
 class ModelError {
  public:
   /// `seconds`: of the time-space law; 0 switches that off.
   explicit ModelError(float seconds) : seconds_(seconds) {}
   void retune(float seconds) { seconds_ = seconds; }
 
-  /// This tick's error in position (m) and velocity (m/s).
-  void add(Vec2 position, Vec2 velocity) {
-    const float now = length(position);
-    area_ = now < kRight ? 0 : area_ + now * kTickSeconds;
-    soon_ = std::max(now, length(position + velocity * kTickSeconds));
+  /// How far ahead a model's error is foreseen.
+  static constexpr Tick kAhead = 6;
+
+  /// This tick's error, m, and what it will be kAhead ticks on if nothing is told.
+  void add(float now, float ahead) {
+    const float foreseen = ahead / kGrown;
+    area_ = foreseen < kRight ? 0 : area_ + foreseen * kTickSeconds;
+    worst_ = std::max(now, foreseen);
   }
+  /// The same of an error that is taken as it is.
+  void add(float now) { add(now, now * kGrown); }
   /// Whether it is worth an update, against a threshold (m).
-  bool exceeds(float threshold) const { return soon_ > threshold || (seconds_ > 0 && area_ > threshold * seconds_); }
+  bool exceeds(float threshold) const { return worst_ > threshold || (seconds_ > 0 && area_ > threshold * seconds_); }
   /// The model has just been put right.
   void corrected() { area_ = 0; }
 
  private:
+  // Of an error that began kAhead ticks ago, and grows with the square of time.
+  static constexpr float kGrown = 4;
   // As good as right: Box2D's linear slop.
   static constexpr float kRight = 0.005F;  // m
 
   float seconds_;
-  float soon_ = 0;  ///< m, now or a tick on
-  float area_ = 0;  ///< m s
+  float worst_ = 0;  ///< m, now or foreseen
+  float area_ = 0;   ///< m s
 };
 
 }  // namespace padr::sync

@@ -38,6 +38,7 @@ Reporter::Reporter(const Scene& scene, PeerId self, const Technique& technique)
       chain_(static_cast<int>(scene.bodies.size()), static_cast<EntityId>(scene.bodies.size() + self),
              patience_of(technique)),
       aim_(technique.lead),
+      avatar_def_(scene.avatar),
       choice_(scene.avatar),
       model_error_(technique.time_space),
       no_claim_before_(scene.bodies.size(), 0),
@@ -61,9 +62,8 @@ const Bundle& Reporter::report(const Situation& s) {
   told_.tick = s.predicted->tick;
   avatar_.reset();
   exact_ = false;
-  aim_.follow(s.target);
   if (technique_.model == Model::kChosen)
-    choice_.follow(s.live->world().state(s.live->avatar()), aim_.ahead(), s.acceleration, s.round_trip / 2);
+    choice_.follow(s.live->world().state(s.live->avatar()), aim_.ahead(way(s)), s.acceleration, way(s));
   const bool all = technique_.update_every_contact;  // those, too, that are over in the step that they begin in
   changes_ = &chain_.update(all ? s.live->touching() : s.live->world().contacts(), s.predicted->tick);
   const auto held = [this](EntityId b) { return chain_.held(b); };
@@ -246,7 +246,7 @@ void Reporter::tell_avatar(const Situation& s, Cause cause) {
   u.velocity = truth.velocity;
   u.awake = truth.awake;
   u.model = model_for(cause);
-  if (u.model == Model::kInput) u.control = aim_.ahead();
+  if (u.model == Model::kInput) u.control = aim_.ahead(way(s));
   if (u.model == Model::kSecond) u.control = s.acceleration;
   // The last word is exact, or model and avatar would be driven towards different points for ever.
   if (technique_.precision == Precision::kRounded && cause != Cause::kAtRest) {
@@ -276,12 +276,27 @@ bool Reporter::anything_differs(const Situation& s) const {
 }
 
 void Reporter::watch_avatar(const Situation& s) {
+  aim_.follow(s.target);
+  const EntityId avatar = s.live->avatar();
+  const float now = distance(s.live->world().position(avatar), s.predicted->world.entities[avatar].position);
+  // The paper tests the error as it is.
+  if (technique_.update_every_contact)
+    model_error_.add(now);
+  else
+    model_error_.add(now, error_ahead(s));
+}
+
+float Reporter::error_ahead(const Situation& s) const {
   const EntityId avatar = s.live->avatar();
   const world::Kinematics& believed = s.predicted->world.entities[avatar];
-  const Vec2 shift = s.live->world().position(avatar) - believed.position;
-  // The paper tests the error as it is.
-  const bool ahead = !technique_.update_every_contact;
-  model_error_.add(shift, ahead ? s.live->world().velocity(avatar) - believed.velocity : Vec2{});
+  const AvatarModel& model = s.predicted->avatars[self_];
+  const auto in = [this](Model m, const AvatarMoment& from) {
+    return foretold(avatar_def_, m, from, ModelError::kAhead);
+  };
+  const Vec2 told =
+      in(model_for(Cause::kThreshold),
+         {s.live->world().position(avatar), s.live->world().velocity(avatar), aim_.ahead(way(s)), s.acceleration});
+  return distance(told, in(model.kind, {believed.position, believed.velocity, model.control, model.control}));
 }
 
 OwnAvatar Reporter::own_avatar(const Situation& s, const BodyState& truth) const {

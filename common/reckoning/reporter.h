@@ -69,6 +69,11 @@ class Reporter {
   void report_proxies(const Situation& s);
   void report_bodies(const Situation& s);
   void report_avatar(const Situation& s);
+  /// How far apart the avatar will be, ModelError::kAhead ticks on, by what would be told now and by what is believed,
+  /// m.
+  float error_ahead(const Situation& s) const;
+  /// Ticks that an update takes to the others.
+  static Tick way(const Situation& s) { return s.round_trip / 2; }
   /// What the avatar and its input did this tick, whatever is told of it.
   void follow_avatar(const Situation& s, const BodyState& truth);
   OwnAvatar own_avatar(const Situation& s, const BodyState& truth) const;
@@ -98,6 +103,7 @@ class Reporter {
   std::vector<float> rim_;  ///< m, by body: distance from the centre that turns fastest
   ContactChain chain_;
   Aim aim_;
+  AvatarDef avatar_def_;
   ModelChoice choice_;
   ModelError model_error_;
   std::vector<Tick> no_claim_before_;

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "common/reckoning/aim.h"
+#include "common/sync/avatar_model.h"
 #include "common/world/avatar_control.h"
+#include "tests/world/test_scene.h"
 
 namespace padr::sync {
 namespace {
@@ -18,7 +20,7 @@ class Walk {
     state_.velocity = state_.velocity + acceleration * kTickSeconds;
     state_.position = state_.position + state_.velocity * kTickSeconds;
     aim_.follow(target);
-    choice_.follow(state_, aim_.ahead(), acceleration, 6);
+    choice_.follow(state_, aim_.ahead(6), acceleration, 6);
     target_ = target;
   }
   void run(Vec2 velocity, int ticks) {
@@ -45,10 +47,33 @@ class Walk {
 
   AvatarDef avatar_ = person();
   BodyState state_;
-  Aim aim_{0.05F};
+  Aim aim_{0.04F};
   ModelChoice choice_{avatar_};
   Vec2 target_;
 };
+
+TEST(Foretold, IsWhereAWorldHasTheAvatarThatItsModelMoves) {
+  const Scene scene = test::busy_scene(1, 0);
+  const AvatarMoment from{{4, 4}, {1, 2}, {9, 3}, {3, -2}};
+  for (const Model model : {Model::kStatic, Model::kFirst, Model::kSecond, Model::kInput}) {
+    world::World w(scene, 1);
+    const EntityId avatar = w.avatar(0);
+    w.set_present(avatar, true);
+    BodyState s = w.state(avatar);
+    s.position = from.position;
+    s.velocity = from.velocity;
+    s.awake = true;
+    w.set_state(avatar, s);
+    const AvatarModel told{true, model, from.velocity, model == Model::kInput ? from.aim : from.acceleration, 0, false};
+    for (Tick t = 0; t < 6; ++t) {
+      drive_model(w, 0, told, t);
+      w.step();
+    }
+    const Vec2 there = foretold(scene.avatar, model, from, 6);
+    EXPECT_NEAR(there.x, w.position(avatar).x, 0.002F) << static_cast<int>(model);
+    EXPECT_NEAR(there.y, w.position(avatar).y, 0.002F) << static_cast<int>(model);
+  }
+}
 
 TEST(ModelChoice, IsWhereItHeadsUntilSomethingElseIsKnown) {
   Walk w;

@@ -93,6 +93,31 @@ TEST(Reporter, AnAvatarIsReportedWhenItsModelIsOffByMoreThanTheThreshold) {
   EXPECT_LE(updates, 12);
 }
 
+// The paper tests the error as it is; full sees where it leads.
+TEST(Reporter, WhoSetsOutIsToldBeforeItsModelIsOffByTheThreshold) {
+  const auto error_when_told = [](const char* technique) {
+    Technique t = technique_by_name(technique);
+    t.threshold_high = 0.012F;
+    t.threshold_low = 0.012F;
+    t.time_space = 0;
+    Alone peer(t, corridor(false));
+    peer.tick({2, 4});  // it is there, and all know it
+    for (int i = 0; i < 60; ++i) {
+      peer.adopt();
+      const EntityId avatar = peer.live.avatar();
+      const Vec2 believed = peer.agreed.predicted_state().world.entities[avatar].position;
+      const float before = distance(peer.live.world().position(avatar), believed);
+      if (peer.tick({2, 7}).avatar) return before;
+    }
+    return -1.0F;
+  };
+  const float fixed = error_when_told("fixed");
+  const float full = error_when_told("full");
+  EXPECT_GT(fixed, 0);
+  EXPECT_GE(full, 0);
+  EXPECT_LT(full, fixed / 2) << "m, at the tick before";
+}
+
 TEST(Reporter, SteadyInputIsToldOnceByTheInputModel) {
   Alone peer(technique_by_name("full"), corridor(false));
   int updates = 0;
