@@ -24,9 +24,8 @@ class ModelError {
 
   /// This tick's error, m, and what it will be kAhead ticks on if nothing is told.
   void add(float now, float ahead) {
-    const float foreseen = ahead / kGrown;
-    area_ = foreseen < kRight ? 0 : area_ + foreseen * kTickSeconds;
-    worst_ = std::max(now, foreseen);
+    worst_ = std::max(now, ahead / kGrown);
+    area_ = worst_ < kRight ? 0 : area_ + worst_ * kTickSeconds;
   }
   /// The same of an error that is taken as it is.
   void add(float now) { add(now, now * kGrown); }
