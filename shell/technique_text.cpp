@@ -108,6 +108,10 @@ constexpr std::array<Knob, kKnobCount> kKnobs{{
      "Input model: send the target's position as it will be in S seconds, and in twice as many if an update takes 250 "
      "ms",
      [](Technique& t, Text flag, Text v) { t.lead = in_range(flag, v, 0.0F, 1.0F, "seconds"); }},
+    {"--foresee", "S|off", "Also send an update for an error that will be four times the threshold in S seconds",
+     [](Technique& t, Text flag, Text v) {
+       t.foresee = v == "off" ? 0 : in_range(flag, v, 0.01F, 1.0F, "seconds, or off");
+     }},
     {"--time-space", "S|off", "Also send an update when the integral of the error over time exceeds threshold x S",
      [](Technique& t, Text flag, Text v) {
        t.time_space = v == "off" ? 0 : in_range(flag, v, 0.001F, 100.0F, "seconds, or off");
@@ -188,6 +192,7 @@ std::string describe(const Technique& t) {
   s += " --body-threshold " + (t.body_threshold > 0 ? number(t.body_threshold) : std::string("off"));
   s += " --replay " + name_of(t.replay, kSwitch) + " --model " + name_of(t.model, kModels);
   if (tells_input(t)) s += " --lead " + number(t.lead);
+  s += " --foresee " + (t.foresee > 0 ? number(t.foresee) : std::string("off"));
   s += " --time-space " + (t.time_space > 0 ? number(t.time_space) : std::string("off"));
   s += " --predictor " + name_of(t.predictor, kPredictors) + " --threshold-law " + name_of(t.law, kLaws);
   s += " --convergence " + name_of(t.convergence, kConvergences) + " --radius " + number(t.radius);

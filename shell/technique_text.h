@@ -20,7 +20,7 @@ struct Knob {
   void set(Technique& t, std::string_view value) const { read(t, flag, value); }
 };
 
-inline constexpr std::size_t kKnobCount = 20;
+inline constexpr std::size_t kKnobCount = 21;
 /// All there are, in the order of help texts.
 std::span<const Knob, kKnobCount> knobs();
 

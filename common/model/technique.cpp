@@ -37,10 +37,11 @@ std::string wrong_field(const Technique& t) {
            choice("law", t.law, ThresholdLaw::kContinuous), choice("convergence", t.convergence, Convergence::kTrack),
            choice("precision", t.precision, Precision::kRounded), choice("unowned", t.unowned, Unowned::kLive)})
     if (c.value > c.most) return refusal(c.field, c.value, c.most);
-  for (const Number& n : std::array{
-           Number{"lead", t.lead}, Number{"time_space", t.time_space}, Number{"threshold_high", t.threshold_high},
-           Number{"threshold_low", t.threshold_low}, Number{"body_threshold", t.body_threshold},
-           Number{"radius", t.radius}, Number{"pcc_bound", t.pcc_bound}, Number{"budget", t.budget}})
+  for (const Number& n :
+       std::array{Number{"lead", t.lead}, Number{"time_space", t.time_space}, Number{"foresee", t.foresee},
+                  Number{"threshold_high", t.threshold_high}, Number{"threshold_low", t.threshold_low},
+                  Number{"body_threshold", t.body_threshold}, Number{"radius", t.radius},
+                  Number{"pcc_bound", t.pcc_bound}, Number{"budget", t.budget}})
     if (!std::isfinite(n.value) || n.value < 0 || n.value > kMostNumber) return refusal(n.field, n.value, 1'000'000);
   if (t.steps < 0 || t.steps > kMostCount) return refusal("steps", t.steps, kMostCount);
   if (t.count < 0 || t.count > kMostCount) return refusal("count", t.count, kMostCount);
@@ -69,6 +70,7 @@ Technique technique_by_name(std::string_view name) {
   t.replay = false;
   t.model = Model::kFirst;
   t.time_space = 0;
+  t.foresee = 0;
   t.threshold_high = 0.8F;
   t.threshold_low = 0.3F;
   t.body_threshold = 0;

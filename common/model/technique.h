@@ -52,6 +52,7 @@ struct Technique {
   float lead =
       0.04F;  ///< s, how far ahead of its motion the input model's target is told, more on a long way; 0: as it is
   float time_space = 0.06F;  ///< s, an avatar error is told once its time integral exceeds threshold x this; 0: off
+  float foresee = 0.1F;      ///< s, an avatar error is told if it will be four times the threshold after this; 0: off
   float threshold_high = 0.012F;  ///< m, when nothing is predicted
   float threshold_low = 0.01F;    ///< m, when interaction is predicted; equal to the high one for a fixed threshold
   float body_threshold = 0.012F;  ///< m, for bodies under own authority; 0 switches it off

@@ -19,10 +19,7 @@ class ModelError {
   explicit ModelError(float seconds) : seconds_(seconds) {}
   void retune(float seconds) { seconds_ = seconds; }
 
-  /// How far ahead a model's error is foreseen.
-  static constexpr Tick kAhead = 6;
-
-  /// This tick's error, m, and what it will be kAhead ticks on if nothing is told.
+  /// This tick's error, m, and what it will be if nothing is told until then.
   void add(float now, float ahead) {
     worst_ = std::max(now, ahead / kGrown);
     area_ = worst_ < kRight ? 0 : area_ + worst_ * kTickSeconds;
@@ -35,7 +32,7 @@ class ModelError {
   void corrected() { area_ = 0; }
 
  private:
-  // Of an error that began kAhead ticks ago, and grows with the square of time.
+  // In twice the time, as it grows with the square of it.
   static constexpr float kGrown = 4;
   // As good as right: Box2D's linear slop.
   static constexpr float kRight = 0.005F;  // m

@@ -279,24 +279,23 @@ void Reporter::watch_avatar(const Situation& s) {
   aim_.follow(s.target);
   const EntityId avatar = s.live->avatar();
   const float now = distance(s.live->world().position(avatar), s.predicted->world.entities[avatar].position);
-  // The paper tests the error as it is.
-  if (technique_.update_every_contact)
-    model_error_.add(now);
-  else
+  if (technique_.foresee > 0)
     model_error_.add(now, error_ahead(s));
+  else
+    model_error_.add(now);
 }
 
 float Reporter::error_ahead(const Situation& s) const {
   const EntityId avatar = s.live->avatar();
   const world::Kinematics& believed = s.predicted->world.entities[avatar];
   const AvatarModel& model = s.predicted->avatars[self_];
-  const auto in = [this](Model m, const AvatarMoment& from) {
-    return foretold(avatar_def_, m, from, ModelError::kAhead);
+  const auto later = [&](Model m, const AvatarMoment& from) {
+    return foretold(avatar_def_, m, from, static_cast<Tick>(std::lround(technique_.foresee * kTicksPerSecond)));
   };
   const Vec2 told =
-      in(model_for(Cause::kThreshold),
-         {s.live->world().position(avatar), s.live->world().velocity(avatar), aim_.ahead(way(s)), s.acceleration});
-  return distance(told, in(model.kind, {believed.position, believed.velocity, model.control, model.control}));
+      later(model_for(Cause::kThreshold),
+            {s.live->world().position(avatar), s.live->world().velocity(avatar), aim_.ahead(way(s)), s.acceleration});
+  return distance(told, later(model.kind, {believed.position, believed.velocity, model.control, model.control}));
 }
 
 OwnAvatar Reporter::own_avatar(const Situation& s, const BodyState& truth) const {

@@ -69,8 +69,7 @@ class Reporter {
   void report_proxies(const Situation& s);
   void report_bodies(const Situation& s);
   void report_avatar(const Situation& s);
-  /// How far apart the avatar will be, ModelError::kAhead ticks on, by what would be told now and by what is believed,
-  /// m.
+  /// How far apart the avatar will be after Technique::foresee by what would be told now and by what is believed, m.
   float error_ahead(const Situation& s) const;
   /// Ticks that an update takes to the others.
   static Tick way(const Situation& s) { return s.round_trip / 2; }

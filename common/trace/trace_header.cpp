@@ -44,9 +44,9 @@ std::uint32_t checksum_of(const Hasher& sum) {
 
 void put_technique(const Technique& t, file::Technique& out) {
   // Names every field, so that a new one does not compile until it is told here and in take_technique.
-  const auto& [name, authority, replay, model, predictor, law, lead, time_space, high, low, body_threshold, convergence,
-               radius, steps, count, pcc_bound, update_every_contact, every_tick, end_update, proxy_update, rest_state,
-               precision, unowned, time_stamps, budget] = t;
+  const auto& [name, authority, replay, model, predictor, law, lead, time_space, foresee, high, low, body_threshold,
+               convergence, radius, steps, count, pcc_bound, update_every_contact, every_tick, end_update, proxy_update,
+               rest_state, precision, unowned, time_stamps, budget] = t;
   out.set_name(name);
   out.set_authority(authority);
   out.set_replay(replay);
@@ -59,6 +59,7 @@ void put_technique(const Technique& t, file::Technique& out) {
   out.set_body_threshold(body_threshold);
   out.set_lead(lead);
   out.set_time_space(time_space);
+  out.set_foresee(foresee);
   out.set_radius(radius);
   out.set_steps(static_cast<std::uint32_t>(steps));
   out.set_count(static_cast<std::uint32_t>(count));
@@ -93,6 +94,7 @@ bool take_technique(const file::Technique& in, Technique& t) {
   t.body_threshold = in.body_threshold();
   t.lead = in.lead();
   t.time_space = in.time_space();
+  t.foresee = in.foresee();
   t.radius = in.radius();
   t.steps = static_cast<int>(in.steps());
   t.count = static_cast<int>(in.count());

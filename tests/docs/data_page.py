@@ -8,7 +8,7 @@ import re
 STANDS_FOR = {
     "CAUSE": "(threshold|contact_begin|contact_end|proxy|body_threshold|at_rest|leave)",
     "REASON": "(seal|foreign|malformed|duplicate|tick|order|entity|value|signature|right|cut_off|promise)",
-    "KNOB": "(threshold|body-threshold|model|lead|time-space|predictor|threshold-law|convergence|replay|end-update|proxy-update|"
+    "KNOB": "(threshold|body-threshold|model|lead|foresee|time-space|predictor|threshold-law|convergence|replay|end-update|proxy-update|"
             "rest-state|precision|unowned|time-stamps|budget|radius|steps|count|pcc-bound)",
     "PREDICTOR": "(lookahead|density|path-density|pcc)",
     "SETTING": r"(avatar-only|fixed|adaptive|full)-[\w.-]+",

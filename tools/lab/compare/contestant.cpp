@@ -81,6 +81,8 @@ void add_ablations(std::vector<Contestant>& all) {
       [](Technique& t) { t.model = Model::kInput; });
   add("full-no-lead", "lead", "full, the input model's target is sent as it is now, not as it will be",
       [](Technique& t) { t.lead = 0; });
+  add("full-no-foresight", "foresight", "full, an avatar's error counts as it is now, not as it will be",
+      [](Technique& t) { t.foresee = 0; });
   add("full-no-time-space", "time-space law", "full, an avatar's error counts only when it exceeds the threshold",
       [](Technique& t) { t.time_space = 0; });
   add("full-exact", "rounding", "full, states are sent to the bit",
