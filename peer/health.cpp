@@ -35,8 +35,8 @@ void Health::update(const Player& player, Micros now) {
   if (now < next_) return;
   next_ = now + kPeriod;
   const std::string why = write(s);
-  if (!why.empty() && limit_.pass(now))
-    log_.status->warn("{} ({} such messages held back)", why, limit_.take_suppressed());
+  if (why != wrong_ && !why.empty()) log_.status->warn("{}; this is said once, until it is possible", why);
+  wrong_ = why;
 }
 
 void Health::remove() {

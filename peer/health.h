@@ -43,7 +43,7 @@ class Health {
 
   std::string file_;
   Log& log_;
-  RateLimit limit_;
+  std::string wrong_;  ///< why it could not be written last; empty: it was
   Micros next_ = 0;
   Tick confirmed_ = -1;
   int incarnation_ = -1;

@@ -43,16 +43,9 @@ std::string subsystem_names() {
 bool RateLimit::pass(Micros now) {
   tokens_ = std::min(burst_, tokens_ + static_cast<double>(now - last_) * burst_ / kMicrosPerSecond);
   last_ = now;
-  if (tokens_ < 1) {
-    ++suppressed_;
-    return false;
-  }
+  if (tokens_ < 1) return false;
   tokens_ -= 1;
   return true;
-}
-
-std::uint64_t RateLimit::take_suppressed() {
-  return std::exchange(suppressed_, 0);
 }
 
 }  // namespace padr::peer

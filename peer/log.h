@@ -24,20 +24,16 @@ bool is_subsystem(const std::string& name);
 /// For messages: "net, play, ...".
 std::string subsystem_names();
 
-/// Lets through `burst` messages at once and as many a second, and counts the others: for whatever can repeat per
-/// packet.
+/// Lets through `burst` messages at once and as many a second: for whatever can repeat per packet.
 class RateLimit {
  public:
   explicit RateLimit(double burst = 5) : burst_(burst), tokens_(burst) {}
   bool pass(Micros now);
-  /// How many were held back since the last call.
-  std::uint64_t take_suppressed();
 
  private:
   double burst_;
   double tokens_;
   Micros last_ = 0;
-  std::uint64_t suppressed_ = 0;
 };
 
 }  // namespace padr::peer

@@ -51,10 +51,10 @@ struct Technique {
   ThresholdLaw law = ThresholdLaw::kTwoLevel;
   float lead =
       0.04F;  ///< s, how far ahead of its motion the input model's target is told, more on a long way; 0: as it is
-  float time_space = 0.06F;  ///< s, an avatar error is told once its time integral exceeds threshold x this; 0: off
+  float time_space = 0.04F;  ///< s, an avatar error is told once its time integral exceeds threshold x this; 0: off
   float foresee = 0.1F;      ///< s, an avatar error is told if it will be four times the threshold after this; 0: off
-  float threshold_high = 0.012F;  ///< m, when nothing is predicted
-  float threshold_low = 0.01F;    ///< m, when interaction is predicted; equal to the high one for a fixed threshold
+  float threshold_high = 0.014F;  ///< m, when nothing is predicted
+  float threshold_low = 0.012F;   ///< m, when interaction is predicted; equal to the high one for a fixed threshold
   float body_threshold = 0.012F;  ///< m, for bodies under own authority; 0 switches it off
   Convergence convergence = Convergence::kTrack;
   float radius = 3.0F;     ///< m, of the surroundings that predictors look at

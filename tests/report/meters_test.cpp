@@ -148,12 +148,47 @@ TEST(ConfirmedTicks, WhoWasDeclaredGoneWhileItWentOnIsNotHeldAgainstAnybody) {
   for (Tick t = 0; t <= 5; ++t)
     for (const std::size_t n : {0U, 1U, 2U}) c.add(n, t, n == 2 && t >= 3 ? 8 : 7);
   EXPECT_EQ(c.compare().mismatches, 3U);
-  c.give_up(2);
+  c.give_up(2, 0);
+  c.give_up(2, 1);
   const report::ConfirmedCheck check = c.compare();
   EXPECT_EQ(check.mismatches, 0U);
   EXPECT_EQ(check.ticks, 6U);
   EXPECT_EQ(check.given_up, 6U);
   EXPECT_EQ(check.given_up_unlike, 3U);
+}
+
+// Once, nothing was compared when the one that was cut off declared all others gone.
+TEST(ConfirmedTicks, WhoDeclaresAllOthersGoneDoesNotKeepThemFromBeingCompared) {
+  const std::vector<report::Survey> incarnations{incarnation("0", 9), incarnation("1", 9), incarnation("2", 9)};
+  report::ConfirmedTicks c(incarnations);
+  for (Tick t = 0; t <= 5; ++t)
+    for (const std::size_t n : {0U, 1U, 2U}) c.add(n, t, n == 0 && t >= 3 ? 8 : 7);
+  c.give_up(0, 1);
+  c.give_up(0, 2);
+  c.give_up(1, 0);
+  c.give_up(2, 0);
+  EXPECT_EQ(c.compare().ticks, 6U);
+  EXPECT_EQ(c.compare().mismatches, 0U);
+  EXPECT_EQ(c.compare().given_up_unlike, 3U);
+  c.add(1, 6, 7);
+  c.add(2, 6, 9);
+  EXPECT_EQ(c.compare().mismatches, 1U);
+}
+
+TEST(ConfirmedTicks, OfTwoPartsAsLargeTheFirstIsTheSession) {
+  const std::vector<report::Survey> incarnations{incarnation("0", 9), incarnation("1", 9), incarnation("2", 9),
+                                                 incarnation("3", 9)};
+  report::ConfirmedTicks c(incarnations);
+  for (Tick t = 0; t <= 5; ++t)
+    for (const std::size_t n : {0U, 1U, 2U, 3U}) c.add(n, t, n % 2 == 0 && t >= 3 ? 8 : 7);
+  for (const std::size_t n : {0U, 2U})
+    for (const std::size_t m : {1U, 3U}) {
+      c.give_up(n, m);
+      c.give_up(m, n);
+    }
+  EXPECT_EQ(c.compare().ticks, 6U);
+  EXPECT_EQ(c.compare().mismatches, 0U);
+  EXPECT_EQ(c.compare().given_up_unlike, 6U);
 }
 
 TEST(Utf8, OnlyWellFormedSequencesPass) {

@@ -199,6 +199,15 @@ TEST_F(Program, ATraceThatBreaksOffIsUsedAsFarAsItGoes) {
   EXPECT_NE(o.out.find("1.trace breaks off at tick"), std::string::npos) << o.out;
 }
 
+// A peer that has not got into the session leaves one.
+TEST_F(Program, AnEmptyTraceIsLeftOutBesideOthers) {
+  write("empty", {});
+  const Outcome o = run("0.trace empty 1.trace");
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_EQ(o.err, "padr-report: empty: is empty: left out\n");
+  EXPECT_NE(o.out.find("Confirmed worlds: identical"), std::string::npos) << o.out;
+}
+
 TEST_F(Program, WhatIsWrongIsOneClearLine) {
   test::RunConfig other;
   other.seed = 2;

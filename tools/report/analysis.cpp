@@ -208,7 +208,7 @@ class Analysis {
       const std::size_t avatar = static_cast<std::size_t>(session_.bodies) + s.header.peer;
       if (other != cursors_[c.incarnation] && avatar < c.present.size() && c.present[avatar] && !present[avatar] &&
           s.came < now && now <= s.last_tick)
-        gone_.push_back({other->incarnation, now});
+        gone_.push_back({other->incarnation, c.incarnation, now});
     }
     c.present = present;
   }
@@ -262,9 +262,10 @@ class Analysis {
   void take(Cursor&, const Other&) {}
 
   Report finish() {
-    for (const auto& [incarnation, out] : gone_) {
+    for (const auto& [incarnation, by, out] : gone_) {
       const Tick left = cursors_[incarnation]->peer.left_at;
-      if (left < 0 || left > out) confirmed_.give_up(incarnation);  // it was declared gone, and has not said goodbye
+      if (left < 0 || left > out)
+        confirmed_.give_up(incarnation, by);  // it was declared gone, and has not said goodbye
     }
     Report r;
     for (const auto& c : cursors_) {
@@ -324,7 +325,12 @@ class Analysis {
   std::map<std::pair<std::size_t, std::size_t>, LinkMeter> links_;  ///< by incarnations
   std::set<PeerId> heard_;
   ConfirmedTicks confirmed_;
-  std::vector<std::pair<std::size_t, Tick>> gone_;  ///< whose avatar left the session, by some trace, and when
+  struct Gone {
+    std::size_t incarnation;
+    std::size_t by;  ///< in whose trace
+    Tick out;
+  };
+  std::vector<Gone> gone_;  ///< whose avatar left the session
   Tick next_truth_ = 0;
   std::vector<PeerId> owner_;  ///< by body, at next_truth_ - 1
   std::vector<AuthorityChange> authority_;

@@ -32,8 +32,16 @@ void ConfirmedTicks::add(std::size_t incarnation, Tick tick, std::uint64_t hash)
   ticks_[at].push_back({incarnation, hash});
 }
 
-bool ConfirmedTicks::is_given_up(std::size_t incarnation) const {
-  return incarnations_[incarnation].superseded || given_up_.contains(incarnation);
+std::set<std::size_t> ConfirmedTicks::given_up() const {
+  // Who is declared gone by many, and declares them gone, is in the smaller part.
+  std::vector<std::size_t> by(incarnations_.size());
+  for (const auto& [who, declarer] : declared_gone_) ++by[who];
+  std::set<std::size_t> all;
+  for (const auto& [who, declarer] : declared_gone_)
+    if (std::pair(by[who], who) > std::pair(by[declarer], declarer)) all.insert(who);
+  for (std::size_t n = 0; n < incarnations_.size(); ++n)
+    if (incarnations_[n].superseded) all.insert(n);
+  return all;
 }
 
 void ConfirmedTicks::judge_given_up(const std::vector<Entry>& given_up, const std::vector<Entry>& others,
@@ -47,17 +55,18 @@ void ConfirmedTicks::judge_given_up(const std::vector<Entry>& given_up, const st
 
 ConfirmedCheck ConfirmedTicks::compare() const {
   ConfirmedCheck check;
+  const std::set<std::size_t> gone = given_up();
   for (std::size_t i = 0; i < ticks_.size(); ++i) {
     const auto t = static_cast<Tick>(i);
     std::vector<Entry> entries;
-    std::vector<Entry> given_up;
-    for (const Entry& e : ticks_[i]) (is_given_up(e.incarnation) ? given_up : entries).push_back(e);
-    judge_given_up(given_up, entries, check);
+    std::vector<Entry> later_gone;
+    for (const Entry& e : ticks_[i]) (gone.contains(e.incarnation) ? later_gone : entries).push_back(e);
+    judge_given_up(later_gone, entries, check);
     if (entries.size() < 2) continue;
     std::size_t reaching = 0;
     for (std::size_t n = 0; n < incarnations_.size(); ++n) {
       const Survey& s = incarnations_[n];
-      if (!is_given_up(n) && s.confirmed_from >= 0 && t >= s.confirmed_from && t <= s.last_tick) ++reaching;
+      if (!gone.contains(n) && s.confirmed_from >= 0 && t >= s.confirmed_from && t <= s.last_tick) ++reaching;
     }
     if (entries.size() >= reaching) ++check.ticks;
     if (std::all_of(entries.begin(), entries.end(), [&](const Entry& e) { return e.hash == entries[0].hash; }))

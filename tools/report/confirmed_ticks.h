@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/report/report.h"
@@ -16,8 +17,9 @@ class ConfirmedTicks {
   /// `incarnations` must outlive it.
   explicit ConfirmedTicks(const std::vector<Survey>& incarnations) : incarnations_(incarnations) {}
   void add(std::size_t incarnation, Tick tick, std::uint64_t hash);
-  /// Others declared it gone while it went on: without its last updates, which came too late for them.
-  void give_up(std::size_t incarnation) { given_up_.insert(incarnation); }
+  /// `by` declared it gone while it went on: without its last updates, which came too late. Of two parts that have
+  /// declared each other gone, the larger one is the session; of two as large, the one with the first incarnation.
+  void give_up(std::size_t incarnation, std::size_t by) { declared_gone_.insert({incarnation, by}); }
   ConfirmedCheck compare() const;
 
  private:
@@ -29,10 +31,10 @@ class ConfirmedTicks {
   void judge_given_up(const std::vector<Entry>& given_up, const std::vector<Entry>& others,
                       ConfirmedCheck& check) const;
 
-  bool is_given_up(std::size_t incarnation) const;
+  std::set<std::size_t> given_up() const;
 
   const std::vector<Survey>& incarnations_;
-  std::set<std::size_t> given_up_;
+  std::set<std::pair<std::size_t, std::size_t>> declared_gone_;  ///< who, by whom
   std::vector<std::vector<Entry>> ticks_;
 };
 

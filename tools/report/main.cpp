@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -16,6 +17,13 @@ namespace {
 int run(const Options& o, const std::vector<std::string>& command) {
   std::vector<TraceBytes> traces;
   for (const std::string& file : o.traces) traces.push_back(read_trace(file));
+  // The peer has not got into the session; the others' report need not wait for it.
+  const auto is_empty = [](const TraceBytes& t) { return t.bytes.empty(); };
+  if (!std::all_of(traces.begin(), traces.end(), is_empty)) {
+    for (const TraceBytes& t : traces)
+      if (is_empty(t)) std::fprintf(stderr, "padr-report: %s: is empty: left out\n", t.label.c_str());
+    std::erase_if(traces, is_empty);
+  }
   const Report r = analyse(traces);
   if (o.json != "-") std::fputs(table(r).c_str(), stdout);
   if (!o.json.empty()) shell::write_text("--json", o.json, json(r, command));

@@ -13,7 +13,8 @@ constexpr const char* kDescription =
 
 constexpr const char* kFooter =
     "padr-peer --trace FILE and padr-lab run --trace DIR write traces. Give the traces of all peers of a session,\n"
-    "because the truth of an entity is in its owner's trace. A trace that breaks off is used as far as it goes.\n"
+    "because the truth of an entity is in its owner's trace. A trace that breaks off is used as far as it goes;\n"
+    "an empty one, of a peer that has not got into the session, is left out beside others.\n"
     "\n"
     "Inconsistency is a sum over all entities at a tick: the distance between the entity in a peer's view and in its\n"
     "owner's view at the same session tick. For a body that nobody owns the truth is the agreed world; with --unowned\n"

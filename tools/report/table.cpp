@@ -270,7 +270,8 @@ std::string verdict(const Report& r) {
     given_up = " Of " + count(c.given_up) + " worlds of peers that were declared gone later, " +
                count(c.given_up_unlike) + " differ from the session's.";
   if (c.mismatches == 0 && c.ticks == 0)
-    return "\nConfirmed worlds: not compared, as no tick was confirmed in two traces or more." + given_up + "\n";
+    return "\nConfirmed worlds: not compared, as no tick was confirmed by two peers or more that stayed together." +
+           given_up + "\n";
   if (c.mismatches == 0)
     return "\nConfirmed worlds: identical at all " + count(c.ticks) + " ticks compared." + given_up + "\n";
   return "\nCONFIRMED WORLDS DIFFER at " + count(c.mismatches) + " of " + count(c.ticks) + " ticks, first at tick " +
