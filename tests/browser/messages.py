@@ -7,7 +7,7 @@ import json
 from browser import *
 from selenium.webdriver.common.keys import Keys
 
-KNOBS = {"threshold": "0.012:0.01", "body-threshold": "0.01", "replay": "on", "model": "auto", "predictor": "pcc", "convergence": "track"}
+KNOBS = {"threshold": "0.014:0.012", "body-threshold": "0.012", "replay": "on", "model": "auto", "predictor": "pcc", "convergence": "track"}
 SCENE = {
     "type": "scene", "session": 26, "name": "arena", "scenario": "arena", "title": "made up", "seed": 1, "slots": 24, "tick_rate": 60,
     "lower": [0, 0], "upper": [20, 15], "gravity": [0, 0], "avatar": {"radius": 0.4, "mass": 80, "max_speed": 5}, "spawns": [],

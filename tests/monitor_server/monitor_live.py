@@ -32,7 +32,7 @@ class Watching(MonitorCase):
         for q in peers["peers"]:
             self.assertEqual((q["state"], q["technique"], q["controllable"]), ("here", "full", False))
             self.assertEqual(q["confirmed"]["state"], "identical")
-            self.assertEqual(q["knobs"]["threshold"], "0.012:0.01")
+            self.assertEqual(q["knobs"]["threshold"], "0.014:0.012")
             self.assertEqual({link["netem"] for link in q["links"]}, {"delay 40ms"})
         early.wait("series", lambda p: len(p["peers"]) == 3 and
                    all(q["combined_m"] is not None and len(q["delay_ms"]) == 2 and

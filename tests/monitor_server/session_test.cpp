@@ -176,7 +176,7 @@ TEST(ObservedSession, WordsAreJsonOfThePromisedShape) {
   const json& p = peers["peers"][0];
   EXPECT_EQ(p["driven"], "you");
   EXPECT_EQ(p["technique"], "full");
-  EXPECT_EQ(p["knobs"]["threshold"], "0.012:0.01");
+  EXPECT_EQ(p["knobs"]["threshold"], "0.014:0.012");
   EXPECT_EQ(p["confirmed"]["state"], "identical");
   EXPECT_EQ(p["links"][0]["to"], 1);
   EXPECT_EQ(p["rates"]["updates_per_s"].size(), sync::kCauses);

@@ -47,8 +47,8 @@ TEST(TechniqueText, DescribedKnobsReadBack) {
   EXPECT_EQ(
       describe(technique_of("full --threshold 0.3:0.1")),
       "full --threshold 0.3:0.1 --body-threshold 0.012 --replay on --model auto --lead 0.04 --foresee 0.1 --time-space "
-      "0.06 "
-      "--predictor lookahead --threshold-law two-level --convergence track --radius 3 --precision rounded --unowned "
+      "0.04 --predictor lookahead --threshold-law two-level --convergence track --radius 3 --precision rounded "
+      "--unowned "
       "agreed --budget 64 --steps 30 --count 4 --pcc-bound 0.1");
   EXPECT_NE(describe(technique_of("full --unowned live --time-stamps on")).find(" --unowned live --time-stamps on "),
             std::string::npos);

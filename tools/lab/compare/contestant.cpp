@@ -45,7 +45,7 @@ void add_ours(std::vector<Contestant>& all) {
   const Technique late = changed(everything, [](Technique& t) { t.replay = false; });
   const Technique first = changed(everything, [](Technique& t) { t.model = Model::kFirst; });
   all.push_back({"full", "full", "", Group::kOurs,
-                 "PADR's own: 0.012 m, or 0.01 m when a contact is predicted; bodies 0.012 m; 64 kbit/s at most",
+                 "PADR's own: 0.014 m, or 0.012 m when a contact is predicted; bodies 0.012 m; 64 kbit/s at most",
                  technique_by_name("full")});
   all.push_back({"full-0.3", "full at larger thresholds", "0.3", Group::kOurs,
                  "full with 0.3 m, or 0.1 m; bodies 0.05 m",
