@@ -165,6 +165,25 @@ class Messages(Case):
         for slot in (1, 2):
             wait(lambda: "error not known" in b.text(f'figure[data-slot="{slot}"] .said'), "its caption to say so")
 
+    # Once, plots that the tour hides were made in boxes of no size, and were 480 pixels wide and 320 high from then on.
+    def test_plots_that_the_tour_hides_fit_their_cards_afterwards(self):
+        self.addCleanup(self.browser.resize, 1280, 800)
+        for size in ((1280, 800), (390, 844)):
+            self.browser.resize(*size)
+            b = self.page()
+            b.script("padr.connection.ask = () => Promise.resolve({ ok: true, text: '' }); padr.tour.start()")
+            for tick in range(600, 720, 15):
+                self.tell(series(tick, [0.1, 0.2, 0.3]))
+            made = "return padr.plots.charts.map((c) => c.graph !== undefined)"
+            b.script("document.querySelector('#plots').scrollIntoView()")
+            wait(lambda: b.script(made)[:2] == [True, True], "the plots of the step")
+            b.script("padr.plots.redraw(); padr.tour.end()")
+            b.script("document.querySelector('#plots').scrollIntoView()")
+            wait(lambda: b.script(made) == [True] * 4, "all plots")
+            sizes = "return padr.plots.charts.map((c) => [c.box.style.width, c.box.clientHeight, Math.abs(c.box.clientWidth - c.graph.width_) <= 1])"
+            wait(lambda: b.script(sizes) == [["", 170, True]] * 4, "plots that fit their cards")
+            self.assertEqual(b.script("return document.documentElement.scrollWidth"), size[0])
+
     # Once, it said that the session was over, while peers played on.
     def test_the_end_of_the_program_is_not_that_of_the_session(self):
         b = self.page()

@@ -225,6 +225,12 @@ class Chart {
   draw(window) {
     this.refreshRows();
     if (this.lines.length === 0) return;
+    // In a box that is not shown dygraphs would take, and keep, a size of its own.
+    if (this.box.clientWidth > 0) this.drawIn(window);
+    this.readOut();
+  }
+
+  drawIn(window) {
     const options = {
       file: this.rows,
       labels: ["time", ...this.lines.map((l) => l.name)],
@@ -234,7 +240,6 @@ class Chart {
     };
     if (this.graph) this.graph.updateOptions(options);
     else this.make(options);
-    this.readOut();
   }
 
   make(options) {
