@@ -155,6 +155,17 @@ class Messages(Case):
             self.tell(peers([peer(i) for i in range(3)]), series(600, [value, 0.1, 0.1]))
             self.assertIn(f"{value:.2f} m", b.text("#peers tbody tr"))
 
+    # Once, below a picture with long lines stood a small error: that of a moment before.
+    def test_an_error_of_another_moment_says_of_which(self):
+        b = self.page({"mode": "trace", "control": False})
+        said = "return document.querySelector('figure[data-slot=\"0\"] .said').textContent"
+        line = {"type": "timeline", "first": 0, "last": 900, "tick": 600, "playing": False, "speed": 1, "sample": 2}
+        for at, playing, words in ((599, False, "0.3 m off"), (555, False, "0.3 m off at 0:09.3"), (555, True, "0.3 m off")):
+            point = series(600, [0.25, 0.1, 0.1])
+            point["peers"][0]["at_tick"] = at
+            self.tell({**line, "playing": playing}, point, peers([peer(i) for i in range(3)]))
+            self.assertEqual(b.script(said), words)
+
     # Once, its caption said that the error is not known, and the table said 0.00 m.
     def test_the_error_of_a_peer_that_is_cut_off_is_known_nowhere(self):
         b = self.page()

@@ -298,7 +298,7 @@ TEST(Film, AScreenGoesForwardsAndBack) {
     return Film::Picture{0, Which::kShown, std::make_shared<const std::string>(std::to_string(t))};
   };
   for (Tick t = 0; t <= 600; t += 3) film.moments.push_back({t, {picture(t)}});
-  for (Tick t = 0; t <= 600; t += 15) film.tables.push_back({t, std::to_string(t), ""});
+  for (Tick t = 0; t <= 600; t += 15) film.tables.push_back({t, std::to_string(t), {}});
   Screen screen(film);
   screen.go_to(100);
   const auto first = screen.views(1, 0);

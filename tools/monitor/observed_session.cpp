@@ -344,7 +344,10 @@ void ObservedSession::measured(PeerId slot, float fidelity_m, float pcc_m) {
 }
 
 const SeriesPoint& ObservedSession::sample(Micros now) {
-  for (const auto& [slot, point] : gauge_.take()) {
+  newest_measured_ = gauge_.take();
+  std::erase_if(newest_measured_,
+                [this](const Gauge::Measured& m) { return peer(m.first) != nullptr && !error_known(*peer(m.first)); });
+  for (const auto& [slot, point] : newest_measured_) {
     Sum& s = measured_[slot];
     ++s.n;
     s.sum.avatars_m += point.avatars_m;

@@ -68,6 +68,14 @@ export class Session {
     return this.isApart(peer) ? null : this.points.get(peer.slot)?.combined_m ?? null;
   }
 
+  /** Of which second that is, where a recording stands at another: its last ticks were never confirmed. Else null. */
+  errorAt(peer) {
+    const { timeline } = this;
+    const tick = this.points.get(peer.slot)?.at_tick ?? null;
+    if (!this.replayed() || !timeline || timeline.playing || tick === null) return null;
+    return Math.abs(timeline.tick - tick) > timeline.sample ? tick / 60 : null;
+  }
+
   takePoint(point) {
     for (const p of point.peers) this.points.set(p.slot, p);
   }

@@ -15,7 +15,7 @@ const COLUMNS = [
     paint: (td, p) => { td.dataset.verdict = p.confirmed.state; },
   },
   { head: "it trails by", title: "How far the confirmed world is behind the live one", cell: (p) => number(p.confirmed.lag_ms, 0, " ms") },
-  { head: "off by", title: "Inconsistency: distance to where the authority has it, all entities summed; the mean since the last point of the plots", cell: (p, point, session) => number(session.error(p), 2, " m") },
+  { head: "off by", title: "Inconsistency: distance to where the authority has it, all entities summed; live, the mean since the last point of the plots; in a recording, of this very moment", cell: (p, point, session) => number(session.error(p), 2, " m") },
   { head: "fidelity error", recorded: true, title: "Distance of bodies to where the players' deeds alone put them, all summed; of recordings only", cell: (p, point) => number(point?.fidelity_m, 2, " m") },
   { head: "updates", title: "Entity state updates sent", cell: (p) => number(sum(p.rates?.updates_per_s), 1, " /s") },
   { head: "traffic", title: "Sent, with IP and UDP headers", cell: (p) => number(p.rates?.kbit_per_s, 1, " kbit/s") },

@@ -4,6 +4,7 @@
 import { toWorld } from "./camera.js";
 import { drawAvatars, drawBackground, drawBodies, drawGhosts, drawIntent } from "./draw.js";
 import { Fills, hue } from "./palette.js";
+import { clock } from "./plots.js";
 import { AUTHORITY, CONFIRMED, PREDICTED, SHOWN } from "./samples.js";
 import { Sprites } from "./sprites.js";
 
@@ -147,10 +148,11 @@ export class Views {
     if (peer.paused) words.push("paused");
     if (peer.links.some((l) => l.cut)) words.push("cut off");
     if (peer.driven === "other") words.push("driven by somebody else");
-    const off = session.isApart(peer) ? ["error not known"] : error === null ? [] : [`${metres(error)} off`];
+    const at = session.errorAt(peer);
+    const off = session.isApart(peer) ? ["error not known"] : error === null ? [] : [`${metres(error)} off${at === null ? "" : ` at ${clock(at)}`}`];
     tile.said.textContent = [...words, ...off].join(" · ");
     if (driven) words.push("you drive");
-    tile.said.title = "off: how far everything in this view is from where its authority has it, all entities summed; the mean since the last point of the plots, of ticks that are confirmed; not known while this peer is apart from the others";
+    tile.said.title = "off: how far everything in this view is from where its authority has it, all entities summed; live, the mean since the last point of the plots, of ticks that are confirmed; in a recording, of this very moment; not known while this peer is apart from the others";
     const drive = tile.buttons.querySelector(".drive");
     drive.hidden = !driven && !session.drivable().some((p) => p.slot === slot);
     drive.textContent = driven ? "Let go" : "Drive";
