@@ -26,7 +26,7 @@ const STEPS = [
   {
     title: "No authority",
     text: () => "Somebody has to know where a thing is. The button cuts all links for two seconds and a half. Meanwhile each peer plays on by itself, and nobody's word counts for the others. (A whole session without authority is the story “Stopping short”.)",
-    look: "Avatars walk on in straight lines or stand in the others' pictures, and what they push moves in one picture only. Lines grow, and the inconsistency plot climbs.",
+    look: "Avatars walk on in straight lines or stand in the others' pictures, and what they push moves in one picture only. Lines grow. By how much nobody can tell while worlds are apart: captions say “error not known”, and the inconsistency plot has a gap. It is high right after that, and then falls.",
     spot: "plots",
     technique: "fixed",
     set: (o, s) => begin(o, s, FAST, "fixed"),
