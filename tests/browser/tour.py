@@ -54,6 +54,26 @@ class Tour(Case):
         b.picture("tour-after")
         self.check_console(b)
 
+    # Once, nothing was restored then: all kept the settings of the step.
+    def test_goes_on_after_the_page_was_loaded_again(self):
+        b = self.browser
+        self.wait_for_peers(b, PEERS)
+        wait(lambda: all(len(p[3]) == PEERS - 1 and p[2] for p in b.script(HOW)), "all links and knobs to be told")
+        before = b.script(HOW)
+        b.find("#tour-button").click()
+        b.find("#tour .next").click()
+        wait(lambda: b.script("return padr.session.present().every((p) => p.technique === 'fixed')"), "the settings of the step")
+        b.open(self.monitor.address)
+        self.wait_for_peers(b, PEERS)
+        wait(lambda: b.text("#tour .count") == f"Step 2 of {STEPS}", "the same step")
+        self.assertFalse(b.script("return document.querySelector('#tour').hidden"))
+        b.find("#tour .end").click()
+        wait(lambda: same(b.script(HOW), before), f"everything as before: {before}")
+        b.open(self.monitor.address)
+        self.wait_for_peers(b, PEERS)
+        time.sleep(1)
+        self.assertTrue(b.script("return document.querySelector('#tour').hidden"), "it has ended")
+
 
 class Scene(Case):
     """The tour in the session that tools/demo.sh --scene stop-short plays."""

@@ -86,6 +86,7 @@ const connection = new Connection({
     if (driver.slot !== null && !session.controllable().some((p) => p.slot === driver.slot)) driver.forget(`Peer ${driver.slot} is not there any more.`);
     if (camera.follow !== null && !session.present().some((p) => p.slot === camera.follow)) camera.follow = null;
     endTourWithoutPeers();
+    tour.resume();
     refresh();
   },
   series(point) {

@@ -6,6 +6,7 @@ import { together } from "./knobs.js";
 const FAST = "delay 20ms 3ms";
 const SLOW = "delay 200ms 40ms loss 5%";
 const WITHOUT = "avatar-only"; // the technique without authority: a session keeps to it, or to the others
+const KEPT = "padr-tour"; // in the tab's storage
 const THINGS = { ball: "the ball", dominoes: "the first domino", van: "the van" }; // what the paths of the scenes stop short of
 
 const CLAIMS_NOTHING = "This session is without authority, so nobody claims anything: things stay grey. A session with it is the story “Collision by proxy”.";
@@ -179,10 +180,26 @@ export class Tour {
     this.panel.focus();
   }
 
+  /** Goes on where this tab was when its page was loaded again; peers have the step's settings still. */
+  resume() {
+    const kept = remembered();
+    if (this.step !== null || kept === null || this.session.controllable().length === 0) return;
+    if (kept.session !== this.session.scene.session || !STEPS[kept.step]) {
+      remember(null);
+      return;
+    }
+    this.before = kept.before;
+    this.panel.hidden = false;
+    this.step = kept.step;
+    this.show();
+    this.onMove();
+  }
+
   go(step) {
     if (step < 0 || step >= STEPS.length) return;
     this.step = step;
     this.half = 0;
+    remember({ session: this.session.scene.session, step, before: this.before });
     this.show();
     this.set();
     this.onMove();
@@ -241,8 +258,27 @@ export class Tour {
   close() {
     const focused = this.panel.contains(document.activeElement);
     this.step = null;
+    remember(null);
     this.panel.hidden = true;
     this.onMove();
     if (focused) this.left?.();
+  }
+}
+
+// Of this tab. Storage may be forbidden; then who loads the page again has to restore by hand.
+function remembered() {
+  try {
+    return JSON.parse(sessionStorage.getItem(KEPT));
+  } catch {
+    return null;
+  }
+}
+
+function remember(tour) {
+  try {
+    if (tour === null) sessionStorage.removeItem(KEPT);
+    else sessionStorage.setItem(KEPT, JSON.stringify(tour));
+  } catch {
+    // As long as the page, then.
   }
 }
