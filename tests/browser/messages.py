@@ -107,6 +107,23 @@ class Messages(Case):
         self.assertEqual(buttons[:4], ["Drive, peer 0", "Follow, peer 0", "Enlarge, peer 0", "Drive, peer 1"])
         self.assertEqual(len(set(buttons)), 9)
 
+    # Once, it scrolled the page.
+    def test_space_does_nothing_on_a_picture(self):
+        b = self.page()
+        scrolled = "return scrollY"
+        b.script("padr.connection.ask = () => Promise.resolve({ ok: true, text: '' })")
+        canvas = b.find('figure[data-slot="0"] canvas')
+        b.script("arguments[0].focus({ preventScroll: true })", canvas)
+        canvas.send_keys(" ")
+        b.script("padr.driver.start(0)")
+        b.script("document.activeElement.blur()")
+        b.find("body").send_keys(" ")
+        time.sleep(0.5)
+        self.assertEqual(b.script(scrolled), 0)
+        b.script("padr.driver.forget(null)")
+        b.find("body").send_keys(" ")
+        wait(lambda: b.script(scrolled) > 0, "it to scroll where nobody drives")
+
     # Once, they stood in the order in which they had come.
     def test_events_are_listed_by_time(self):
         b = self.page()

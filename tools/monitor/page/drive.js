@@ -74,7 +74,10 @@ export class Driver {
       this.release();
       return;
     }
-    if (this.slot === null || !(event.code in KEYS)) return;
+    if (this.slot === null) return;
+    // It would scroll the picture away.
+    if (event.code === "Space" && event.target === document.body) event.preventDefault();
+    if (!(event.code in KEYS)) return;
     if (event.ctrlKey || event.altKey || event.metaKey || (down && isForText(event.target))) return;
     if (down) this.held.add(event.code);
     else this.held.delete(event.code);
