@@ -46,7 +46,7 @@ class Tour(Case):
             if step == STEPS:  # the one who was cut off has to be back
                 wait(lambda: b.script("return padr.session.present().every((p) => p.state === 'here' && p.links.every((l) => !l.cut))"), "the cut to heal")
                 self.wait_for_peers(b, PEERS)
-            b.find("#tour .next").click()
+            b.find("#tour .next" if step < STEPS else "#tour .end").click()
         self.assertTrue(b.script("return document.querySelector('#tour').hidden"))
         wait(lambda: same(b.script(HOW), before), f"everything as before: {before}")
         b.script("document.querySelector('#plots').scrollIntoView()")
@@ -93,11 +93,11 @@ class Scene(Case):
         wait(lambda: b.script("return (padr.session.points.get(1)?.bodies_m ?? 0) > 1"), "the model to have hit the ball")
         b.find("#tour-button").click()
         said = {}
-        for _ in range(STEPS):
+        for step in range(1, STEPS + 1):
             said[b.text("#tour .title")] = b.text("#tour .text")
             time.sleep(0.3)
             self.assertEqual(b.text("#tour .status"), "", "no step asks for what a session without authority refuses")
-            b.find("#tour .next").click()
+            b.find("#tour .next" if step < STEPS else "#tour .end").click()
         self.assertIn("Time after time avatar 0 runs at the ball. It stops just short", said["Stopping short"])
         self.assertIn("Nobody has authority here", said["Stopping short"])
         self.assertIn("look-ahead is blind to a stop short", said["What a predictor sees"])
@@ -115,6 +115,20 @@ class Scene(Case):
         self.assertEqual(b.text("#tour .count"), f"Step 2 of {STEPS}")
         self.assertFalse(b.script("return document.querySelector('#tour').hidden"))
         b.find("#tour .end").click()
+        wait(lambda: b.script("return document.querySelector('#tour').hidden"), "the end of the tour")
+
+    # Once, the button that ends the tour came in the place of "Next" then, and who was fast had pressed it.
+    def test_next_never_ends_it(self):
+        b = self.browser
+        self.wait_for_peers(b, 2)
+        b.find("#tour-button").click()
+        b.script("for (let i = 0; i < 20; ++i) document.querySelector('#tour .next').click()")
+        self.assertEqual(b.text("#tour .count"), f"Step {STEPS} of {STEPS}")
+        b.script("document.querySelector('#tour .back').click()")
+        b.find("#tour .next").send_keys(Keys.ENTER)
+        self.assertEqual(b.text("#tour .count"), f"Step {STEPS} of {STEPS}")
+        self.assertEqual(b.text("#tour .end"), "End, and restore (Esc)")
+        b.script("return document.activeElement").send_keys(Keys.ESCAPE)  # there is a focus
         wait(lambda: b.script("return document.querySelector('#tour').hidden"), "the end of the tour")
 
     # Once, the focus was nowhere afterwards, and steps changed without a word to a screen reader.

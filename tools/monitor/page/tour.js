@@ -154,7 +154,7 @@ export class Tour {
     this.onMove = () => {};
     const on = (name, act) => panel.querySelector(`.${name}`).addEventListener("click", act);
     on("back", () => this.go(this.step - 1));
-    on("next", () => (this.step === STEPS.length - 1 ? this.end() : this.go(this.step + 1)));
+    on("next", () => this.go(this.step + 1));
     on("again", () => this.give(STEPS[this.step].act));
     on("half", () => {
       this.half = 1 - this.half;
@@ -212,9 +212,11 @@ export class Tour {
     write("title", step.title);
     write("text", `${step.text(this.session, this.half)} ${this.techniqueInWords()}`);
     write("look", typeof step.look === "function" ? step.look(this.half, this.session) : step.look);
-    write("next", this.step === STEPS.length - 1 ? "End, and restore" : "Next");
+    const focused = document.activeElement;
     this.panel.querySelector(".back").disabled = this.step === 0;
-    this.panel.querySelector(".end").hidden = this.step === STEPS.length - 1;
+    this.panel.querySelector(".next").disabled = this.step === STEPS.length - 1;
+    // A button that is switched off has the focus no more, and Esc would end nothing.
+    if (focused?.disabled && this.panel.contains(focused)) this.panel.focus();
     this.panel.querySelector(".again").hidden = !step.act;
     write("again", step.sign ?? "");
     const half = this.panel.querySelector(".half");
