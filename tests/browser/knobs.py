@@ -55,6 +55,12 @@ class Knobs(Case):
         wait(lambda: "✗" in b.text(".network .status") and "much" in b.text(".network .status"), "what is wrong, in words")
         b.picture("refused")
         self.assertTrue(b.script("return document.querySelector('.network .status').classList.contains('error')"))
+        # Once, the field had what holds again, and the message named a word that was nowhere.
+        b.script("document.activeElement.blur()")
+        time.sleep(2.5)
+        self.assertEqual(b.script("return document.querySelector('[name=spec]').value"), "delay much")
+        self.type_over(box, "delay 10ms")
+        wait(lambda: "✓ delay 10ms" in b.text(".network .status"), "what is right to be taken")
 
     # Once, only the command line warned.
     def test_a_doubtful_network_is_warned_of(self):

@@ -122,7 +122,9 @@ export class Knobs {
     const { from, to, spec } = this.inputs;
     const answer = await this.orders.netem(number(from.value), number(to.value), spec.value.trim());
     say(this.network, answer, spec.value.trim() === "" ? "no impairment" : spec.value.trim());
-    this.touched.delete(spec);
+    // What was refused stays to be put right; the message names a word of it.
+    if (answer.ok) this.touched.delete(spec);
+    else this.touched.set(spec, Infinity);
   }
 
   thresholds() {
