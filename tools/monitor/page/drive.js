@@ -3,6 +3,7 @@
 
 const AGAIN = 300; // ms
 const SOONEST = 33; // ms between two targets of the pointer
+const LEASE = 1000; // ms without a word from here after which the program lets go
 const DEAD = 0.2; // of a gamepad's stick
 const KEYS = {
   KeyW: [0, 1], ArrowUp: [0, 1],
@@ -24,7 +25,7 @@ export class Driver {
     addEventListener("keydown", (e) => this.key(e, true));
     addEventListener("keyup", (e) => this.key(e, false));
     addEventListener("blur", () => this.letGoOfKeys());
-    document.addEventListener("visibilitychange", () => document.hidden && this.letGoOfKeys());
+    document.addEventListener("visibilitychange", () => (document.hidden ? this.letGoOfKeys() : this.shownAgain()));
   }
 
   async start(slot) {
@@ -53,6 +54,12 @@ export class Driver {
     this.slot = null;
     this.letGoOfKeys();
     this.changed(why);
+  }
+
+  /** While the page is hidden no frame is drawn, so nothing is sent. */
+  shownAgain() {
+    if (this.slot === null || performance.now() - this.sentAt < LEASE) return;
+    this.forget(`Avatar ${this.slot} was let go, as this page was hidden.`);
   }
 
   taken(slot) {
