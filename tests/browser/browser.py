@@ -210,7 +210,7 @@ class Case(unittest.TestCase):
         self.assertEqual(browser.complaints(), [])
 
     def wait_for_peers(self, browser, count):
-        seen = "const s = padr.session; return s.scene ? s.present().filter((p) => s.samples.sample(p.slot, 0)).length : 0"
+        seen = "const s = padr.session; return s.scene && !s.waits() ? s.present().filter((p) => s.samples.sample(p.slot, 0)).length : 0"
         wait(lambda: browser.script(seen) == count, f"the views of {count} peers")
 
 

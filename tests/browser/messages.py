@@ -335,6 +335,34 @@ class Messages(Case):
         self.tell(peers([peer(0), peer(1)]))
         self.assertNotIn("--wait-peers", b.text("#intro"))
 
+    # Once, it said that the session was live, and let one drive what does not move.
+    def test_peers_that_wait_for_others_cannot_be_driven(self):
+        b = self.page(None, [peer(0, 2), peer(1, 2)])
+        view = """const [tick, x, awake] = given;
+          for (const slot of [0, 1]) {
+            const d = new DataView(new ArrayBuffer(40));
+            d.setUint8(0, 1); d.setUint8(1, slot); d.setInt32(4, tick, true); d.setFloat32(12, NaN, true); d.setUint16(20, 1, true);
+            d.setUint8(26, 255); d.setUint8(27, awake); d.setFloat32(28, x, true); d.setFloat32(32, 5, true);
+            padr.session.samples.take(d.buffer);
+          }
+          padr.session.samples.now = tick;"""
+        drives = "return [...document.querySelectorAll('#views .drive')].map((b) => b.hidden)"
+        self.assertEqual(b.script(drives), [False, False])
+        b.module(view, 600, 5.0004, 1)
+        self.tell(peers([peer(0, 2), peer(1, 2)]))
+        self.assertEqual(b.text("#state"), "waiting for more peers, 0:10")
+        self.assertIn("Two programs are here, and they wait for more, as --wait-peers says.", b.text("#intro .text"))
+        self.assertEqual(b.script(drives), [True, True])
+        self.assertFalse(b.find("#tour-button").is_enabled())
+        # Whatever nobody touches is asleep soon after play has begun; what is pushed is not.
+        b.module(view, 640, 5.0004, 0)
+        self.tell(peers([peer(0, 2), peer(1, 2)]))
+        self.assertEqual(b.text("#state"), "live, 0:10")
+        self.assertEqual(b.script(drives), [False, False])
+        b.module(view, 700, 5.0004, 1)
+        self.tell(peers([peer(0, 2), peer(1, 2)]))
+        self.assertEqual(b.text("#state"), "live, 0:10", "it has begun for good")
+
     # Once, of five peers' links those to peers 0, 2 and 4 looked alike.
     def test_no_two_links_look_alike(self):
         b = self.page(None, [peer(i, 5) for i in range(5)])

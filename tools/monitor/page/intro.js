@@ -20,6 +20,7 @@ export function intro(session) {
   const count = session.present().length;
   if (session.hello?.mode === "capture") return "This is the world that the peers agreed on, rebuilt from their packets alone. A thing has the colour of the peer that decides about it. Play it, or drag the slider.";
   if (count === 0) return "";
+  if (session.waits()) return `${count === 1 ? "One program is" : `${capital(NUMBERS[count] ?? String(count))} programs are`} here, and ${count === 1 ? "it waits" : "they wait"} for more, as --wait-peers says. Nothing moves until all have come.`;
   const waits = count === 1 && !session.replayed() ? " It is alone: others may join, and with --wait-peers it waits for them." : "";
   const programs = count === 1 ? "One program plays" : `${capital(NUMBERS[count] ?? String(count))} programs play`;
   const was = session.replayed() ? "This is a recording: play it, or drag the slider." : session.drivable().length > 0 ? `Drive an avatar: ${howToDrive()}.` : "This page may only look.";

@@ -195,7 +195,7 @@ function refresh() {
   $("#tour-button").hidden = $("#knobs").hidden = session.replayed();
   $("main").classList.toggle("alone", session.replayed());
   introduce();
-  $("#tour-button").disabled = session.controllable().length === 0;
+  $("#tour-button").disabled = session.controllable().length === 0 || session.waits();
   hint();
 }
 
@@ -216,7 +216,7 @@ function stateInWords(hello) {
   if (!session.scene || time === undefined || time === null) return `waiting for peers at ${hello.source}`;
   const count = session.peers.other_sessions;
   const others = count > 0 ? `, ${count} other session${count > 1 ? "s" : ""}` : "";
-  const now = session.over() ? "over" : "live";
+  const now = session.over() ? "over" : session.waits() ? "waiting for more peers" : "live";
   return `${now}, ${Math.floor(time / 60)}:${String(Math.floor(time % 60)).padStart(2, "0")}${others}`;
 }
 

@@ -1,6 +1,9 @@
 // What the page knows of the session it shows: the newest message of each kind, brought into a handy form.
 
-import { Samples } from "./samples.js";
+import { AWAKE } from "./draw.js";
+import { Samples, SHOWN } from "./samples.js";
+
+const STILL = 0.002; // m: places are told to the millimetre
 
 export class Session {
   constructor() {
@@ -16,6 +19,7 @@ export class Session {
     this.scene = scene && filledIn(scene);
     this.peers = { peers: [], agreement: { state: "unknown" } };
     this.played = false; // somebody was there
+    this.begun = false; // something has moved, or come to rest
     this.points = new Map(); // newest series point by slot
     this.samples.begin(scene ? scene.bodies.length + scene.slots : 0);
   }
@@ -41,9 +45,20 @@ export class Session {
     return this.mayControl() ? this.present().filter((p) => p.controllable) : [];
   }
 
-  /** Those of them that have an avatar. */
+  /** Those of them that have an avatar, once they play. */
   drivable() {
-    return this.controllable().filter((p) => p.input !== "none");
+    return this.waits() ? [] : this.controllable().filter((p) => p.input !== "none");
+  }
+
+  /** Peers are there, and wait for others (--wait-peers). They do not tell so. But no world is stepped then: every body is as the
+   *  scene has it, and awake, while in play whatever nobody touches is asleep within half a second. */
+  waits() {
+    if (this.begun || this.replayed() || !this.scene || this.scene.bodies.length === 0) return false;
+    const views = this.present().map((p) => this.samples.sample(p.slot, SHOWN)).filter(Boolean);
+    if (views.length === 0) return false;
+    const untouched = ({ world }) => this.scene.bodies.every((b, id) => (world.flags[id] & AWAKE) && Math.hypot(world.x[id] - b.x, world.y[id] - b.y) < STILL);
+    this.begun = !views.every(untouched);
+    return !this.begun;
   }
 
   /** Of live sessions: peers were there, and all have gone. */
