@@ -225,6 +225,11 @@ class Messages(Case):
         self.page(None, [peer(i, state="gone") for i in range(3)])
         self.assertEqual(b.text("#state"), "over, 0:10")
         self.assertEqual(b.text("#empty"), "The session is over.")
+        # Once, it was live again to who came after a minute, when those who have gone are forgotten.
+        self.page(None, [])
+        self.assertEqual(b.text("#state"), "over, 0:10")
+        self.assertEqual(b.text("#empty"), "The session is over.")
+        self.assertFalse(b.script("return document.body.classList.contains('empty')"))
 
     # Once, an error stood in its plot up to a second after the event that made it.
     def test_an_error_is_plotted_when_it_was_there(self):

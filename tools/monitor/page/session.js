@@ -70,7 +70,8 @@ export class Session {
     const unknown = { state: "unknown", tick: null, hash: null, lag_ms: null };
     const peers = message.peers.map((p) => ({ ...p, confirmed: p.confirmed ?? unknown, links: p.links ?? [] }));
     this.peers = { ...message, peers, agreement: message.agreement ?? { state: "unknown" } };
-    this.played ||= peers.length > 0;
+    // Who has been gone for a minute is not told of any more.
+    this.played ||= peers.length > 0 || message.tick > 0;
   }
 
   /** Apart from the others a peer confirms a world of its own: to compare with that one says nothing. */
