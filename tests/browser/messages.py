@@ -231,6 +231,27 @@ class Messages(Case):
         self.assertEqual(b.text("#empty"), "The session is over.")
         self.assertFalse(b.script("return document.body.classList.contains('empty')"))
 
+    # Once, the next click made it "live" again, captions stood as if they were of now, and knobs could be turned.
+    def test_without_connection_nothing_is_live(self):
+        b = self.page()
+        self.tell(series(600, [0.25, 0.1, 0.1]))
+        b.script("padr.connection.tell('lost', false)")
+        for _ in range(2):
+            self.assertEqual(b.text("#state"), "not connected")
+            self.assertIn("lost", b.text("#error"))
+            said = "return document.querySelector('figure[data-slot=\"0\"] .said').textContent"
+            wait(lambda: b.script(said) == "not connected", "the caption to say so")
+            self.assertTrue(b.script("return [...document.querySelectorAll('#knobs fieldset')].every((f) => f.disabled)"))
+            self.assertEqual(b.text("#knobs .why"), "Not connected to padr-monitor.")
+            self.assertFalse(b.find("#tour-button").is_enabled())
+            self.assertNotIn("may only look", b.text("#intro"))
+            b.find('button[data-mode="overlay"]').click()
+            b.find('button[data-mode="side"]').click()
+        b.script("padr.connection.tell('open')")
+        self.tell(peers([peer(i) for i in range(3)]))
+        self.assertEqual(b.text("#state"), "live, 0:10")
+        self.assertTrue(b.find("#tour-button").is_enabled())
+
     # Once, an error stood in its plot up to a second after the event that made it.
     def test_an_error_is_plotted_when_it_was_there(self):
         b = self.page()

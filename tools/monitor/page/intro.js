@@ -23,7 +23,7 @@ export function intro(session) {
   if (session.waits()) return `${count === 1 ? "One program is" : `${capital(NUMBERS[count] ?? String(count))} programs are`} here, and ${count === 1 ? "it waits" : "they wait"} for more, as --wait-peers says. Nothing moves until all have come.`;
   const waits = count === 1 && !session.replayed() ? " It is alone: others may join, and with --wait-peers it waits for them." : "";
   const programs = count === 1 ? "One program plays" : `${capital(NUMBERS[count] ?? String(count))} programs play`;
-  const was = session.replayed() ? "This is a recording: play it, or drag the slider." : session.drivable().length > 0 ? `Drive an avatar: ${howToDrive()}.` : "This page may only look.";
+  const was = session.replayed() ? "This is a recording: play it, or drag the slider." : session.drivable().length > 0 ? `Drive an avatar: ${howToDrive()}.` : session.offline ? "" : "This page may only look.";
   return `${programs} in one world without a server, and each picture is the world as one of them sees it. `
     + `A thing has the colour of the peer that decides about it; a pink line leads from where a picture shows it to where it really is. ${was}${waits}`;
 }

@@ -250,6 +250,7 @@ export class Knobs {
 function whyNot(session, peers) {
   if (peers.length > 0) return "";
   if (!session.hello || session.replayed()) return "";
+  if (session.offline) return "Not connected to padr-monitor.";
   if (!session.hello.control) return session.hello.needs_token ? "To turn knobs from here, add #token= and the monitor's token to the page's address." : "This page may only look.";
   return session.present().length === 0 ? "" : "No peer lets itself be controlled: start them with --control.";
 }

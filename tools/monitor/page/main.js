@@ -38,11 +38,13 @@ let ended = false; // the program has said goodbye and is not back
 const connection = new Connection({
   open() {
     ended = false;
+    session.offline = null;
     complain(null);
     subscribe();
   },
   lost(saidGoodbye) {
     ended ||= saidGoodbye;
+    session.offline = ended ? "padr-monitor has ended" : "not connected";
     driver.forget(null);
     session.stand();
     replay.update();
@@ -52,7 +54,7 @@ const connection = new Connection({
     } else {
       complain("The connection to padr-monitor was lost. Trying again …");
     }
-    setText($("#state"), ended ? "padr-monitor has ended" : "not connected");
+    refresh();
   },
   hello(hello) {
     session.hello = hello;
@@ -82,6 +84,7 @@ const connection = new Connection({
     for (const point of message.points) plots.add(point);
   },
   peers(message) {
+    session.offline = null;
     session.takePeers(message);
     if (driver.slot !== null && !session.controllable().some((p) => p.slot === driver.slot)) driver.forget(`Peer ${driver.slot} is not there any more.`);
     if (camera.follow !== null && !session.present().some((p) => p.slot === camera.follow)) camera.follow = null;
@@ -182,7 +185,7 @@ function refresh() {
   knobs.update();
   replay.update();
   const { hello, scene } = session;
-  if (hello) setText($("#state"), stateInWords(hello));
+  if (hello || session.offline) setText($("#state"), stateInWords(hello));
   setText($("#session"), scene ? ` of session ${scene.session}` : "");
   const there = session.present().length;
   const nobody = !(scene && (there > 0 || hello?.mode === "capture"));
@@ -210,6 +213,7 @@ function introduce() {
 }
 
 function stateInWords(hello) {
+  if (session.offline) return session.offline;
   if (hello.sample) return "recording";
   if (hello.mode !== "live") return `recording: ${hello.source}`;
   const { time } = session.peers;

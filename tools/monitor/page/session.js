@@ -8,6 +8,7 @@ const STILL = 0.002; // m: places are told to the millimetre
 export class Session {
   constructor() {
     this.hello = null;
+    this.offline = null; // why there is no connection, in words
     this.samples = new Samples();
     this.timeline = null;
     this.token = null;
@@ -42,7 +43,7 @@ export class Session {
   }
 
   controllable() {
-    return this.mayControl() ? this.present().filter((p) => p.controllable) : [];
+    return this.mayControl() && this.offline === null ? this.present().filter((p) => p.controllable) : [];
   }
 
   /** Those of them that have an avatar, once they play. */

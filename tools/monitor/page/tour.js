@@ -152,7 +152,7 @@ export class Tour {
     this.step = null;
     this.half = 0;
     this.onMove = () => {};
-    const on = (name, act) => panel.querySelector(`.${name}`).addEventListener("click", act);
+    const on = (name, act) => panel.querySelector(`.${name}`).addEventListener("click", () => this.unlessOffline(act));
     on("back", () => this.go(this.step - 1));
     on("next", () => this.go(this.step + 1));
     on("again", () => this.give(STEPS[this.step].act));
@@ -163,8 +163,14 @@ export class Tour {
     });
     on("end", () => this.end());
     panel.addEventListener("keydown", (e) => {
-      if (e.code === "Escape") this.end();
+      if (e.code === "Escape") this.unlessOffline(() => this.end());
     });
+  }
+
+  /** What a step sets, and what its end restores, somebody has to hear. */
+  unlessOffline(act) {
+    if (this.session.offline) this.complain([{ text: `${this.session.offline}: the tour goes on when padr-monitor is back` }]);
+    else act();
   }
 
   /** Which part of the page is spoken of now; empty: the pictures alone, or no tour. */

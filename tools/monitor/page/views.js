@@ -142,14 +142,15 @@ export class Views {
       return;
     }
     const error = session.error(peer);
-    const words = [];
+    const stale = session.offline !== null && !session.replayed();
+    const words = stale ? ["not connected"] : [];
     if (peer.state === "silent") words.push("silent: no news for 1 s");
     if (peer.input === "none") words.push("spectator");
     if (peer.paused) words.push("paused");
     if (peer.links.some((l) => l.cut)) words.push("cut off");
     if (peer.driven === "other") words.push("driven by somebody else");
     const at = session.errorAt(peer);
-    const off = session.isApart(peer) ? ["error not known"] : error === null ? [] : [`${metres(error)} off${at === null ? "" : ` at ${clock(at)}`}`];
+    const off = stale ? [] : session.isApart(peer) ? ["error not known"] : error === null ? [] : [`${metres(error)} off${at === null ? "" : ` at ${clock(at)}`}`];
     tile.said.textContent = [...words, ...off].join(" · ");
     if (driven) words.push("you drive");
     tile.said.title = "off: how far everything in this view is from where its authority has it, all entities summed; live, the mean since the last point of the plots, of ticks that are confirmed; in a recording, of this very moment; not known while this peer is apart from the others";
