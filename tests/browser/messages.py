@@ -389,6 +389,14 @@ class Messages(Case):
         self.tell(peers([peer(0, 2), peer(1, 2)]))
         self.assertEqual(b.text("#state"), "live, 0:10", "it has begun for good")
 
+    # Once, links of one machine had "-0 ms".
+    def test_no_zero_is_negative(self):
+        got = self.page().module("""
+          const { number } = await import("/table.js");
+          return [number(-0.05, 0, " ms"), number(-0.04, 1, " ms"), number(-0.6, 0, " ms"), number(-10, 0), number(0, 2), number(null, 1)];
+        """)
+        self.assertEqual(got, ["0 ms", "0.0 ms", "-1 ms", "-10", "0.00", "–"])
+
     # Once, of five peers' links those to peers 0, 2 and 4 looked alike.
     def test_no_two_links_look_alike(self):
         b = self.page(None, [peer(i, 5) for i in range(5)])

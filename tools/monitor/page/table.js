@@ -178,7 +178,7 @@ export function setText(element, text) {
 }
 
 export function number(value, digits, unit = "") {
-  return value === null || value === undefined ? "–" : `${value.toFixed(digits)}${unit}`;
+  return value === null || value === undefined ? "–" : `${value.toFixed(digits).replace(/^-(?=[0.]*$)/, "")}${unit}`;
 }
 
 export function sum(values) {
