@@ -389,6 +389,15 @@ class Messages(Case):
         self.tell(peers([peer(0, 2), peer(1, 2)]))
         self.assertEqual(b.text("#state"), "live, 0:10", "it has begun for good")
 
+    # Once, lines of peers that are gone were pale.
+    def test_what_is_said_of_who_is_gone_can_be_read(self):
+        with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "reach.js"), encoding="utf-8") as file:
+            rules = file.read().replace("export ", "")
+        for theme in ("light", "dark"):
+            b = self.page(None, [peer(0), peer(1), peer(2, state="gone")])
+            b.script("document.documentElement.dataset.theme = arguments[0]", theme)
+            self.assertEqual(b.script(f"{rules}\nreturn contrasts();"), [])
+
     # Once, links of one machine had "-0 ms".
     def test_no_zero_is_negative(self):
         got = self.page().module("""
