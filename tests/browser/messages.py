@@ -398,6 +398,13 @@ class Messages(Case):
             b.script("document.documentElement.dataset.theme = arguments[0]", theme)
             self.assertEqual(b.script(f"{rules}\nreturn contrasts();"), [])
 
+    # Once, "identical" stood beside hashes that differed, as each was of another tick.
+    def test_hashes_say_of_which_tick_they_are(self):
+        other = {"tick": 576, "hash": "1" * 16, "state": "identical", "lag_ms": 400}
+        b = self.page(None, [peer(0), peer(1, confirmed=other), peer(2, state="gone")])
+        cells = b.script("return [...document.querySelectorAll('#peers tbody tr')].map((r) => [...r.cells].slice(2, 4).map((c) => c.textContent))")
+        self.assertEqual(cells, [["✓ identical 00000000 at 590", "160 ms"], ["✓ identical 11111111 at 576", "400 ms"], ["–", "–"]])
+
     # Once, links of one machine had "-0 ms".
     def test_no_zero_is_negative(self):
         got = self.page().module("""
