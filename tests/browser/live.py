@@ -180,6 +180,8 @@ class Live(Case):
         self.assertLess(max(darkness), 60)
         phone.script("document.querySelector('#plots').scrollIntoView()")
         wait(lambda: min(phone.script("return padr.plots.charts.map((c) => c.graph ? c.graph.numRows() : 0)")) > 10, "plots")
+        # Once, it told of dragging and double-clicking.
+        self.assertTrue(phone.script("return document.querySelector('#plots-part .note').innerText").startswith("Marks:"))
         phone.script("scrollTo(0, 0)")
         time.sleep(1)
         phone.picture("phone", whole=True)
