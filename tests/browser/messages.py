@@ -405,6 +405,16 @@ class Messages(Case):
         cells = b.script("return [...document.querySelectorAll('#peers tbody tr')].map((r) => [...r.cells].slice(2, 4).map((c) => c.textContent))")
         self.assertEqual(cells, [["✓ identical 00000000 at 590", "160 ms"], ["✓ identical 11111111 at 576", "400 ms"], ["–", "–"]])
 
+    # Once, a spectator was counted as playing, and could be followed, though it has no avatar.
+    def test_a_spectator_only_watches(self):
+        b = self.page(None, [peer(0), peer(1), peer(2, input="none")])
+        self.assertIn("Two programs play, and one watches, in one world without a server", b.text("#intro .text"))
+        hidden = "return [...document.querySelectorAll('#views .follow')].map((f) => f.hidden)"
+        self.assertEqual(b.script(hidden), [False, False, True])
+        b.script("padr.connection.ask = () => Promise.resolve({ ok: true, text: '' }); padr.tour.start()")
+        self.assertIn("2 programs play in one world", b.text("#tour .text"))
+        b.script("padr.tour.end()")
+
     # Once, links of one machine had "-0 ms".
     def test_no_zero_is_negative(self):
         got = self.page().module("""

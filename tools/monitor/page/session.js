@@ -42,11 +42,16 @@ export class Session {
     return this.peers.peers.filter((p) => p.state !== "gone");
   }
 
+  /** Those of them that have an avatar: all but spectators. */
+  players() {
+    return this.present().filter((p) => p.input !== "none");
+  }
+
   controllable() {
     return this.mayControl() && this.offline === null ? this.present().filter((p) => p.controllable) : [];
   }
 
-  /** Those of them that have an avatar, once they play. */
+  /** Those of them whose avatar can be driven now. */
   drivable() {
     return this.waits() ? [] : this.controllable().filter((p) => p.input !== "none");
   }

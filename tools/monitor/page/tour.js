@@ -16,7 +16,7 @@ const CLAIMS_NOTHING = "This session is without authority, so nobody claims anyt
 const STEPS = [
   {
     title: "What you see",
-    text: (s) => `${s.present().length} programs play in one world, and none of them is a server. Each picture is the world as one of them sees it. `
+    text: (s) => `${s.players().length} programs play in one world, and none of them is a server. Each picture is the world as one of them sees it. `
       + "Discs with numbers are avatars, each moved by its own program; everything else obeys physics. "
       + "The pictures should be the same. Where one is wrong, a line leads from what it shows to where the thing really is.",
     look: "Pick one thing and find it in every picture. The figure under each picture says how wrong it is, all things together.",

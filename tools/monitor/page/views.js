@@ -160,7 +160,9 @@ export class Views {
     // Without what changes all the time: a screen reader says the name of what has the focus whenever it changes.
     const name = [`${this.called}View of peer ${slot}`, words.join(", "), drive.hidden || driven ? "" : "Enter drives its avatar"];
     tile.canvas.setAttribute("aria-label", `${name.filter(Boolean).join(". ")}.`);
-    tile.buttons.querySelector(".follow").setAttribute("aria-pressed", this.camera.follow === slot);
+    const follow = tile.buttons.querySelector(".follow");
+    follow.setAttribute("aria-pressed", this.camera.follow === slot);
+    follow.hidden = peer.input === "none";
     const large = tile.buttons.querySelector(".large");
     large.textContent = this.mode === "one" ? "All" : "Enlarge";
     large.hidden = this.session.present().length < 2;
