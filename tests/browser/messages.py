@@ -415,6 +415,28 @@ class Messages(Case):
         self.assertIn("2 programs play in one world", b.text("#tour .text"))
         b.script("padr.tour.end()")
 
+    # Once, such a click did nothing, and nothing was said.
+    def test_a_click_that_cannot_drive_says_why(self):
+        cases = (
+            ({}, {"input": "none"}, "Peer 1 is a spectator: it has no avatar to drive."),
+            ({}, {"controllable": False}, "Peer 1 takes no orders, as it was started without --control."),
+            ({"control": False}, {}, "This page may only look."),
+        )
+        for hello, more, words in cases:
+            b = self.page(hello, [peer(0), peer(1, **more), peer(2)])
+            self.assertEqual(b.text("#hint"), "")
+            b.find('figure[data-slot="1"] canvas').click()
+            self.assertEqual(b.text("#hint"), words)
+            self.assertIsNone(b.script("return padr.driver.slot"))
+
+    # Once, outlines of all colours lay over it without a word.
+    def test_overlaid_pictures_are_explained(self):
+        b = self.page()
+        b.find('button[data-mode="overlay"]').click()
+        self.assertIn("outlines in a peer's colour", b.text("#views .said"))
+        self.assertIn("overlaid:", b.text("#legend"))
+        b.picture("overlaid-caption")
+
     # Once, links of one machine had "-0 ms".
     def test_no_zero_is_negative(self):
         got = self.page().module("""

@@ -266,6 +266,19 @@ document.addEventListener("change", (e) => {
 function toggleDriving(slot) {
   if (driver.slot === slot) return;
   if (session.drivable().some((p) => p.slot === slot)) driver.start(slot);
+  else tellWhyNot(slot);
+}
+
+/** Who clicks a picture to drive learns why nothing happens. */
+function tellWhyNot(slot) {
+  const peer = session.peer(slot);
+  if (!peer || session.replayed() || session.offline) return;
+  said = !session.mayControl() ? "This page may only look."
+    : peer.input === "none" ? `Peer ${slot} is a spectator: it has no avatar to drive.`
+      : !peer.controllable ? `Peer ${slot} takes no orders, as it was started without --control.`
+        : session.waits() ? "Nobody can drive before play begins."
+          : said;
+  hint();
 }
 pointers.clicked = (slot) => {
   if (views.mode === "side") views.large = slot;

@@ -138,6 +138,7 @@ export class Views {
     const driven = this.driven === slot;
     tile.figure.classList.toggle("driven", driven);
     if (!peer) {
+      if (slot === OVERLAY) tile.said.textContent = "outlines in a peer's colour: what its picture shows elsewhere";
       tile.canvas.setAttribute("aria-label", tile.figure.querySelector("strong").textContent);
       return;
     }
