@@ -154,8 +154,12 @@ class Knobs(Case):
 
     def test_pausing_and_going_on(self):
         b = self.browser
+        # Once, only tooltips said whom it stops, and only an event that it ends by itself.
+        self.assertEqual(b.text("button.pause"), "Pause all")
         self.choose("peer", 2)
+        self.assertEqual(b.text("button.pause"), "Pause peer 2")
         b.find("button.pause").click()
+        wait(lambda: "paused, for 600 s at most" in b.text(".actions .status"), "for how long")
         wait(lambda: b.script("return padr.session.peer(2).paused"), "peer 2 to stand")
         wait(lambda: "paused" in b.text('figure[data-slot="2"] .said'), "its picture to say so")
         b.picture("paused")

@@ -75,7 +75,7 @@ export class Knobs {
       e.preventDefault();
       this.turn(inputs.other.value, inputs.value.value.trim());
     });
-    this.button("pause", () => this.orders.pause(this.peer(), true), "paused");
+    this.button("pause", () => this.orders.pause(this.peer(), true), "paused, for 600 s at most; whom is chosen under “Technique”");
     this.button("resume", () => this.orders.pause(this.peer(), false), "going on");
     this.button("cut", () => this.cut(5), "cut off for 5 s");
     this.button("throw", () => this.throwBody(), "thrown");
@@ -179,6 +179,9 @@ export class Knobs {
     for (const set of panel.querySelectorAll("fieldset")) set.disabled = peers.length === 0;
     panel.querySelector(".why").textContent = whyNot(session, peers);
     for (const name of ["peer", "from", "to"]) options(inputs[name], ["all", ...(name === "to" ? session.present().map((p) => p.slot) : slots)], (s) => (s === "all" ? "all peers" : `peer ${s}`));
+    const pause = panel.querySelector("button.pause");
+    const whom = this.peer() === "all" ? "Pause all" : `Pause peer ${this.peer()}`;
+    if (pause.textContent !== whom) pause.textContent = whom;
     options(inputs.cutPeer, slots, (s) => `peer ${s}`);
     options(inputs.cutWith, ["all", ...session.present().map((p) => p.slot)], (s) => (s === "all" ? "all" : `peer ${s}`));
     if (session.scene) {
