@@ -70,7 +70,7 @@ class Messages(Case):
             b = self.page(hello, all_peers)
             chosen = b.script(CHOSEN)
             self.assertEqual([chosen[n] for n in ("technique", "model", "predictor", "convergence", "network")], ["full", "auto", "pcc", "track", ""])
-            self.assertEqual(b.script(SLIDERS), ["1 cm", "1 cm", "1 cm"])
+            self.assertEqual(b.script(SLIDERS), ["1.2 cm", "1 cm", "1 cm"])
             self.assertTrue(b.script("return [...document.querySelectorAll('#knobs fieldset')].every((f) => f.disabled)"))
 
     # Once, they showed the end of the slider, and one key set that.
@@ -336,6 +336,7 @@ class Messages(Case):
             self.assertEqual(head.count("fidelity error"), more)
             # Plots of a recording always have all of it.
             self.assertEqual(b.find("[data-span]").is_displayed(), mode == "live")
+            self.assertEqual(b.text("#plots-head"), {"live": "As it happens", "trace": "Over time"}[mode])
             self.assertEqual(len(head), 15 + more)
             self.assertEqual(b.script("return document.querySelector('#peers tbody tr').cells[arguments[0]].textContent", head.index("address")), "–")
 

@@ -75,6 +75,7 @@ class Replaying(MonitorCase):
         m = self.monitor("--trace", *[os.path.join(folder, f"peer{i}.trace") for i in range(2)])
         page = self.page(m)
         page.say(type="subscribe", rate=60)
+        self.assertEqual(page.wait("hello")["source"], os.path.join(folder, "peer0.trace") + " and 1 more")
         at = page.wait("timeline")["first"] + 60  # it begins with play, later on a slow machine
         self.assertTrue(page.ask(type="halt")["ok"])
         self.assertTrue(page.ask(type="seek", tick=at)["ok"])

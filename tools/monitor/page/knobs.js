@@ -308,5 +308,6 @@ function options(select, values, text = String) {
 
 /** A threshold, which may be of millimetres. */
 function distance(m) {
-  return m > 0 && m < 0.01 ? `${Math.round(m * 1000)} mm` : metres(m);
+  if (m > 0 && m < 0.01) return `${Math.round(m * 1000)} mm`;
+  return m < 0.0995 ? `${Math.round(m * 1000) / 10} cm` : metres(m);
 }

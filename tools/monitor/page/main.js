@@ -197,6 +197,7 @@ function refresh() {
   if (nobody) setText($("#empty"), hello ? emptyInWords(hello) : "");
   $("#tour-button").hidden = $("#knobs").hidden = session.replayed();
   $("main").classList.toggle("alone", session.replayed());
+  setText($("#plots-head"), session.replayed() ? "Over time" : "As it happens");
   introduce();
   $("#tour-button").disabled = session.controllable().length === 0 || session.waits();
   hint();

@@ -30,7 +30,7 @@ const PLOTS = [
   },
   {
     title: "Updates sent by all peers, by cause",
-    help: "stacked, a second",
+    help: "updates a second, stacked",
     unit: " /s", digits: 1, stacked: true,
     lines: (h, causes) => causes.map((name, i) => ({ name: name.replaceAll("_", " "), colour: hue(i), dash: null })),
     values: (p, lines) => lines.map((_, i) => sum([...p.peers.values()].map((peer) => peer.updates_per_s?.[i]))),

@@ -7,14 +7,14 @@ const VERDICTS = { identical: "✓ identical", apart: "↮ apart", differs: "✗
 
 const COLUMNS = [
   { head: "peer", cell: (p) => String(p.slot), paint: (td, p) => dot(td, p.slot) },
-  { head: "is", cell: (p) => (p.paused ? "paused" : p.state), title: "here; silent: its program has told nothing for a second; or gone" },
+  { head: "state", cell: (p) => (p.paused ? "paused" : p.state), title: "here; silent: its program has told nothing for a second; or gone" },
   {
     head: "confirmed world",
     title: "The newest state that this peer knows to be final: a hash over every bit of it, and its tick. Each peer's newest is of another tick, so hashes differ; they are compared at equal ticks",
     cell: (p) => (p.state === "gone" ? "–" : `${VERDICTS[p.confirmed.state] ?? p.confirmed.state}${hash(p.confirmed)}`),
     paint: (td, p) => { td.dataset.verdict = p.confirmed.state; },
   },
-  { head: "it trails by", title: "How far the confirmed world is behind the live one", cell: (p) => number(p.state === "gone" ? null : p.confirmed.lag_ms, 0, " ms") },
+  { head: "confirmed lag", title: "How far the confirmed world is behind the live one", cell: (p) => number(p.state === "gone" ? null : p.confirmed.lag_ms, 0, " ms") },
   { head: "off by", title: "Inconsistency: distance to where the authority has it, all entities summed; live, the mean since the last point of the plots; in a recording, of this very moment", cell: (p, point, session) => number(session.error(p), 2, " m") },
   { head: "fidelity error", recorded: true, title: "Distance of bodies to where the players' deeds alone put them, all summed; of recordings only", cell: (p, point) => number(point?.fidelity_m, 2, " m") },
   { head: "updates", title: "Entity state updates sent", cell: (p) => number(sum(p.rates?.updates_per_s), 1, " /s") },
