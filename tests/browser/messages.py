@@ -438,6 +438,33 @@ class Messages(Case):
         self.assertIn("overlaid:", b.text("#legend"))
         b.picture("overlaid-caption")
 
+    # Once, the tour filled such a screen, or was out of sight as soon as a picture was in it.
+    def test_on_a_low_screen_the_tour_stands_beside_the_pictures(self):
+        self.addCleanup(self.browser.resize, 1280, 800)
+        for size, scale in (((844, 390), 2), ((640, 400), 2), ((1024, 600), 1)):
+            self.browser.resize(*size, scale=scale)
+            b = self.page(None, [peer(i, 4) for i in range(4)])
+            b.script("padr.connection.ask = () => Promise.resolve({ ok: true, text: '' }); padr.tour.start()")
+            for step in range(9):
+                self.tell(peers([peer(i, 4) for i in range(4)]), series(600 + 15 * step, [0.1] * 4))
+                outside = b.script("""const tour = document.querySelector("#tour").getBoundingClientRect();
+                  return ["#tour .back", "#tour .next", "#tour .end", "#tour .title", "#views canvas", "#views figure:nth-child(4) canvas"].filter((name) => {
+                    const r = document.querySelector(name).getBoundingClientRect();
+                    return r.top < 0 || r.bottom > innerHeight + 1 || r.left < 0 || r.right > innerWidth || (name.includes("canvas") && r.left < tour.right);
+                  })""")
+                self.assertEqual(outside, [], (size, step + 1))
+                self.assertGreater(b.script("return document.querySelector('#views canvas').clientWidth"), 120)
+                if step in (0, 3, 8):
+                    b.picture(f"low-{size[0]}-tour-{step + 1}")
+                b.script("scrollTo(0, 400)")
+                self.assertTrue(b.find("#tour .back").is_displayed())
+                top = b.script("const r = document.querySelector('#tour .end').getBoundingClientRect(); return r.top >= 0 && r.bottom <= innerHeight")
+                self.assertTrue(top, "its buttons stay")
+                b.script("document.querySelector('#tour .next').click()")
+                b.script("scrollTo(0, 0)")
+            b.script("padr.tour.end()")
+            self.assertEqual(b.script("return getComputedStyle(document.body).paddingLeft"), "12px")
+
     # Once, links of one machine had "-0 ms".
     def test_no_zero_is_negative(self):
         got = self.page().module("""

@@ -344,6 +344,8 @@ tour.onMove = () => {
 tour.left = () => $("#tour-button").focus({ preventScroll: true });
 // What a step of the tour speaks of stands below the pictures.
 views.reserved = () => document.querySelector({ plots: "#plots-part", table: "#table-part", events: "#plots-part" }[document.body.dataset.spot])?.offsetHeight ?? 0;
+const low = matchMedia("(min-width: 601px) and (max-height: 620px)"); // as style.css has it
+views.beside = () => low.matches && tour.step !== null;
 tour.restored = (refused) => complain(refused.length > 0 ? `Not everything could be restored: ${refused[0].text}` : null);
 setInterval(() => events.show(), 500);
 setInterval(() => {

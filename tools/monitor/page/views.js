@@ -37,6 +37,7 @@ export class Views {
     this.onTile = () => {}; // a tile was made: whoever listens to pointers wants to know
     this.onAction = () => {};
     this.reserved = () => 0; // pixels that are to be kept free below the pictures
+    this.beside = () => false; // the tour stands beside the pictures, as the screen is low: all shall be seen at once
     this.visible = new IntersectionObserver((entries) => {
       for (const e of entries) e.target.tile.visible = e.isIntersecting;
     });
@@ -178,7 +179,7 @@ export class Views {
     const style = getComputedStyle(this.grid);
     const gap = parseFloat(style.columnGap) || 0;
     const width = this.grid.clientWidth;
-    const narrow = width < 600;
+    const narrow = width < 600 && !this.beside();
     const big = narrow && count > 2 ? this.bigOne() : null;
     let best = { columns: 1, w: Math.floor(width) };
     if (big !== null) {
@@ -220,7 +221,8 @@ export class Views {
   /** Columns, and the width of a picture in pixels, that make the pictures largest in the space there is. */
   widest(count, gap, aspect) {
     const width = this.grid.clientWidth;
-    const height = Math.max(innerHeight - this.grid.getBoundingClientRect().top - scrollY - BELOW - this.reserved(), 200);
+    const below = this.beside() ? 0 : BELOW + this.reserved();
+    const height = Math.max(innerHeight - this.grid.getBoundingClientRect().top - scrollY - below, 200);
     let best = { columns: 1, w: 0 };
     for (let columns = 1; columns <= count; ++columns) {
       const rows = Math.ceil(count / columns);
