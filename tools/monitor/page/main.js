@@ -228,7 +228,7 @@ function stateInWords(hello) {
 function emptyInWords(hello) {
   if (session.over()) return OVER;
   if (hello.mode !== "live") return "Reading the recording …";
-  return `This page shows every peer of a session side by side. No peer is here yet.\nStart four with tools/demo.sh, or one by one: padr-peer --monitor ${hello.source} --control …\nOr watch a story, which needs no peer.`;
+  return `This page shows every peer of a session side by side. No peer is here yet.\nStart four with tools/demo.sh, or two by hand:\npadr-peer --listen 127.0.0.1:7001 --monitor ${hello.source} --control\npadr-peer --join 127.0.0.1:7001 --monitor ${hello.source} --control\nOr watch a story, which needs no peer.`;
 }
 
 let said = null;
