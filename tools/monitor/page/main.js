@@ -180,7 +180,6 @@ function endTourWithoutPeers() {
 
 /** Everything that is not drawn for each frame. */
 function refresh() {
-  views.update();
   tables.update(session);
   knobs.update();
   replay.update();
@@ -201,6 +200,7 @@ function refresh() {
   introduce();
   $("#tour-button").disabled = session.controllable().length === 0 || session.waits();
   hint();
+  views.update(); // last: pictures have the room that the rest leaves
 }
 
 function introduce() {
