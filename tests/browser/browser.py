@@ -210,7 +210,9 @@ class Case(unittest.TestCase):
         self.assertEqual(browser.complaints(), [])
 
     def wait_for_peers(self, browser, count):
-        seen = "const s = padr.session; return s.scene ? s.present().filter((p) => s.samples.sample(p.slot, 0)).length : 0"
+        """Until the page has their views, and has said that they play."""
+        waiting = "s.waits() || document.querySelector('#state').textContent.startsWith('waiting for more')"
+        seen = f"const s = padr.session; return s.scene && !({waiting}) ? s.present().filter((p) => s.samples.sample(p.slot, 0)).length : 0"
         wait(lambda: browser.script(seen) == count, f"the views of {count} peers")
 
 

@@ -55,6 +55,12 @@ class Knobs(Case):
         wait(lambda: "✗" in b.text(".network .status") and "much" in b.text(".network .status"), "what is wrong, in words")
         b.picture("refused")
         self.assertTrue(b.script("return document.querySelector('.network .status').classList.contains('error')"))
+        # Once, the field had what holds again, and the message named a word that was nowhere.
+        b.script("document.activeElement.blur()")
+        time.sleep(2.5)
+        self.assertEqual(b.script("return document.querySelector('[name=spec]').value"), "delay much")
+        self.type_over(box, "delay 10ms")
+        wait(lambda: "✓ delay 10ms" in b.text(".network .status"), "what is right to be taken")
 
     # Once, only the command line warned.
     def test_a_doubtful_network_is_warned_of(self):
@@ -148,8 +154,12 @@ class Knobs(Case):
 
     def test_pausing_and_going_on(self):
         b = self.browser
+        # Once, only tooltips said whom it stops, and only an event that it ends by itself.
+        self.assertEqual(b.text("button.pause"), "Pause all")
         self.choose("peer", 2)
+        self.assertEqual(b.text("button.pause"), "Pause peer 2")
         b.find("button.pause").click()
+        wait(lambda: "paused, for 600 s at most" in b.text(".actions .status"), "for how long")
         wait(lambda: b.script("return padr.session.peer(2).paused"), "peer 2 to stand")
         wait(lambda: "paused" in b.text('figure[data-slot="2"] .said'), "its picture to say so")
         b.picture("paused")

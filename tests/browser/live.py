@@ -180,6 +180,8 @@ class Live(Case):
         self.assertLess(max(darkness), 60)
         phone.script("document.querySelector('#plots').scrollIntoView()")
         wait(lambda: min(phone.script("return padr.plots.charts.map((c) => c.graph ? c.graph.numRows() : 0)")) > 10, "plots")
+        # Once, it told of dragging and double-clicking.
+        self.assertTrue(phone.script("return document.querySelector('#plots-part .note').innerText").startswith("Marks:"))
         phone.script("scrollTo(0, 0)")
         time.sleep(1)
         phone.picture("phone", whole=True)
@@ -198,6 +200,28 @@ class Live(Case):
         other.script("padr.driver.start(0)")
         wait(lambda: self.browser.script("return padr.driver.slot") is None, "the first to lose it")
         self.assertIn("Somebody else", self.browser.text("#hint"))
+
+    # Once, a tab that was shown again took the avatar back from whoever drove it by then.
+    def test_a_tab_that_was_hidden_drives_no_more(self):
+        b = self.browser
+        b.script("padr.driver.start(0)")
+        wait(lambda: b.script("return padr.session.peer(0).driven") == "you", "the peer to be driven")
+        first = b.driver.current_window_handle
+        b.driver.switch_to.new_window("tab")
+        other = b.driver.current_window_handle
+        b.open(self.monitor.address)
+        self.wait_for_peers(b, PEERS)
+        wait(lambda: b.script("return padr.session.peer(0).driven") == "no", "the order to lapse")
+        b.script("padr.driver.start(0)")
+        wait(lambda: b.script("return padr.session.peer(0).driven") == "you", "the other tab to drive")
+        b.driver.switch_to.window(first)
+        b.driver.execute_cdp_cmd("Page.bringToFront", {})
+        self.assertEqual(b.script("return document.visibilityState"), "visible")
+        wait(lambda: b.script("return padr.driver.slot") is None, "the first to know")
+        self.assertIn("Avatar 0 was let go", b.text("#hint"))
+        b.driver.switch_to.window(other)
+        b.driver.close()
+        b.driver.switch_to.window(first)
 
     def test_zz_the_page_survives_the_monitor(self):
         b = self.browser

@@ -56,7 +56,7 @@ class Look(Case):
         for step in range(1, STEPS + 1):
             time.sleep(0.5)
             look(step)
-            b.find("#tour .next").click()
+            b.find("#tour .next" if step < STEPS else "#tour .end").click()
         wait(lambda: b.script("return padr.session.present().every((p) => p.state === 'here' && p.links.every((l) => !l.cut))"), "the cut to heal")
         self.wait_for_peers(b, PEERS)
 

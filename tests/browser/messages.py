@@ -70,7 +70,7 @@ class Messages(Case):
             b = self.page(hello, all_peers)
             chosen = b.script(CHOSEN)
             self.assertEqual([chosen[n] for n in ("technique", "model", "predictor", "convergence", "network")], ["full", "auto", "pcc", "track", ""])
-            self.assertEqual(b.script(SLIDERS), ["1 cm", "1 cm", "1 cm"])
+            self.assertEqual(b.script(SLIDERS), ["1.2 cm", "1 cm", "1 cm"])
             self.assertTrue(b.script("return [...document.querySelectorAll('#knobs fieldset')].every((f) => f.disabled)"))
 
     # Once, they showed the end of the slider, and one key set that.
@@ -106,6 +106,23 @@ class Messages(Case):
         buttons = b.script("return [...document.querySelectorAll('#views button')].map((x) => x.getAttribute('aria-label'))")
         self.assertEqual(buttons[:4], ["Drive, peer 0", "Follow, peer 0", "Enlarge, peer 0", "Drive, peer 1"])
         self.assertEqual(len(set(buttons)), 9)
+
+    # Once, it scrolled the page.
+    def test_space_does_nothing_on_a_picture(self):
+        b = self.page()
+        scrolled = "return scrollY"
+        b.script("padr.connection.ask = () => Promise.resolve({ ok: true, text: '' })")
+        canvas = b.find('figure[data-slot="0"] canvas')
+        b.script("arguments[0].focus({ preventScroll: true })", canvas)
+        canvas.send_keys(" ")
+        b.script("padr.driver.start(0)")
+        b.script("document.activeElement.blur()")
+        b.find("body").send_keys(" ")
+        time.sleep(0.5)
+        self.assertEqual(b.script(scrolled), 0)
+        b.script("padr.driver.forget(null)")
+        b.find("body").send_keys(" ")
+        wait(lambda: b.script(scrolled) > 0, "it to scroll where nobody drives")
 
     # Once, they stood in the order in which they had come.
     def test_events_are_listed_by_time(self):
@@ -155,6 +172,17 @@ class Messages(Case):
             self.tell(peers([peer(i) for i in range(3)]), series(600, [value, 0.1, 0.1]))
             self.assertIn(f"{value:.2f} m", b.text("#peers tbody tr"))
 
+    # Once, below a picture with long lines stood a small error: that of a moment before.
+    def test_an_error_of_another_moment_says_of_which(self):
+        b = self.page({"mode": "trace", "control": False})
+        said = "return document.querySelector('figure[data-slot=\"0\"] .said').textContent"
+        line = {"type": "timeline", "first": 0, "last": 900, "tick": 600, "playing": False, "speed": 1, "sample": 2}
+        for at, playing, words in ((599, False, "0.3 m off"), (555, False, "0.3 m off at 0:09.3"), (555, True, "0.3 m off")):
+            point = series(600, [0.25, 0.1, 0.1])
+            point["peers"][0]["at_tick"] = at
+            self.tell({**line, "playing": playing}, point, peers([peer(i) for i in range(3)]))
+            self.assertEqual(b.script(said), words)
+
     # Once, its caption said that the error is not known, and the table said 0.00 m.
     def test_the_error_of_a_peer_that_is_cut_off_is_known_nowhere(self):
         b = self.page()
@@ -164,6 +192,25 @@ class Messages(Case):
         self.assertEqual(b.script("return [...document.querySelectorAll('#peers tbody tr')].map((r) => r.cells[4].textContent)"), ["0.25 m", "–", "–"])
         for slot in (1, 2):
             wait(lambda: "error not known" in b.text(f'figure[data-slot="{slot}"] .said'), "its caption to say so")
+
+    # Once, plots that the tour hides were made in boxes of no size, and were 480 pixels wide and 320 high from then on.
+    def test_plots_that_the_tour_hides_fit_their_cards_afterwards(self):
+        self.addCleanup(self.browser.resize, 1280, 800)
+        for size in ((1280, 800), (390, 844)):
+            self.browser.resize(*size)
+            b = self.page()
+            b.script("padr.connection.ask = () => Promise.resolve({ ok: true, text: '' }); padr.tour.start()")
+            for tick in range(600, 720, 15):
+                self.tell(series(tick, [0.1, 0.2, 0.3]))
+            made = "return padr.plots.charts.map((c) => c.graph !== undefined)"
+            b.script("document.querySelector('#plots').scrollIntoView()")
+            wait(lambda: b.script(made)[:2] == [True, True], "the plots of the step")
+            b.script("padr.plots.redraw(); padr.tour.end()")
+            b.script("document.querySelector('#plots').scrollIntoView()")
+            wait(lambda: b.script(made) == [True] * 4, "all plots")
+            sizes = "return padr.plots.charts.map((c) => [c.box.style.width, c.box.clientHeight, Math.abs(c.box.clientWidth - c.graph.width_) <= 1])"
+            wait(lambda: b.script(sizes) == [["", 170, True]] * 4, "plots that fit their cards")
+            self.assertEqual(b.script("return document.documentElement.scrollWidth"), size[0])
 
     # Once, it said that the session was over, while peers played on.
     def test_the_end_of_the_program_is_not_that_of_the_session(self):
@@ -178,6 +225,32 @@ class Messages(Case):
         self.page(None, [peer(i, state="gone") for i in range(3)])
         self.assertEqual(b.text("#state"), "over, 0:10")
         self.assertEqual(b.text("#empty"), "The session is over.")
+        # Once, it was live again to who came after a minute, when those who have gone are forgotten.
+        self.page(None, [])
+        self.assertEqual(b.text("#state"), "over, 0:10")
+        self.assertEqual(b.text("#empty"), "The session is over.")
+        self.assertFalse(b.script("return document.body.classList.contains('empty')"))
+
+    # Once, the next click made it "live" again, captions stood as if they were of now, and knobs could be turned.
+    def test_without_connection_nothing_is_live(self):
+        b = self.page()
+        self.tell(series(600, [0.25, 0.1, 0.1]))
+        b.script("padr.connection.tell('lost', false)")
+        for _ in range(2):
+            self.assertEqual(b.text("#state"), "not connected")
+            self.assertIn("lost", b.text("#error"))
+            said = "return document.querySelector('figure[data-slot=\"0\"] .said').textContent"
+            wait(lambda: b.script(said) == "not connected", "the caption to say so")
+            self.assertTrue(b.script("return [...document.querySelectorAll('#knobs fieldset')].every((f) => f.disabled)"))
+            self.assertEqual(b.text("#knobs .why"), "Not connected to padr-monitor.")
+            self.assertFalse(b.find("#tour-button").is_enabled())
+            self.assertNotIn("may only look", b.text("#intro"))
+            b.find('button[data-mode="overlay"]').click()
+            b.find('button[data-mode="side"]').click()
+        b.script("padr.connection.tell('open')")
+        self.tell(peers([peer(i) for i in range(3)]))
+        self.assertEqual(b.text("#state"), "live, 0:10")
+        self.assertTrue(b.find("#tour-button").is_enabled())
 
     # Once, an error stood in its plot up to a second after the event that made it.
     def test_an_error_is_plotted_when_it_was_there(self):
@@ -263,6 +336,7 @@ class Messages(Case):
             self.assertEqual(head.count("fidelity error"), more)
             # Plots of a recording always have all of it.
             self.assertEqual(b.find("[data-span]").is_displayed(), mode == "live")
+            self.assertEqual(b.text("#plots-head"), {"live": "As it happens", "trace": "Over time"}[mode])
             self.assertEqual(len(head), 15 + more)
             self.assertEqual(b.script("return document.querySelector('#peers tbody tr').cells[arguments[0]].textContent", head.index("address")), "–")
 
@@ -287,6 +361,117 @@ class Messages(Case):
         self.assertIn("--wait-peers", b.text("#intro"))
         self.tell(peers([peer(0), peer(1)]))
         self.assertNotIn("--wait-peers", b.text("#intro"))
+
+    # Once, it said that the session was live, and let one drive what does not move.
+    def test_peers_that_wait_for_others_cannot_be_driven(self):
+        b = self.page(None, [peer(0, 2), peer(1, 2)])
+        view = """const [tick, x, awake] = given;
+          for (const slot of [0, 1]) {
+            const d = new DataView(new ArrayBuffer(40));
+            d.setUint8(0, 1); d.setUint8(1, slot); d.setInt32(4, tick, true); d.setFloat32(12, NaN, true); d.setUint16(20, 1, true);
+            d.setUint8(26, 255); d.setUint8(27, awake); d.setFloat32(28, x, true); d.setFloat32(32, 5, true);
+            padr.session.samples.take(d.buffer);
+          }
+          padr.session.samples.now = tick;"""
+        drives = "return [...document.querySelectorAll('#views .drive')].map((b) => b.hidden)"
+        self.assertEqual(b.script(drives), [False, False])
+        b.module(view, 600, 5.0004, 1)
+        self.tell(peers([peer(0, 2), peer(1, 2)]))
+        self.assertEqual(b.text("#state"), "waiting for more peers, 0:10")
+        self.assertIn("Two programs are here, and they wait for more, as --wait-peers says.", b.text("#intro .text"))
+        self.assertEqual(b.script(drives), [True, True])
+        self.assertFalse(b.find("#tour-button").is_enabled())
+        # Whatever nobody touches is asleep soon after play has begun; what is pushed is not.
+        b.module(view, 640, 5.0004, 0)
+        self.tell(peers([peer(0, 2), peer(1, 2)]))
+        self.assertEqual(b.text("#state"), "live, 0:10")
+        self.assertEqual(b.script(drives), [False, False])
+        b.module(view, 700, 5.0004, 1)
+        self.tell(peers([peer(0, 2), peer(1, 2)]))
+        self.assertEqual(b.text("#state"), "live, 0:10", "it has begun for good")
+
+    # Once, lines of peers that are gone were pale.
+    def test_what_is_said_of_who_is_gone_can_be_read(self):
+        with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "reach.js"), encoding="utf-8") as file:
+            rules = file.read().replace("export ", "")
+        for theme in ("light", "dark"):
+            b = self.page(None, [peer(0), peer(1), peer(2, state="gone")])
+            b.script("document.documentElement.dataset.theme = arguments[0]", theme)
+            self.assertEqual(b.script(f"{rules}\nreturn contrasts();"), [])
+
+    # Once, "identical" stood beside hashes that differed, as each was of another tick.
+    def test_hashes_say_of_which_tick_they_are(self):
+        other = {"tick": 576, "hash": "1" * 16, "state": "identical", "lag_ms": 400}
+        b = self.page(None, [peer(0), peer(1, confirmed=other), peer(2, state="gone")])
+        cells = b.script("return [...document.querySelectorAll('#peers tbody tr')].map((r) => [...r.cells].slice(2, 4).map((c) => c.textContent))")
+        self.assertEqual(cells, [["✓ identical 00000000 at 590", "160 ms"], ["✓ identical 11111111 at 576", "400 ms"], ["–", "–"]])
+
+    # Once, a spectator was counted as playing, and could be followed, though it has no avatar.
+    def test_a_spectator_only_watches(self):
+        b = self.page(None, [peer(0), peer(1), peer(2, input="none")])
+        self.assertIn("Two programs play, and one watches, in one world without a server", b.text("#intro .text"))
+        hidden = "return [...document.querySelectorAll('#views .follow')].map((f) => f.hidden)"
+        self.assertEqual(b.script(hidden), [False, False, True])
+        b.script("padr.connection.ask = () => Promise.resolve({ ok: true, text: '' }); padr.tour.start()")
+        self.assertIn("2 programs play in one world", b.text("#tour .text"))
+        b.script("padr.tour.end()")
+
+    # Once, such a click did nothing, and nothing was said.
+    def test_a_click_that_cannot_drive_says_why(self):
+        cases = (
+            ({}, {"input": "none"}, "Peer 1 is a spectator: it has no avatar to drive."),
+            ({}, {"controllable": False}, "Peer 1 takes no orders, as it was started without --control."),
+            ({"control": False}, {}, "This page may only look."),
+        )
+        for hello, more, words in cases:
+            b = self.page(hello, [peer(0), peer(1, **more), peer(2)])
+            self.assertEqual(b.text("#hint"), "")
+            b.find('figure[data-slot="1"] canvas').click()
+            self.assertEqual(b.text("#hint"), words)
+            self.assertIsNone(b.script("return padr.driver.slot"))
+
+    # Once, outlines of all colours lay over it without a word.
+    def test_overlaid_pictures_are_explained(self):
+        b = self.page()
+        b.find('button[data-mode="overlay"]').click()
+        self.assertIn("outlines in a peer's colour", b.text("#views .said"))
+        self.assertIn("overlaid:", b.text("#legend"))
+        b.picture("overlaid-caption")
+
+    # Once, the tour filled such a screen, or was out of sight as soon as a picture was in it.
+    def test_on_a_low_screen_the_tour_stands_beside_the_pictures(self):
+        self.addCleanup(self.browser.resize, 1280, 800)
+        for size, scale in (((844, 390), 2), ((640, 400), 2), ((1024, 600), 1)):
+            self.browser.resize(*size, scale=scale)
+            b = self.page(None, [peer(i, 4) for i in range(4)])
+            b.script("padr.connection.ask = () => Promise.resolve({ ok: true, text: '' }); padr.tour.start()")
+            for step in range(9):
+                self.tell(peers([peer(i, 4) for i in range(4)]), series(600 + 15 * step, [0.1] * 4))
+                outside = b.script("""const tour = document.querySelector("#tour").getBoundingClientRect();
+                  return ["#tour .back", "#tour .next", "#tour .end", "#tour .title", "#views canvas", "#views figure:nth-child(4) canvas"].filter((name) => {
+                    const r = document.querySelector(name).getBoundingClientRect();
+                    return r.top < 0 || r.bottom > innerHeight + 1 || r.left < 0 || r.right > innerWidth || (name.includes("canvas") && r.left < tour.right);
+                  })""")
+                self.assertEqual(outside, [], (size, step + 1))
+                self.assertGreater(b.script("return document.querySelector('#views canvas').clientWidth"), 120)
+                if step in (0, 3, 8):
+                    b.picture(f"low-{size[0]}-tour-{step + 1}")
+                b.script("scrollTo(0, 400)")
+                self.assertTrue(b.find("#tour .back").is_displayed())
+                top = b.script("const r = document.querySelector('#tour .end').getBoundingClientRect(); return r.top >= 0 && r.bottom <= innerHeight")
+                self.assertTrue(top, "its buttons stay")
+                b.script("document.querySelector('#tour .next').click()")
+                b.script("scrollTo(0, 0)")
+            b.script("padr.tour.end()")
+            self.assertEqual(b.script("return getComputedStyle(document.body).paddingLeft"), "12px")
+
+    # Once, links of one machine had "-0 ms".
+    def test_no_zero_is_negative(self):
+        got = self.page().module("""
+          const { number } = await import("/table.js");
+          return [number(-0.05, 0, " ms"), number(-0.04, 1, " ms"), number(-0.6, 0, " ms"), number(-10, 0), number(0, 2), number(null, 1)];
+        """)
+        self.assertEqual(got, ["0 ms", "0.0 ms", "-1 ms", "-10", "0.00", "–"])
 
     # Once, of five peers' links those to peers 0, 2 and 4 looked alike.
     def test_no_two_links_look_alike(self):

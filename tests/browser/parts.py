@@ -47,6 +47,12 @@ class Parts(Case):
     def test_without_peers_it_says_what_to_do(self):
         wait(lambda: "--monitor" in self.browser.text("#empty"), "the hint")
         self.assertIn(self.monitor.peers, self.browser.text("#empty"))
+        # Once, the command was for one peer, which waits for a second one for ever.
+        for words in ("padr-peer --listen 127.0.0.1:7001 --monitor", "padr-peer --join 127.0.0.1:7001 --monitor"):
+            self.assertIn(words, self.browser.text("#empty"))
+        # Once, the column of the knobs was kept free, which are not there.
+        free = "return document.querySelector('main').clientWidth - document.querySelector('#stage').clientWidth"
+        self.assertEqual(self.browser.script(free), 0)
         self.browser.picture("empty")
         self.check_console(self.browser)
 

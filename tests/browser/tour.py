@@ -46,13 +46,33 @@ class Tour(Case):
             if step == STEPS:  # the one who was cut off has to be back
                 wait(lambda: b.script("return padr.session.present().every((p) => p.state === 'here' && p.links.every((l) => !l.cut))"), "the cut to heal")
                 self.wait_for_peers(b, PEERS)
-            b.find("#tour .next").click()
+            b.find("#tour .next" if step < STEPS else "#tour .end").click()
         self.assertTrue(b.script("return document.querySelector('#tour').hidden"))
         wait(lambda: same(b.script(HOW), before), f"everything as before: {before}")
         b.script("document.querySelector('#plots').scrollIntoView()")
         wait(lambda: b.script(TOO_WIDE) == [], "every plot to fit its card")
         b.picture("tour-after")
         self.check_console(b)
+
+    # Once, nothing was restored then: all kept the settings of the step.
+    def test_goes_on_after_the_page_was_loaded_again(self):
+        b = self.browser
+        self.wait_for_peers(b, PEERS)
+        wait(lambda: all(len(p[3]) == PEERS - 1 and p[2] for p in b.script(HOW)), "all links and knobs to be told")
+        before = b.script(HOW)
+        b.find("#tour-button").click()
+        b.find("#tour .next").click()
+        wait(lambda: b.script("return padr.session.present().every((p) => p.technique === 'fixed')"), "the settings of the step")
+        b.open(self.monitor.address)
+        self.wait_for_peers(b, PEERS)
+        wait(lambda: b.text("#tour .count") == f"Step 2 of {STEPS}", "the same step")
+        self.assertFalse(b.script("return document.querySelector('#tour').hidden"))
+        b.find("#tour .end").click()
+        wait(lambda: same(b.script(HOW), before), f"everything as before: {before}")
+        b.open(self.monitor.address)
+        self.wait_for_peers(b, PEERS)
+        time.sleep(1)
+        self.assertTrue(b.script("return document.querySelector('#tour').hidden"), "it has ended")
 
 
 class Scene(Case):
@@ -73,11 +93,11 @@ class Scene(Case):
         wait(lambda: b.script("return (padr.session.points.get(1)?.bodies_m ?? 0) > 1"), "the model to have hit the ball")
         b.find("#tour-button").click()
         said = {}
-        for _ in range(STEPS):
+        for step in range(1, STEPS + 1):
             said[b.text("#tour .title")] = b.text("#tour .text")
             time.sleep(0.3)
             self.assertEqual(b.text("#tour .status"), "", "no step asks for what a session without authority refuses")
-            b.find("#tour .next").click()
+            b.find("#tour .next" if step < STEPS else "#tour .end").click()
         self.assertIn("Time after time avatar 0 runs at the ball. It stops just short", said["Stopping short"])
         self.assertIn("Nobody has authority here", said["Stopping short"])
         self.assertIn("look-ahead is blind to a stop short", said["What a predictor sees"])
@@ -95,6 +115,20 @@ class Scene(Case):
         self.assertEqual(b.text("#tour .count"), f"Step 2 of {STEPS}")
         self.assertFalse(b.script("return document.querySelector('#tour').hidden"))
         b.find("#tour .end").click()
+        wait(lambda: b.script("return document.querySelector('#tour').hidden"), "the end of the tour")
+
+    # Once, the button that ends the tour came in the place of "Next" then, and who was fast had pressed it.
+    def test_next_never_ends_it(self):
+        b = self.browser
+        self.wait_for_peers(b, 2)
+        b.find("#tour-button").click()
+        b.script("for (let i = 0; i < 20; ++i) document.querySelector('#tour .next').click()")
+        self.assertEqual(b.text("#tour .count"), f"Step {STEPS} of {STEPS}")
+        b.script("document.querySelector('#tour .back').click()")
+        b.find("#tour .next").send_keys(Keys.ENTER)
+        self.assertEqual(b.text("#tour .count"), f"Step {STEPS} of {STEPS}")
+        self.assertEqual(b.text("#tour .end"), "End, and restore (Esc)")
+        b.script("return document.activeElement").send_keys(Keys.ESCAPE)  # there is a focus
         wait(lambda: b.script("return document.querySelector('#tour').hidden"), "the end of the tour")
 
     # Once, the focus was nowhere afterwards, and steps changed without a word to a screen reader.

@@ -5,6 +5,7 @@ import signal
 import time
 
 from monitors import MonitorCase, Page, main, refused
+from peers import PLAYING
 
 SECONDS = 6
 
@@ -74,6 +75,7 @@ class Replaying(MonitorCase):
         m = self.monitor("--trace", *[os.path.join(folder, f"peer{i}.trace") for i in range(2)])
         page = self.page(m)
         page.say(type="subscribe", rate=60)
+        self.assertEqual(page.wait("hello")["source"], os.path.join(folder, "peer0.trace") + " and 1 more")
         at = page.wait("timeline")["first"] + 60  # it begins with play, later on a slow machine
         self.assertTrue(page.ask(type="halt")["ok"])
         self.assertTrue(page.ask(type="seek", tick=at)["ok"])
@@ -109,6 +111,34 @@ class Replaying(MonitorCase):
         page = self.page(m)
         page.wait_view(1)
         self.assertGreaterEqual(page.wait("timeline")["last"], SECONDS * 60 - 30)
+
+    # Once, only the last life was seen: it took the slot before the first had begun.
+    def test_all_lives_of_a_peer_that_came_back_are_seen(self):
+        own = [["--trace", os.path.join(self.folder.name, f"peer{i}.trace")] for i in range(3)]
+        played = self.session(3, "--status-interval", 0, "--scenario", "arena", "--duration", 15, own=own)
+        played[2].wait_for(PLAYING)
+        time.sleep(2)
+        played[2].process.send_signal(signal.SIGSTOP)
+        time.sleep(6)  # so that its slot is free again
+        played[2].process.send_signal(signal.SIGCONT)
+        self.assertEqual([p.end() for p in played], [0] * 3)
+        self.assertTrue(os.path.exists(os.path.join(self.folder.name, "peer2.2.trace")))
+        page = self.page(self.monitor("--trace", self.folder.name))
+        page.say(type="subscribe", rate=60)
+        line = page.wait("timeline")
+        page.ask(type="halt")
+        lives = set()
+        for tick in (line["first"] + 60, line["last"] - 60):
+            self.assertTrue(page.ask(type="seek", tick=tick)["ok"])
+            table = page.wait("peers", lambda t: abs(t["tick"] - tick) < 20)
+            here = [p for p in table["peers"] if p["state"] == "here"]
+            self.assertEqual(len(here), 3, f"at tick {tick}")
+            for p in here:
+                page.wait_view(p["slot"], 0, lambda v: v.tick == tick)
+            lives.update(p["incarnation"] for p in here)
+        self.assertEqual(len(lives), 4)
+        early = [p["peers"] for p in page.wait("history")["points"] if p["tick"] < line["first"] + 90]
+        self.assertTrue(any(all(q["combined_m"] is not None for q in ps) for ps in early), "errors of first lives are measured")
 
     def test_traces_of_several_sessions_are_refused(self):
         folder, _ = self.recorded(1)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 
@@ -53,6 +54,27 @@ TEST(Samples, HaveAnInconsistencyFromTheFirstSecondOn) {
   for (const SeriesPoint& point : film_sample(*find_sample("stop-short")).series)
     for (const auto& peer : point.peers)
       EXPECT_TRUE(peer.inconsistency || point.tick < kTicksPerSecond) << "tick " << point.tick;
+}
+
+// Once, the figure below a picture that stood was that of a moment before.
+TEST(Samples, HaveTheErrorOfTheVeryTickThatIsShown) {
+  const Film film = film_sample(*find_sample("stop-short"));
+  Screen screen(film);
+  const auto points = [&](Tick tick) {
+    screen.go_to(tick);
+    return nlohmann::json::parse(screen.series())["peers"];
+  };
+  for (const Tick tick : {120, 301, 300, 450})
+    for (const auto& p : points(tick)) {
+      EXPECT_EQ(p["at_tick"], tick);
+      const auto& all = film.errors.at(p["slot"]);
+      const auto at = std::find_if(all.begin(), all.end(), [&](const auto& e) { return e.tick == tick; });
+      ASSERT_NE(at, all.end());
+      EXPECT_NEAR(p["combined_m"], at->combined(), 1e-3);
+    }
+  // The last ticks were never confirmed.
+  for (const auto& p : points(film.last())) EXPECT_EQ(p["at_tick"], film.errors.at(p["slot"]).back().tick);
+  EXPECT_LT(film.errors.at(0).back().tick, film.last());
 }
 
 // What a story claims to show is in it.

@@ -156,6 +156,33 @@ TEST(ObservedSession, WhoFallsSilentIsGoneAndThenForgotten) {
   EXPECT_TRUE(h.session.peers().empty());
 }
 
+// Once, a peer that had said that it ends was silent for five seconds: what it told last was who it is.
+TEST(ObservedSession, WhoSaysThatItEndsIsGoneAtOnce) {
+  Heard h(2, 300, 0);
+  const Origin one = test::WatchedSession::origin(1);
+  ASSERT_TRUE(h.session.peer(1)->current_rates(h.now));
+  h.session.take({one, Events{{{1'000'000, 300, EventKind::kEnd, kNoEntity, 1, 0, "stopped"}}}}, {}, h.now);
+  h.session.take({one, h.told.hello()}, {}, h.now);
+  EXPECT_EQ(h.session.peer(1)->presence(h.now), PeerRecord::Presence::kGone);
+  EXPECT_FALSE(h.session.peer(1)->current_rates(h.now));
+  // The same process in another life.
+  h.session.take({{one.process, one.session, 1, 5}, h.told.hello()}, {}, h.now);
+  EXPECT_EQ(h.session.peer(1)->presence(h.now), PeerRecord::Presence::kHere);
+}
+
+// Once, who stood still or was gone had the rates of before.
+TEST(ObservedSession, RatesAreOfWhoPlays) {
+  Heard h(2, 300, 0);
+  EXPECT_TRUE(h.session.sample(h.now).peers.at(0).updates_per_s);
+  EXPECT_FALSE(h.session.peer(0)->current_rates(h.now + 2 * kMicrosPerSecond)) << "silent";
+  Status paused = *h.session.peer(0)->status;
+  paused.paused = true;
+  h.session.take({test::WatchedSession::origin(0), paused}, {}, h.now);
+  EXPECT_FALSE(h.session.peer(0)->current_rates(h.now));
+  EXPECT_FALSE(h.session.sample(h.now).peers.at(0).updates_per_s);
+  EXPECT_TRUE(h.session.sample(h.now).peers.at(1).updates_per_s);
+}
+
 TEST(ObservedSession, ProcessesAreBounded) {
   Heard h(2, 30, 0);
   for (std::uint64_t process = 1000; process < 5000; ++process)
@@ -298,7 +325,7 @@ TEST(Film, AScreenGoesForwardsAndBack) {
     return Film::Picture{0, Which::kShown, std::make_shared<const std::string>(std::to_string(t))};
   };
   for (Tick t = 0; t <= 600; t += 3) film.moments.push_back({t, {picture(t)}});
-  for (Tick t = 0; t <= 600; t += 15) film.tables.push_back({t, std::to_string(t), ""});
+  for (Tick t = 0; t <= 600; t += 15) film.tables.push_back({t, std::to_string(t), {}});
   Screen screen(film);
   screen.go_to(100);
   const auto first = screen.views(1, 0);

@@ -184,6 +184,32 @@ TEST(Report, WhoWasInterferedWithIsNoted) {
   EXPECT_NE(report::table(r).find("2 peers, 1 trace of who only watched, "), std::string::npos);
 }
 
+// Once, the network was said to be named as it was at the beginning, too, while the heading has both.
+TEST(Report, ANoteSaysOfWhenTheSettingsAreThatTheReportNames) {
+  test::RunConfig c;
+  c.ticks = 60;
+  c.before_step = [](Tick t, const auto& nodes) {
+    if (t == 20) nodes[0]->retune(technique_by_name("adaptive"));
+    if (t == 26) nodes[1]->remark({"netem", kNoPeer, "delay 1ms"});
+  };
+  const test::RecordedRun run(c);
+  const report::Report r = report::analyse(labelled(run.traces));
+  const auto note = [&r](const std::string& start) {
+    const auto found =
+        std::find_if(r.notes.begin(), r.notes.end(), [&](const auto& n) { return n.rfind(start, 0) == 0; });
+    return found == r.notes.end() ? "" : *found;
+  };
+  EXPECT_EQ(
+      note("peer 0"),
+      "peer 0 was interfered with while it played: knobs turned 1 time, bodies pushed 0, links impaired or cut or the "
+      "peer paused 0; the report names technique and network as they were at the beginning");
+  EXPECT_EQ(
+      note("peer 1"),
+      "peer 1 was interfered with while it played: knobs turned 0 times, bodies pushed 0, links impaired or cut or "
+      "the peer paused 1; the report names the technique as it was at the beginning, and the network as it was then "
+      "and at last");
+}
+
 TEST(Report, WhoCarriedForALinkAndForHowLong) {
   test::RunConfig c;
   c.ticks = 60;

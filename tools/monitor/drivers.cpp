@@ -48,13 +48,13 @@ void DrivenPaths::take(PeerId slot, const Frame& frame) {
   constexpr Tick kPause = kTicksPerSecond / 2;
   Driven& d = paths_[slot];
   if (d.points.size() >= kPoints) return;
-  double seconds = 0;
   if (!d.points.empty()) {
     if (frame.tick <= d.last) return;
-    seconds = d.points.back().seconds + static_cast<double>(std::min(frame.tick - d.last, kPause)) / kTicksPerSecond;
+    d.length += std::min(frame.tick - d.last, kPause);
   }
   d.last = frame.tick;
-  d.points.push_back({seconds, frame.target});
+  // To the microsecond: a sum of fractions, or a third of one, would have 17 digits.
+  d.points.push_back({static_cast<double>(tick_start(d.length)) / kMicrosPerSecond, frame.target});
 }
 
 std::string DrivenPaths::csv(PeerId slot) const {

@@ -57,6 +57,7 @@ class DrivenPaths {
   struct Driven {
     std::vector<scenarios::PathPoint> points;
     Tick last = 0;
+    Tick length = 0;  ///< without pauses
   };
   std::map<PeerId, Driven> paths_;
 };

@@ -13,6 +13,15 @@ constexpr double kMostBytes = 400e6;
 /// After a jump, what is shown is at most so old.
 constexpr Tick kLookBack = 5 * kTicksPerSecond;
 constexpr Tick kTableEvery = kTicksPerSecond / 4;
+/// An inconsistency is repeated so long while none is measured.
+constexpr Tick kHeldFor = 2 * kTicksPerSecond;
+
+std::optional<trace::InconsistencyPoint> newest_until(const trace::InconsistencySeries& errors, Tick tick) {
+  const auto after = std::upper_bound(errors.begin(), errors.end(), tick,
+                                      [](Tick t, const trace::InconsistencyPoint& p) { return t < p.tick; });
+  if (after == errors.begin() || std::prev(after)->tick < tick - kHeldFor) return std::nullopt;
+  return *std::prev(after);
+}
 
 }  // namespace
 
@@ -47,16 +56,16 @@ void FilmMaker::take(Tick tick) {
   Film::Table t{tick,
                 peers_text(
                     s, 0, [](PeerId) { return std::string_view("no"); }, now),
-                ""};
-  const SeriesPoint& point = s.sample(now);
-  if (!point.peers.empty()) {
-    t.series = series_text(point);
-    film_.series.push_back(point);
-  }
+                s.sample(now)};
+  if (!t.series.peers.empty()) film_.series.push_back(t.series);
+  for (const auto& [slot, point] : s.newest_measured()) film_.errors[slot].push_back(point);
   film_.tables.push_back(std::move(t));
 }
 
 Film FilmMaker::finish() {
+  // A tick may be confirmed after a later one.
+  for (auto& [slot, errors] : film_.errors)
+    std::sort(errors.begin(), errors.end(), [](const auto& a, const auto& b) { return a.tick < b.tick; });
   return std::move(film_);
 }
 
@@ -87,6 +96,17 @@ const Film::Table* Screen::table() const {
   const auto after = std::upper_bound(film_.tables.begin(), film_.tables.end(), tick_,
                                       [](Tick t, const Film::Table& table) { return t < table.tick; });
   return after == film_.tables.begin() ? nullptr : &*std::prev(after);
+}
+
+std::string Screen::series() const {
+  const Film::Table* const t = table();
+  if (t == nullptr || t->series.peers.empty()) return "";
+  SeriesPoint point = t->series;
+  for (PeerPoint& p : point.peers) {
+    const auto errors = film_.errors.find(p.slot);
+    p.inconsistency = errors == film_.errors.end() ? std::nullopt : newest_until(errors->second, tick_);
+  }
+  return series_text(point);
 }
 
 }  // namespace padr::monitor

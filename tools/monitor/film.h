@@ -27,7 +27,7 @@ struct Film {
   struct Table {
     Tick tick = 0;
     std::string peers;   ///< the message
-    std::string series;  ///< likewise; empty: none
+    SeriesPoint series;  ///< without peers: none
   };
 
   std::unique_ptr<ObservedSession> session;  ///< as it was in the end
@@ -35,6 +35,8 @@ struct Film {
   std::vector<Moment> moments;               ///< by ascending tick
   std::vector<Table> tables;                 ///< likewise
   std::deque<SeriesPoint> series;
+  /// By slot, by ascending tick: known when a tick is confirmed, which is later.
+  std::map<PeerId, trace::InconsistencySeries> errors;
   Tick sample = 1;  ///< ticks between moments
 
   Tick first() const { return moments.empty() ? 0 : moments.front().tick; }
@@ -76,6 +78,9 @@ class Screen : public ViewSource {
   std::vector<View> views(unsigned views, std::uint64_t since) override;
   /// The newest table at that moment; null if there is none yet.
   const Film::Table* table() const;
+  /// The series message of that table, with the inconsistency of this very moment, or the newest before it; empty if
+  /// there is none.
+  std::string series() const;
 
  private:
   void put(const Film::Moment& m);

@@ -62,6 +62,7 @@ PeerRecord* ObservedSession::record_of(const Origin& origin, Micros now) {
     p.agreed_pieces.clear();
     p.newest.reset();
     p.links.clear();
+    p.ended_at = -1;
   }
   if (origin.slot >= slots_) return &p;  // does not play yet
   const auto sits = sits_.find(origin.slot);
@@ -113,8 +114,7 @@ void ObservedSession::leave_slot(PeerId slot) {
 }
 
 void ObservedSession::take(PeerRecord& p, const Hello& h, Micros) {
-  p.hello = h;
-  p.ended_at = -1;
+  p.hello = h;  // also the last that it says, after its end
 }
 
 void ObservedSession::take(PeerRecord& p, const Frame& piece, Micros now) {
@@ -344,7 +344,10 @@ void ObservedSession::measured(PeerId slot, float fidelity_m, float pcc_m) {
 }
 
 const SeriesPoint& ObservedSession::sample(Micros now) {
-  for (const auto& [slot, point] : gauge_.take()) {
+  newest_measured_ = gauge_.take();
+  std::erase_if(newest_measured_,
+                [this](const Gauge::Measured& m) { return peer(m.first) != nullptr && !error_known(*peer(m.first)); });
+  for (const auto& [slot, point] : newest_measured_) {
     Sum& s = measured_[slot];
     ++s.n;
     s.sum.avatars_m += point.avatars_m;
@@ -377,7 +380,7 @@ const SeriesPoint& ObservedSession::sample(Micros now) {
       point.pcc_m = deeds->second.pcc_m / n;
       deeds_.erase(deeds);
     }
-    if (const auto& rates = p->rates.rates()) {
+    if (const auto rates = p->current_rates(now)) {
       point.updates_per_s.emplace();
       std::transform(rates->updates_per_s.begin(), rates->updates_per_s.end(), point.updates_per_s->begin(),
                      [](double v) { return static_cast<float>(v); });

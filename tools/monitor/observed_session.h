@@ -76,6 +76,8 @@ class ObservedSession : public ViewSource {
   /// Makes a point of what was measured since the last.
   const SeriesPoint& sample(Micros now);
   const Series& series() const { return series_; }
+  /// What was measured since the point before the newest, by ascending tick; not of peers whose error is not known.
+  const std::vector<Gauge::Measured>& newest_measured() const { return newest_measured_; }
 
   /// The newest events, oldest first; each has a number, counted from 0.
   const std::deque<SessionEvent>& events() const { return events_; }
@@ -140,6 +142,7 @@ class ObservedSession : public ViewSource {
     trace::InconsistencyPoint told;  ///< mean in the newest point that had any
   };
   std::map<PeerId, Sum> measured_;  ///< since the last point
+  std::vector<Gauge::Measured> newest_measured_;
   struct Deeds {
     int n = 0;
     float fidelity_m = 0;

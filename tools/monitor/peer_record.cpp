@@ -33,6 +33,10 @@ PeerRecord::Presence PeerRecord::presence(Micros now) const {
   return now - heard > kSilentAfter ? Presence::kSilent : Presence::kHere;
 }
 
+std::optional<PeerRates> PeerRecord::current_rates(Micros now) const {
+  return presence(now) == Presence::kHere && !paused() ? rates.rates() : std::nullopt;
+}
+
 std::optional<double> PeerRecord::lag_ms() const {
   if (!status || status->confirmed < 0) return std::nullopt;
   return (status->tick - status->confirmed) * 1000.0 / kTicksPerSecond;

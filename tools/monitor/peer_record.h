@@ -43,6 +43,8 @@ struct PeerRecord {
   Presence presence(Micros now) const;
   /// Milliseconds by which confirmed trails; nothing if that is not known.
   std::optional<double> lag_ms() const;
+  /// Nothing of who is not here, or stands still.
+  std::optional<PeerRates> current_rates(Micros now) const;
   bool paused() const { return status && status->paused; }
 
   Origin origin;

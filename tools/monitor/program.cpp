@@ -116,7 +116,9 @@ class Program {
                        : film_captures(options_.captures, options_.keylogs, options_.setting, note);
     if (film.moments.empty())
       throw UserError(std::string(traces ? "--trace" : "--capture") + ": there is nothing to show");
-    const std::string source = traces ? options_.traces.front() : options_.captures.front();
+    const auto& played = traces ? options_.traces : options_.captures;
+    std::string source = played.front();
+    if (played.size() > 1) source += " and " + std::to_string(played.size() - 1) + " more";
     note("plays ticks " + std::to_string(film.first()) + " to " + std::to_string(film.last()) + " of " + source);
     lobby_ = std::make_unique<Lobby>(
         options_, std::make_unique<Projector>(options_, traces ? "trace" : "capture", source, std::move(film)));

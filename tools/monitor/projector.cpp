@@ -37,7 +37,7 @@ void Projector::advance(Micros now) {
     screen_.go_to(static_cast<Tick>(position_));
     tell_table();
     if (position_ >= film_.last()) {
-      playing_ = false;
+      halt();
       tell_timeline();
     } else if (now >= next_timeline_) {
       next_timeline_ = now + kTimelineEvery;
@@ -62,7 +62,7 @@ void Projector::introduce(ViewerId viewer) {
   tell(viewer, events_text(std::vector<SessionEvent>(events.begin(), events.end())));
   if (const Film::Table* t = screen_.table()) {
     tell(viewer, t->peers);
-    if (!t->series.empty()) tell(viewer, t->series);
+    if (const std::string series = screen_.series(); !series.empty()) tell(viewer, series);
   }
   tell(viewer, timeline());
 }
@@ -71,6 +71,7 @@ void Projector::act(ViewerId viewer, const Asked& asked) {
   if (empty()) return answer(viewer, asked, false, "the recording is still being read");
   if (const auto* p = std::get_if<Play>(&*asked.request)) {
     playing_ = p->on;
+    if (!p->on) halt();
     if (p->on && position_ >= film_.last()) seek(film_.first());
   } else if (const auto* k = std::get_if<Seek>(&*asked.request)) {
     seek(k->tick);
@@ -96,12 +97,23 @@ void Projector::seek(Tick tick) {
   tell_table();
 }
 
+void Projector::halt() {
+  playing_ = false;
+  tell_series();
+}
+
 void Projector::tell_table() {
   const Film::Table* t = screen_.table();
-  if (t == told_ || t == nullptr) return;
+  if (t == nullptr) return;
+  const bool fresh = t != told_;
   told_ = t;
-  tell_all(t->peers, true);
-  if (!t->series.empty()) tell_all(t->series, true);
+  if (fresh) tell_all(t->peers, true);
+  if (fresh || !playing_) tell_series();
+}
+
+/// Where it stands, this is the last word on the moment.
+void Projector::tell_series() {
+  if (const std::string series = screen_.series(); !series.empty()) tell_all(series, playing_);
 }
 
 std::string Projector::timeline() const {
@@ -114,7 +126,7 @@ void Projector::tell_timeline() {
 
 std::string Projector::session_json() {
   const Film::Table* t = screen_.table();
-  return session_text(greeting({}), film_.scene, t == nullptr ? "" : t->peers, t == nullptr ? "" : t->series);
+  return session_text(greeting({}), film_.scene, t == nullptr ? "" : t->peers, screen_.series());
 }
 
 std::string Projector::metrics() {

@@ -27,7 +27,9 @@ class Projector : public PageServer {
   void seek(Tick tick);
   void tell_timeline();
   std::string timeline() const;
+  void halt();
   void tell_table();
+  void tell_series();
 
   Film film_;
   Screen screen_;

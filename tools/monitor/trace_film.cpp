@@ -49,6 +49,7 @@ class Actor {
     while (const auto event = scan.next()) {
       const auto* step = std::get_if<trace::Step>(&*event);
       if (step == nullptr) continue;
+      if (begins_ < 0) begins_ = step->tick;
       if (first_ < 0 && !step->outside) first_ = step->tick;
       last_ = step->tick;
     }
@@ -72,6 +73,8 @@ class Actor {
 
   /// As far as the step to `tick`, and says to the session what there is to say.
   void advance(Tick tick, ObservedSession& session) {
+    // The slot is an earlier incarnation's until then.
+    if (tick < begins_) return;
     while (!over_ && at_ < tick) {
       const auto event = replay_->next();
       if (!event) {
@@ -182,7 +185,8 @@ class Actor {
   std::string bytes_;
   trace::TraceReader reader_;
   Origin origin_;
-  Tick first_ = -1;  ///< played
+  Tick begins_ = -1;  ///< of its first step, which may be before it plays
+  Tick first_ = -1;   ///< played
   Tick last_ = -1;
   std::unique_ptr<Sampler> sampler_;
   std::vector<Agreed> agreed_;  ///< confirmed since the last step

@@ -101,13 +101,13 @@ void knobs(Json& j, std::string_view settings) {
   j.end_object();
 }
 
-void rates(Json& j, const PeerRecord& p) {
+void rates(Json& j, const std::optional<PeerRates>& known) {
   j.key("rates");
-  if (!p.rates.rates()) {
+  if (!known) {
     j.null();
     return;
   }
-  const PeerRates& r = *p.rates.rates();
+  const PeerRates& r = *known;
   j.begin_object();
   numbers(j, "updates_per_s", r.updates_per_s);
   j.field("datagrams_per_s", rounded(r.datagrams_per_s, 100)).field("kbit_per_s", rounded(r.kbit_per_s, 100));
@@ -186,7 +186,7 @@ void peer(Json& j, const PeerRecord& p, Agreement::Verdict verdict, std::string_
   knobs(j, h.technique);
   j.field("controllable", h.control).field("driven", driven).field("detail", word(h.detail)).field("input", h.input);
   j.field("tick", p.newest ? p.newest->tick : (p.status ? p.status->tick : 0));
-  rates(j, p);
+  rates(j, p.current_rates(now));
   numbers_of(j, p, verdict);
   j.key("frames").begin_object().field("received", p.frames).field("lost", p.lost).end_object();
   links(j, p);

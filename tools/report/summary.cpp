@@ -4,6 +4,7 @@
 #include <map>
 
 #include "shell/technique_text.h"
+#include "shell/text.h"
 
 namespace padr::report {
 namespace {
@@ -53,10 +54,12 @@ void note_ends(Report& r) {
 void note_interference(Report& r) {
   for (const Peer& p : r.peers)
     if (p.retunes + p.pushes + p.remarks > 0)
-      r.notes.push_back("peer " + p.name + " was interfered with while it played: knobs turned " +
-                        std::to_string(p.retunes) + " times, bodies pushed " + std::to_string(p.pushes) +
-                        ", links impaired or cut or the peer paused " + std::to_string(p.remarks) +
-                        "; the report names technique and network as they were at the beginning");
+      r.notes.push_back(
+          "peer " + p.name + " was interfered with while it played: knobs turned " + shell::counted(p.retunes, "time") +
+          ", bodies pushed " + std::to_string(p.pushes) + ", links impaired or cut or the peer paused " +
+          std::to_string(p.remarks) + "; the report names " +
+          (p.netem_last ? "the technique as it was at the beginning, and the network as it was then and at last"
+                        : "technique and network as they were at the beginning"));
 }
 
 void note_confirmed(Report& r) {

@@ -3,6 +3,7 @@
 
 const AGAIN = 300; // ms
 const SOONEST = 33; // ms between two targets of the pointer
+const LEASE = 1000; // ms without a word from here after which the program lets go
 const DEAD = 0.2; // of a gamepad's stick
 const KEYS = {
   KeyW: [0, 1], ArrowUp: [0, 1],
@@ -24,7 +25,7 @@ export class Driver {
     addEventListener("keydown", (e) => this.key(e, true));
     addEventListener("keyup", (e) => this.key(e, false));
     addEventListener("blur", () => this.letGoOfKeys());
-    document.addEventListener("visibilitychange", () => document.hidden && this.letGoOfKeys());
+    document.addEventListener("visibilitychange", () => (document.hidden ? this.letGoOfKeys() : this.shownAgain()));
   }
 
   async start(slot) {
@@ -55,6 +56,12 @@ export class Driver {
     this.changed(why);
   }
 
+  /** While the page is hidden no frame is drawn, so nothing is sent. */
+  shownAgain() {
+    if (this.slot === null || performance.now() - this.sentAt < LEASE) return;
+    this.forget(`Avatar ${this.slot} was let go, as this page was hidden.`);
+  }
+
   taken(slot) {
     if (slot === this.slot) this.forget(`Somebody else drives peer ${slot} now.`);
   }
@@ -74,7 +81,10 @@ export class Driver {
       this.release();
       return;
     }
-    if (this.slot === null || !(event.code in KEYS)) return;
+    if (this.slot === null) return;
+    // It would scroll the picture away.
+    if (event.code === "Space" && event.target === document.body) event.preventDefault();
+    if (!(event.code in KEYS)) return;
     if (event.ctrlKey || event.altKey || event.metaKey || (down && isForText(event.target))) return;
     if (down) this.held.add(event.code);
     else this.held.delete(event.code);

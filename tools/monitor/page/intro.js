@@ -17,14 +17,21 @@ export function howToDriveOn(slot) {
 }
 
 export function intro(session) {
-  const count = session.present().length;
+  const count = session.players().length;
+  const watching = session.present().length - count;
   if (session.hello?.mode === "capture") return "This is the world that the peers agreed on, rebuilt from their packets alone. A thing has the colour of the peer that decides about it. Play it, or drag the slider.";
-  if (count === 0) return "";
+  if (session.present().length === 0) return "";
+  const here = count + watching;
+  if (session.waits()) return `${here === 1 ? "One program is" : `${capital(inWords(here))} programs are`} here, and ${here === 1 ? "it waits" : "they wait"} for more, as --wait-peers says. Nothing moves until all have come.`;
   const waits = count === 1 && !session.replayed() ? " It is alone: others may join, and with --wait-peers it waits for them." : "";
-  const programs = count === 1 ? "One program plays" : `${capital(NUMBERS[count] ?? String(count))} programs play`;
-  const was = session.replayed() ? "This is a recording: play it, or drag the slider." : session.drivable().length > 0 ? `Drive an avatar: ${howToDrive()}.` : "This page may only look.";
+  const programs = (count === 1 ? "One program plays" : `${capital(inWords(count))} programs play`) + (watching > 0 ? `, and ${inWords(watching)} ${watching === 1 ? "watches" : "watch"},` : "");
+  const was = session.replayed() ? "This is a recording: play it, or drag the slider." : session.drivable().length > 0 ? `Drive an avatar: ${howToDrive()}.` : session.offline ? "" : "This page may only look.";
   return `${programs} in one world without a server, and each picture is the world as one of them sees it. `
     + `A thing has the colour of the peer that decides about it; a pink line leads from where a picture shows it to where it really is. ${was}${waits}`;
+}
+
+function inWords(count) {
+  return NUMBERS[count] ?? String(count);
 }
 
 function capital(word) {

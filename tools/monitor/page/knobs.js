@@ -75,7 +75,7 @@ export class Knobs {
       e.preventDefault();
       this.turn(inputs.other.value, inputs.value.value.trim());
     });
-    this.button("pause", () => this.orders.pause(this.peer(), true), "paused");
+    this.button("pause", () => this.orders.pause(this.peer(), true), "paused, for 600 s at most; whom is chosen under “Technique”");
     this.button("resume", () => this.orders.pause(this.peer(), false), "going on");
     this.button("cut", () => this.cut(5), "cut off for 5 s");
     this.button("throw", () => this.throwBody(), "thrown");
@@ -122,7 +122,9 @@ export class Knobs {
     const { from, to, spec } = this.inputs;
     const answer = await this.orders.netem(number(from.value), number(to.value), spec.value.trim());
     say(this.network, answer, spec.value.trim() === "" ? "no impairment" : spec.value.trim());
-    this.touched.delete(spec);
+    // What was refused stays to be put right; the message names a word of it.
+    if (answer.ok) this.touched.delete(spec);
+    else this.touched.set(spec, Infinity);
   }
 
   thresholds() {
@@ -177,6 +179,9 @@ export class Knobs {
     for (const set of panel.querySelectorAll("fieldset")) set.disabled = peers.length === 0;
     panel.querySelector(".why").textContent = whyNot(session, peers);
     for (const name of ["peer", "from", "to"]) options(inputs[name], ["all", ...(name === "to" ? session.present().map((p) => p.slot) : slots)], (s) => (s === "all" ? "all peers" : `peer ${s}`));
+    const pause = panel.querySelector("button.pause");
+    const whom = this.peer() === "all" ? "Pause all" : `Pause peer ${this.peer()}`;
+    if (pause.textContent !== whom) pause.textContent = whom;
     options(inputs.cutPeer, slots, (s) => `peer ${s}`);
     options(inputs.cutWith, ["all", ...session.present().map((p) => p.slot)], (s) => (s === "all" ? "all" : `peer ${s}`));
     if (session.scene) {
@@ -248,6 +253,7 @@ export class Knobs {
 function whyNot(session, peers) {
   if (peers.length > 0) return "";
   if (!session.hello || session.replayed()) return "";
+  if (session.offline) return "Not connected to padr-monitor.";
   if (!session.hello.control) return session.hello.needs_token ? "To turn knobs from here, add #token= and the monitor's token to the page's address." : "This page may only look.";
   return session.present().length === 0 ? "" : "No peer lets itself be controlled: start them with --control.";
 }
@@ -302,5 +308,6 @@ function options(select, values, text = String) {
 
 /** A threshold, which may be of millimetres. */
 function distance(m) {
-  return m > 0 && m < 0.01 ? `${Math.round(m * 1000)} mm` : metres(m);
+  if (m > 0 && m < 0.01) return `${Math.round(m * 1000)} mm`;
+  return m < 0.0995 ? `${Math.round(m * 1000) / 10} cm` : metres(m);
 }

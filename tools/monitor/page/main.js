@@ -38,11 +38,13 @@ let ended = false; // the program has said goodbye and is not back
 const connection = new Connection({
   open() {
     ended = false;
+    session.offline = null;
     complain(null);
     subscribe();
   },
   lost(saidGoodbye) {
     ended ||= saidGoodbye;
+    session.offline = ended ? "padr-monitor has ended" : "not connected";
     driver.forget(null);
     session.stand();
     replay.update();
@@ -52,7 +54,7 @@ const connection = new Connection({
     } else {
       complain("The connection to padr-monitor was lost. Trying again …");
     }
-    setText($("#state"), ended ? "padr-monitor has ended" : "not connected");
+    refresh();
   },
   hello(hello) {
     session.hello = hello;
@@ -82,10 +84,12 @@ const connection = new Connection({
     for (const point of message.points) plots.add(point);
   },
   peers(message) {
+    session.offline = null;
     session.takePeers(message);
     if (driver.slot !== null && !session.controllable().some((p) => p.slot === driver.slot)) driver.forget(`Peer ${driver.slot} is not there any more.`);
     if (camera.follow !== null && !session.present().some((p) => p.slot === camera.follow)) camera.follow = null;
     endTourWithoutPeers();
+    tour.resume();
     refresh();
   },
   series(point) {
@@ -176,12 +180,11 @@ function endTourWithoutPeers() {
 
 /** Everything that is not drawn for each frame. */
 function refresh() {
-  views.update();
   tables.update(session);
   knobs.update();
   replay.update();
   const { hello, scene } = session;
-  if (hello) setText($("#state"), stateInWords(hello));
+  if (hello || session.offline) setText($("#state"), stateInWords(hello));
   setText($("#session"), scene ? ` of session ${scene.session}` : "");
   const there = session.present().length;
   const nobody = !(scene && (there > 0 || hello?.mode === "capture"));
@@ -193,9 +196,11 @@ function refresh() {
   if (nobody) setText($("#empty"), hello ? emptyInWords(hello) : "");
   $("#tour-button").hidden = $("#knobs").hidden = session.replayed();
   $("main").classList.toggle("alone", session.replayed());
+  setText($("#plots-head"), session.replayed() ? "Over time" : "As it happens");
   introduce();
-  $("#tour-button").disabled = session.controllable().length === 0;
+  $("#tour-button").disabled = session.controllable().length === 0 || session.waits();
   hint();
+  views.update(); // last: pictures have the room that the rest leaves
 }
 
 function introduce() {
@@ -209,20 +214,21 @@ function introduce() {
 }
 
 function stateInWords(hello) {
+  if (session.offline) return session.offline;
   if (hello.sample) return "recording";
   if (hello.mode !== "live") return `recording: ${hello.source}`;
   const { time } = session.peers;
   if (!session.scene || time === undefined || time === null) return `waiting for peers at ${hello.source}`;
   const count = session.peers.other_sessions;
   const others = count > 0 ? `, ${count} other session${count > 1 ? "s" : ""}` : "";
-  const now = session.over() ? "over" : "live";
+  const now = session.over() ? "over" : session.waits() ? "waiting for more peers" : "live";
   return `${now}, ${Math.floor(time / 60)}:${String(Math.floor(time % 60)).padStart(2, "0")}${others}`;
 }
 
 function emptyInWords(hello) {
   if (session.over()) return OVER;
   if (hello.mode !== "live") return "Reading the recording …";
-  return `This page shows every peer of a session side by side. No peer is here yet.\nStart four with tools/demo.sh, or one by one: padr-peer --monitor ${hello.source} --control …\nOr watch a story, which needs no peer.`;
+  return `This page shows every peer of a session side by side. No peer is here yet.\nStart four with tools/demo.sh, or two by hand:\npadr-peer --listen 127.0.0.1:7001 --monitor ${hello.source} --control\npadr-peer --join 127.0.0.1:7001 --monitor ${hello.source} --control\nOr watch a story, which needs no peer.`;
 }
 
 let said = null;
@@ -261,6 +267,19 @@ document.addEventListener("change", (e) => {
 function toggleDriving(slot) {
   if (driver.slot === slot) return;
   if (session.drivable().some((p) => p.slot === slot)) driver.start(slot);
+  else tellWhyNot(slot);
+}
+
+/** Who clicks a picture to drive learns why nothing happens. */
+function tellWhyNot(slot) {
+  const peer = session.peer(slot);
+  if (!peer || session.replayed() || session.offline) return;
+  said = !session.mayControl() ? "This page may only look."
+    : peer.input === "none" ? `Peer ${slot} is a spectator: it has no avatar to drive.`
+      : !peer.controllable ? `Peer ${slot} takes no orders, as it was started without --control.`
+        : session.waits() ? "Nobody can drive before play begins."
+          : said;
+  hint();
 }
 pointers.clicked = (slot) => {
   if (views.mode === "side") views.large = slot;
@@ -325,6 +344,8 @@ tour.onMove = () => {
 tour.left = () => $("#tour-button").focus({ preventScroll: true });
 // What a step of the tour speaks of stands below the pictures.
 views.reserved = () => document.querySelector({ plots: "#plots-part", table: "#table-part", events: "#plots-part" }[document.body.dataset.spot])?.offsetHeight ?? 0;
+const low = matchMedia("(min-width: 601px) and (max-height: 620px)"); // as style.css has it
+views.beside = () => low.matches && tour.step !== null;
 tour.restored = (refused) => complain(refused.length > 0 ? `Not everything could be restored: ${refused[0].text}` : null);
 setInterval(() => events.show(), 500);
 setInterval(() => {

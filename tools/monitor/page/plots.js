@@ -30,7 +30,7 @@ const PLOTS = [
   },
   {
     title: "Updates sent by all peers, by cause",
-    help: "stacked, a second",
+    help: "updates a second, stacked",
     unit: " /s", digits: 1, stacked: true,
     lines: (h, causes) => causes.map((name, i) => ({ name: name.replaceAll("_", " "), colour: hue(i), dash: null })),
     values: (p, lines) => lines.map((_, i) => sum([...p.peers.values()].map((peer) => peer.updates_per_s?.[i]))),
@@ -225,6 +225,12 @@ class Chart {
   draw(window) {
     this.refreshRows();
     if (this.lines.length === 0) return;
+    // In a box that is not shown dygraphs would take, and keep, a size of its own.
+    if (this.box.clientWidth > 0) this.drawIn(window);
+    this.readOut();
+  }
+
+  drawIn(window) {
     const options = {
       file: this.rows,
       labels: ["time", ...this.lines.map((l) => l.name)],
@@ -234,7 +240,6 @@ class Chart {
     };
     if (this.graph) this.graph.updateOptions(options);
     else this.make(options);
-    this.readOut();
   }
 
   make(options) {

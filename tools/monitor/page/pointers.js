@@ -29,8 +29,8 @@ export class Pointers {
     else if (event.key === "+" || event.key === "=") this.camera.zoomAbout(this.camera, 1.25);
     else if (event.key === "-") this.camera.zoomAbout(this.camera, 0.8);
     else if (event.key === "0") this.camera.reset();
-    else return;
-    event.preventDefault();
+    else if (event.key !== " ") return;
+    event.preventDefault(); // Space would scroll the page away
   }
 
   wheel(tile, event) {

@@ -7,15 +7,15 @@ const VERDICTS = { identical: "✓ identical", apart: "↮ apart", differs: "✗
 
 const COLUMNS = [
   { head: "peer", cell: (p) => String(p.slot), paint: (td, p) => dot(td, p.slot) },
-  { head: "is", cell: (p) => (p.paused ? "paused" : p.state), title: "here; silent: its program has told nothing for a second; or gone" },
+  { head: "state", cell: (p) => (p.paused ? "paused" : p.state), title: "here; silent: its program has told nothing for a second; or gone" },
   {
     head: "confirmed world",
-    title: "The newest state that this peer knows to be final: a hash over every bit of it, compared with the other peers' at the same tick",
-    cell: (p) => `${VERDICTS[p.confirmed.state] ?? p.confirmed.state}${p.confirmed.hash ? ` ${p.confirmed.hash.slice(0, 8)}` : ""}`,
+    title: "The newest state that this peer knows to be final: a hash over every bit of it, and its tick. Each peer's newest is of another tick, so hashes differ; they are compared at equal ticks",
+    cell: (p) => (p.state === "gone" ? "–" : `${VERDICTS[p.confirmed.state] ?? p.confirmed.state}${hash(p.confirmed)}`),
     paint: (td, p) => { td.dataset.verdict = p.confirmed.state; },
   },
-  { head: "it trails by", title: "How far the confirmed world is behind the live one", cell: (p) => number(p.confirmed.lag_ms, 0, " ms") },
-  { head: "off by", title: "Inconsistency: distance to where the authority has it, all entities summed; the mean since the last point of the plots", cell: (p, point, session) => number(session.error(p), 2, " m") },
+  { head: "confirmed lag", title: "How far the confirmed world is behind the live one", cell: (p) => number(p.state === "gone" ? null : p.confirmed.lag_ms, 0, " ms") },
+  { head: "off by", title: "Inconsistency: distance to where the authority has it, all entities summed; live, the mean since the last point of the plots; in a recording, of this very moment", cell: (p, point, session) => number(session.error(p), 2, " m") },
   { head: "fidelity error", recorded: true, title: "Distance of bodies to where the players' deeds alone put them, all summed; of recordings only", cell: (p, point) => number(point?.fidelity_m, 2, " m") },
   { head: "updates", title: "Entity state updates sent", cell: (p) => number(sum(p.rates?.updates_per_s), 1, " /s") },
   { head: "traffic", title: "Sent, with IP and UDP headers", cell: (p) => number(p.rates?.kbit_per_s, 1, " kbit/s") },
@@ -34,6 +34,11 @@ const COLUMNS = [
   { head: "incarnation", title: "Number with which it came into the session, the higher the later", cell: (p) => String(p.incarnation ?? "–") },
   { head: "version", title: (p) => p.version ?? "", cell: (p) => p.version?.split(" ")[0] ?? "–" },
 ];
+
+/** With its tick: those of other peers are of other ticks. */
+function hash({ tick, hash }) {
+  return hash ? ` ${hash.slice(0, 8)} at ${tick}` : "";
+}
 
 export class Tables {
   constructor(peersTable, linksTable, verdict, details) {
@@ -178,7 +183,7 @@ export function setText(element, text) {
 }
 
 export function number(value, digits, unit = "") {
-  return value === null || value === undefined ? "–" : `${value.toFixed(digits)}${unit}`;
+  return value === null || value === undefined ? "–" : `${value.toFixed(digits).replace(/^-(?=[0.]*$)/, "")}${unit}`;
 }
 
 export function sum(values) {

@@ -6,6 +6,7 @@ import { together } from "./knobs.js";
 const FAST = "delay 20ms 3ms";
 const SLOW = "delay 200ms 40ms loss 5%";
 const WITHOUT = "avatar-only"; // the technique without authority: a session keeps to it, or to the others
+const KEPT = "padr-tour"; // in the tab's storage
 const THINGS = { ball: "the ball", dominoes: "the first domino", van: "the van" }; // what the paths of the scenes stop short of
 
 const CLAIMS_NOTHING = "This session is without authority, so nobody claims anything: things stay grey. A session with it is the story “Collision by proxy”.";
@@ -15,7 +16,7 @@ const CLAIMS_NOTHING = "This session is without authority, so nobody claims anyt
 const STEPS = [
   {
     title: "What you see",
-    text: (s) => `${s.present().length} programs play in one world, and none of them is a server. Each picture is the world as one of them sees it. `
+    text: (s) => `${s.players().length} programs play in one world, and none of them is a server. Each picture is the world as one of them sees it. `
       + "Discs with numbers are avatars, each moved by its own program; everything else obeys physics. "
       + "The pictures should be the same. Where one is wrong, a line leads from what it shows to where the thing really is.",
     look: "Pick one thing and find it in every picture. The figure under each picture says how wrong it is, all things together.",
@@ -26,7 +27,7 @@ const STEPS = [
   {
     title: "No authority",
     text: () => "Somebody has to know where a thing is. The button cuts all links for two seconds and a half. Meanwhile each peer plays on by itself, and nobody's word counts for the others. (A whole session without authority is the story “Stopping short”.)",
-    look: "Avatars walk on in straight lines or stand in the others' pictures, and what they push moves in one picture only. Lines grow, and the inconsistency plot climbs.",
+    look: "Avatars walk on in straight lines or stand in the others' pictures, and what they push moves in one picture only. Lines grow. By how much nobody can tell while worlds are apart: captions say “error not known”, and the inconsistency plot has a gap. It is high right after that, and then falls.",
     spot: "plots",
     technique: "fixed",
     set: (o, s) => begin(o, s, FAST, "fixed"),
@@ -151,9 +152,9 @@ export class Tour {
     this.step = null;
     this.half = 0;
     this.onMove = () => {};
-    const on = (name, act) => panel.querySelector(`.${name}`).addEventListener("click", act);
+    const on = (name, act) => panel.querySelector(`.${name}`).addEventListener("click", () => this.unlessOffline(act));
     on("back", () => this.go(this.step - 1));
-    on("next", () => (this.step === STEPS.length - 1 ? this.end() : this.go(this.step + 1)));
+    on("next", () => this.go(this.step + 1));
     on("again", () => this.give(STEPS[this.step].act));
     on("half", () => {
       this.half = 1 - this.half;
@@ -162,8 +163,14 @@ export class Tour {
     });
     on("end", () => this.end());
     panel.addEventListener("keydown", (e) => {
-      if (e.code === "Escape") this.end();
+      if (e.code === "Escape") this.unlessOffline(() => this.end());
     });
+  }
+
+  /** What a step sets, and what its end restores, somebody has to hear. */
+  unlessOffline(act) {
+    if (this.session.offline) this.complain([{ text: `${this.session.offline}: the tour goes on when padr-monitor is back` }]);
+    else act();
   }
 
   /** Which part of the page is spoken of now; empty: the pictures alone, or no tour. */
@@ -179,10 +186,26 @@ export class Tour {
     this.panel.focus();
   }
 
+  /** Goes on where this tab was when its page was loaded again; peers have the step's settings still. */
+  resume() {
+    const kept = remembered();
+    if (this.step !== null || kept === null || this.session.controllable().length === 0) return;
+    if (kept.session !== this.session.scene.session || !STEPS[kept.step]) {
+      remember(null);
+      return;
+    }
+    this.before = kept.before;
+    this.panel.hidden = false;
+    this.step = kept.step;
+    this.show();
+    this.onMove();
+  }
+
   go(step) {
     if (step < 0 || step >= STEPS.length) return;
     this.step = step;
     this.half = 0;
+    remember({ session: this.session.scene.session, step, before: this.before });
     this.show();
     this.set();
     this.onMove();
@@ -195,9 +218,11 @@ export class Tour {
     write("title", step.title);
     write("text", `${step.text(this.session, this.half)} ${this.techniqueInWords()}`);
     write("look", typeof step.look === "function" ? step.look(this.half, this.session) : step.look);
-    write("next", this.step === STEPS.length - 1 ? "End, and restore" : "Next");
+    const focused = document.activeElement;
     this.panel.querySelector(".back").disabled = this.step === 0;
-    this.panel.querySelector(".end").hidden = this.step === STEPS.length - 1;
+    this.panel.querySelector(".next").disabled = this.step === STEPS.length - 1;
+    // A button that is switched off has the focus no more, and Esc would end nothing.
+    if (focused?.disabled && this.panel.contains(focused)) this.panel.focus();
     this.panel.querySelector(".again").hidden = !step.act;
     write("again", step.sign ?? "");
     const half = this.panel.querySelector(".half");
@@ -241,8 +266,27 @@ export class Tour {
   close() {
     const focused = this.panel.contains(document.activeElement);
     this.step = null;
+    remember(null);
     this.panel.hidden = true;
     this.onMove();
     if (focused) this.left?.();
+  }
+}
+
+// Of this tab. Storage may be forbidden; then who loads the page again has to restore by hand.
+function remembered() {
+  try {
+    return JSON.parse(sessionStorage.getItem(KEPT));
+  } catch {
+    return null;
+  }
+}
+
+function remember(tour) {
+  try {
+    if (tour === null) sessionStorage.removeItem(KEPT);
+    else sessionStorage.setItem(KEPT, JSON.stringify(tour));
+  } catch {
+    // As long as the page, then.
   }
 }

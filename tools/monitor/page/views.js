@@ -4,6 +4,7 @@
 import { toWorld } from "./camera.js";
 import { drawAvatars, drawBackground, drawBodies, drawGhosts, drawIntent } from "./draw.js";
 import { Fills, hue } from "./palette.js";
+import { clock } from "./plots.js";
 import { AUTHORITY, CONFIRMED, PREDICTED, SHOWN } from "./samples.js";
 import { Sprites } from "./sprites.js";
 
@@ -36,6 +37,7 @@ export class Views {
     this.onTile = () => {}; // a tile was made: whoever listens to pointers wants to know
     this.onAction = () => {};
     this.reserved = () => 0; // pixels that are to be kept free below the pictures
+    this.beside = () => false; // the tour stands beside the pictures, as the screen is low: all shall be seen at once
     this.visible = new IntersectionObserver((entries) => {
       for (const e of entries) e.target.tile.visible = e.isIntersecting;
     });
@@ -137,27 +139,32 @@ export class Views {
     const driven = this.driven === slot;
     tile.figure.classList.toggle("driven", driven);
     if (!peer) {
+      if (slot === OVERLAY) tile.said.textContent = "outlines in a peer's colour: what its picture shows elsewhere";
       tile.canvas.setAttribute("aria-label", tile.figure.querySelector("strong").textContent);
       return;
     }
     const error = session.error(peer);
-    const words = [];
+    const stale = session.offline !== null && !session.replayed();
+    const words = stale ? ["not connected"] : [];
     if (peer.state === "silent") words.push("silent: no news for 1 s");
     if (peer.input === "none") words.push("spectator");
     if (peer.paused) words.push("paused");
     if (peer.links.some((l) => l.cut)) words.push("cut off");
     if (peer.driven === "other") words.push("driven by somebody else");
-    const off = session.isApart(peer) ? ["error not known"] : error === null ? [] : [`${metres(error)} off`];
+    const at = session.errorAt(peer);
+    const off = stale ? [] : session.isApart(peer) ? ["error not known"] : error === null ? [] : [`${metres(error)} off${at === null ? "" : ` at ${clock(at)}`}`];
     tile.said.textContent = [...words, ...off].join(" · ");
     if (driven) words.push("you drive");
-    tile.said.title = "off: how far everything in this view is from where its authority has it, all entities summed; the mean since the last point of the plots, of ticks that are confirmed; not known while this peer is apart from the others";
+    tile.said.title = "off: how far everything in this view is from where its authority has it, all entities summed; live, the mean since the last point of the plots, of ticks that are confirmed; in a recording, of this very moment; not known while this peer is apart from the others";
     const drive = tile.buttons.querySelector(".drive");
     drive.hidden = !driven && !session.drivable().some((p) => p.slot === slot);
     drive.textContent = driven ? "Let go" : "Drive";
     // Without what changes all the time: a screen reader says the name of what has the focus whenever it changes.
     const name = [`${this.called}View of peer ${slot}`, words.join(", "), drive.hidden || driven ? "" : "Enter drives its avatar"];
     tile.canvas.setAttribute("aria-label", `${name.filter(Boolean).join(". ")}.`);
-    tile.buttons.querySelector(".follow").setAttribute("aria-pressed", this.camera.follow === slot);
+    const follow = tile.buttons.querySelector(".follow");
+    follow.setAttribute("aria-pressed", this.camera.follow === slot);
+    follow.hidden = peer.input === "none";
     const large = tile.buttons.querySelector(".large");
     large.textContent = this.mode === "one" ? "All" : "Enlarge";
     large.hidden = this.session.present().length < 2;
@@ -172,7 +179,7 @@ export class Views {
     const style = getComputedStyle(this.grid);
     const gap = parseFloat(style.columnGap) || 0;
     const width = this.grid.clientWidth;
-    const narrow = width < 600;
+    const narrow = width < 600 && !this.beside();
     const big = narrow && count > 2 ? this.bigOne() : null;
     let best = { columns: 1, w: Math.floor(width) };
     if (big !== null) {
@@ -214,7 +221,8 @@ export class Views {
   /** Columns, and the width of a picture in pixels, that make the pictures largest in the space there is. */
   widest(count, gap, aspect) {
     const width = this.grid.clientWidth;
-    const height = Math.max(innerHeight - this.grid.getBoundingClientRect().top - scrollY - BELOW - this.reserved(), 200);
+    const below = this.beside() ? 0 : BELOW + this.reserved();
+    const height = Math.max(innerHeight - this.grid.getBoundingClientRect().top - scrollY - below, 200);
     let best = { columns: 1, w: 0 };
     for (let columns = 1; columns <= count; ++columns) {
       const rows = Math.ceil(count / columns);
