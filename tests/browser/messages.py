@@ -70,7 +70,7 @@ class Messages(Case):
             b = self.page(hello, all_peers)
             chosen = b.script(CHOSEN)
             self.assertEqual([chosen[n] for n in ("technique", "model", "predictor", "convergence", "network")], ["full", "auto", "pcc", "track", ""])
-            self.assertEqual(b.script(SLIDERS), ["1.2 cm", "1 cm", "1 cm"])
+            self.assertEqual(b.script(SLIDERS), ["1.4 cm", "1.2 cm", "1.2 cm"])
             self.assertTrue(b.script("return [...document.querySelectorAll('#knobs fieldset')].every((f) => f.disabled)"))
 
     # Once, they showed the end of the slider, and one key set that.
