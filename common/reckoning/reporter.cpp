@@ -289,12 +289,17 @@ float Reporter::error_ahead(const Situation& s) const {
   const EntityId avatar = s.live->avatar();
   const world::Kinematics& believed = s.predicted->world.entities[avatar];
   const AvatarModel& model = s.predicted->avatars[self_];
+  const Model kind = model_for(Cause::kThreshold);
+  // Contacts are not foreseen: of an avatar that something holds up, one model would have it go on and the other not.
+  const auto touches = [avatar](const Contact& c) { return c.first == avatar || c.second == avatar; };
+  const std::vector<Contact>& contacts = s.live->world().contacts();
+  const bool held_up = !error_of(s, avatar).differs || std::any_of(contacts.begin(), contacts.end(), touches);
+  if (kind != model.kind && held_up) return 0;
   const auto later = [&](Model m, const AvatarMoment& from) {
     return foretold(avatar_def_, m, from, static_cast<Tick>(std::lround(technique_.foresee * kTicksPerSecond)));
   };
-  const Vec2 told =
-      later(model_for(Cause::kThreshold),
-            {s.live->world().position(avatar), s.live->world().velocity(avatar), aim_.ahead(way(s)), s.acceleration});
+  const world::View& live = s.live->world();
+  const Vec2 told = later(kind, {live.position(avatar), live.velocity(avatar), aim_.ahead(way(s)), s.acceleration});
   return distance(told, later(model.kind, {believed.position, believed.velocity, model.control, model.control}));
 }
 

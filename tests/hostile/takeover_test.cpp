@@ -76,10 +76,13 @@ TEST(Takeover, WhoeverHasTheKeyAndNeverWasAMember) {
 TEST(Takeover, NewcomersDoNotGoOverToWhoWasCutOff) {
   Trial t(4, 2, wire::SealMode::kAuth, 504);
   t.party().run(12);
-  t.liar().begin([&t](sync::StatePacket& p, PeerId) {
-    t.liar().signs = false;
+  // Peer 3 is told first: it must know by itself, not only by the removal.
+  t.liar().begin([&t, told = 0](sync::StatePacket& p, PeerId to) mutable {
+    const bool lies = to == 3 || told > 60;
+    if (to == 3 && !p.updates.empty()) ++told;
+    t.liar().signs = !lies;
     for (sync::Bundle& b : p.updates)
-      if (b.avatar) b.avatar->position.x += 0.5F;
+      if (lies && b.avatar) b.avatar->position.x += 0.5F;
   });
   t.party().net().attract(Vec2{10, 7});
   t.party().run(10);
