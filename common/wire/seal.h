@@ -15,7 +15,7 @@ using Bytes = std::vector<std::byte>;
 
 inline constexpr std::uint8_t kProtocolVersion = 9;
 inline constexpr std::array<std::byte, 2> kDatagramMagic{std::byte{'P'}, std::byte{'d'}};
-/// UDP payload at most: fits every path that IPv6 allows (1,280 bytes) with room for tunnels.
+/// UDP payload at most: fits every path that IPv6 allows (1,280 bytes), if no third peer carries it.
 inline constexpr std::size_t kMaxDatagram = 1200;
 inline constexpr std::size_t kHeaderBytes = 6;
 inline constexpr std::size_t kTagBytes = 4;
