@@ -36,9 +36,15 @@ std::set<std::size_t> ConfirmedTicks::given_up() const {
   // Who is declared gone by many, and declares them gone, is in the smaller part.
   std::vector<std::size_t> by(incarnations_.size());
   for (const auto& [who, declarer] : declared_gone_) ++by[who];
+  const auto first_beside = [this](std::size_t who) {
+    std::size_t n = 0;
+    while (declared_gone_.contains({who, n}) || declared_gone_.contains({n, who})) ++n;
+    return n;
+  };
+  const auto rank = [&](std::size_t who) { return std::pair(by[who], first_beside(who)); };
   std::set<std::size_t> all;
   for (const auto& [who, declarer] : declared_gone_)
-    if (std::pair(by[who], who) > std::pair(by[declarer], declarer)) all.insert(who);
+    if (rank(who) > rank(declarer)) all.insert(who);
   for (std::size_t n = 0; n < incarnations_.size(); ++n)
     if (incarnations_[n].superseded) all.insert(n);
   return all;
