@@ -49,8 +49,7 @@ struct Technique {
   Model model = Model::kChosen;
   Predictor predictor = Predictor::kLookahead;
   ThresholdLaw law = ThresholdLaw::kTwoLevel;
-  float lead =
-      0.04F;  ///< s, how far ahead of its motion the input model's target is told, more on a long way; 0: as it is
+  float lead = 0.04F;        ///< s, how far ahead of its motion the input model's target is told (Aim); 0: as it is
   float time_space = 0.04F;  ///< s, an avatar error is told once its time integral exceeds threshold x this; 0: off
   float foresee = 0.1F;      ///< s, an avatar error is told if it will be four times the threshold after this; 0: off
   float threshold_high = 0.014F;  ///< m, when nothing is predicted

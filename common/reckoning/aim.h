@@ -31,8 +31,8 @@ class Aim {
   }
 
  private:
-  // The lead is twice as long when an update takes half a second. Of the recorded hands, the best lead is 0.06 s for a
-  // guess of 0.15 s, and 0.09 s for one of 0.45 s.
+  // The lead is twice as long when an update takes a quarter of a second. Of the recorded hands, the best lead is 0.06
+  // s for a guess of 0.15 s, and 0.09 s for one of 0.25 s.
   static constexpr float kDoubled = 15;  // ticks
 
   float lead_;
