@@ -51,6 +51,8 @@ std::string words_of(const node::SessionEvent& e) {
              std::to_string(e.own) + ": joining them by " + to_string(e.at);
     case Kind::kReturning:
       return e.text + ": joining anew";
+    case Kind::kStillOut:
+      return "not back in yet: " + e.text;
     case Kind::kWrongKey:
       return counted(e.count, "datagram") + (e.count == 1 ? " was" : " were") +
              " not made with this session's key, the last by " + to_string(e.at);

@@ -25,6 +25,8 @@ void PartitionMerge::on_change(const MemberChange& change, const View& view) {
   };
   if (change.kind == MemberChange::Kind::kRemoved) {
     remember({change.at, first_admission(), change.tick}, view.roster.now);
+    for (const Seat& s : view.roster.seats)
+      if (s.there()) note_member_at(s.at);
   } else if (change.kind == MemberChange::Kind::kLeft) {
     if (change.at.has_key()) keep_gone({{change.at, first_admission(), change.tick}, view.roster.now, true});
   } else if (change.kind == MemberChange::Kind::kAdmitted) {
@@ -39,9 +41,13 @@ void PartitionMerge::on_change(const MemberChange& change, const View& view) {
     if (before.since < change.tick && change.at.has_key()) keep(returned_, before, kMost);
     const auto is_it = [&](const Remembered& r) { return !r.gone.at.has_key() || r.gone.at.key == change.at.key; };
     std::erase_if(gone_, [&](const Remembered& r) { return same_place(r.gone.at, change.at) && is_it(r); });
-    // With another key the place is one member's word: a lost peer there still counts if it speaks for itself.
-    for (Remembered& r : gone_) r.has_left |= same_place(r.gone.at, change.at);
+    note_member_at(change.at);
   }
+}
+
+// With another key the place is one member's word: a lost peer there still counts if it speaks for itself.
+void PartitionMerge::note_member_at(const Endpoint& place) {
+  for (Remembered& r : gone_) r.has_left |= same_place(r.gone.at, place) && r.gone.at.key != place.key;
 }
 
 void PartitionMerge::remember(const Gone& gone, Tick now) {

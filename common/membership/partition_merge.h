@@ -140,6 +140,8 @@ class PartitionMerge {
     Tick since = 0;
   };
   void keep_gone(const Remembered& r);
+  /// Nobody else is looked for where a member is.
+  void note_member_at(const Endpoint& place);
   bool member_at(const Endpoint& where, const View& view) const;
   /// Whether the peer in slot p is another one of our part.
   bool is_ours(PeerId p, const View& view) const;

@@ -212,6 +212,7 @@ class Participant {
   /// See SessionConfig; of the next incarnation.
   std::optional<Micros> most_offset_;
   Micros try_again_ = 0;
+  std::optional<Micros> failed_;  ///< when it was last told why this peer has not come in anew
   std::uint64_t tries_ = 0;
   Allowance for_members_;    ///< what this peer may carry
   Allowance for_newcomers_;  ///< what it may carry between them and the coordinator

@@ -22,6 +22,8 @@ constexpr Tick kAtOnce = kTicksPerSecond;
 /// Interval between two attempts to join anew.
 constexpr Micros kTryAgain = 500'000;
 constexpr Micros kReturnPatience = 6 * kMicrosPerSecond;
+/// Interval between two events that tell why such an attempt has failed.
+constexpr Micros kTellFailure = 10 * kMicrosPerSecond;
 
 }  // namespace
 
@@ -56,6 +58,10 @@ void Participant::bring_in_next(Micros local) {
   Session& s = *next_.session;
   if (s.phase() == SessionPhase::kFailed && current_.session) {
     if (s.failure().find(kFull) != std::string::npos) current_.membership->give_seat_back();
+    if (!failed_ || local - *failed_ >= kTellFailure) {
+      failed_ = local;
+      s.state().tell({.kind = SessionEvent::Kind::kStillOut, .text = s.failure()});
+    }
     collect(next_);
     next_ = {};
     try_again_ = local + kTryAgain;
@@ -170,6 +176,9 @@ void Participant::begin_with_transfer(Micros local) {
   const Tick now = tick_at(s.session_now(local));
   const Tick then = transfer->state.tick;
   if (then > now + kMostAhead || then < now - kMostBehind) {
+    // What others showed may be out of date: a suspended machine's clock has stood still, or the session went on by
+    // another time. The next attempt does without.
+    most_offset_.reset();
     s.state().fail("the transfer of " + to_string(s.introducer()) + " is of tick " + std::to_string(then) +
                    ", but the session is at " + std::to_string(now));
     return;

@@ -77,7 +77,7 @@ void Relay::advance(const View& view, Commands& out) {
   if (!view.roster.member) return;
   for (PeerId p = 0; p < view.roster.slots(); ++p) {
     const Seat& of = view.roster.seats[p];
-    if (p == session_.self || !of.there() || of.frozen || of.given_up_for_good) continue;
+    if (p == session_.self || !of.there() || of.frozen) continue;
     // A peer that does not learn what has arrived here repeats nothing, even if it is heard.
     const bool lacks = view.roster.silence(p) >= kRelayAfter || view.arrears(p) >= kRelayAfter;
     if (!lacks || view.roster.silence(p) >= kRelayUntil) continue;

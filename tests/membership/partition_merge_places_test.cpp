@@ -73,6 +73,26 @@ TEST(PartitionMerge, WhoIsSaidToBeAtALostPeersPlaceDoesNotHideIt) {
   }
 }
 
+// Its process has ended, and another one that listens there is a member before the eviction. Once, that one was sent
+// Probes for the former one, which it could not read, for twenty minutes.
+TEST(PartitionMerge, NobodyIsLookedForWhereAnotherMemberIs) {
+  for (const bool same_place : {true, false}) {
+    SCOPED_TRACE(same_place);
+    Met met({15, 20, 30}, 0);
+    Endpoint at = keyed(8);
+    if (same_place) {
+      at.address = keyed(5).address;
+      at.port = keyed(5).port;
+    }
+    met.s.roster.seat(3, 20, 0, at, 950);
+    met.rules.on_change({MemberChange::Kind::kAdmitted, 3, 20, at, 950, 1, 950}, met.s.view());
+    met.rules.on_change({MemberChange::Kind::kRemoved, 5, 6, keyed(5), 960, 0, 10}, met.s.view());
+    EXPECT_EQ(met.rules.gone().empty(), same_place);
+    met.rules.advance(met.s.view(), met.out);
+    EXPECT_EQ(met.out.all<wire::Probe>().empty(), same_place);
+  }
+}
+
 // Both are alone, and only this one has been told of the other. Once, it waited for the other to come, as the own part
 // ranks first.
 TEST(PartitionMerge, OfTwoThatAreAloneTheOneThatKnowsOfTheOtherGoesInTheEnd) {

@@ -20,6 +20,12 @@ TEST(RelayRules, WhoIsAskedAboutWhom) {
       {"a tick short", [](Situation& s) { s.silence(2, kNow - node::kRelayAfter + 1); }, kNoPeer, 0},
       {"heard, but it does not tell what it promised",
        [](Situation& s) { s.log.begin(2, 0, kNow - node::kRelayAfter); }, 1, 2},
+      {"it has been given up, but others may have heard its farewell",
+       [](Situation& s) {
+         s.silence(2, kNow - node::kRelayAfter);
+         s.roster.give_up(2, true);
+       },
+       1, 2},
       {"it is being evicted",
        [](Situation& s) {
          s.silence(2, kNow - node::kRelayAfter);
