@@ -52,7 +52,7 @@ std::string words_of(const node::SessionEvent& e) {
     case Kind::kReturning:
       return e.text + ": joining anew";
     case Kind::kStillOut:
-      return "not back in yet: " + e.text;
+      return "not in yet: " + e.text;
     case Kind::kWrongKey:
       return counted(e.count, "datagram") + (e.count == 1 ? " was" : " were") +
              " not made with this session's key, the last by " + to_string(e.at);

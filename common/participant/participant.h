@@ -146,6 +146,9 @@ class Participant {
     return *current_.replica;
   }
   void bring_in_next(Micros local);
+  /// It has failed: says why, now and then.
+  void drop_attempt(Micros local);
+  void give_up_entering(Micros local);
   void ask_again(Micros local);
   /// Why the scene has no room for the session's slots; empty if it has.
   std::string no_room_for(const Session& session) const;
@@ -212,7 +215,7 @@ class Participant {
   /// See SessionConfig; of the next incarnation.
   std::optional<Micros> most_offset_;
   Micros try_again_ = 0;
-  std::optional<Micros> failed_;  ///< when it was last told why this peer has not come in anew
+  std::optional<Micros> failed_;  ///< when it was last told why this peer has not come in
   std::uint64_t tries_ = 0;
   Allowance for_members_;    ///< what this peer may carry
   Allowance for_newcomers_;  ///< what it may carry between them and the coordinator

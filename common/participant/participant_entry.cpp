@@ -56,14 +56,10 @@ Replica::ConfirmedSink Participant::sink() {
 
 void Participant::bring_in_next(Micros local) {
   Session& s = *next_.session;
+  if (!current_.session && !next_.membership && s.phase() == SessionPhase::kEntering) give_up_entering(local);
   if (s.phase() == SessionPhase::kFailed && current_.session) {
     if (s.failure().find(kFull) != std::string::npos) current_.membership->give_seat_back();
-    if (!failed_ || local - *failed_ >= kTellFailure) {
-      failed_ = local;
-      s.state().tell({.kind = SessionEvent::Kind::kStillOut, .text = s.failure()});
-    }
-    collect(next_);
-    next_ = {};
+    drop_attempt(local);
     try_again_ = local + kTryAgain;
   } else if (s.lost_introducer()) {
     ask_again(local);
@@ -88,14 +84,29 @@ void Participant::bring_in_next(Micros local) {
   }
 }
 
+void Participant::drop_attempt(Micros local) {
+  if (!failed_ || local - *failed_ >= kTellFailure) {
+    failed_ = local;
+    next_.session->state().tell({.kind = SessionEvent::Kind::kStillOut, .text = next_.session->failure()});
+  }
+  collect(next_);
+  next_ = {};
+}
+
+// Only until it has asked for its admission, which may be under way.
+void Participant::give_up_entering(Micros local) {
+  const Micros patience = config_.session.patience;
+  if (patience > 0 && local - began_ >= patience)
+    next_.session->state().fail(no_admission(next_.session->let_in_by(), patience));
+}
+
 // The introducer of our first incarnation is lost: we ask anew, and another member will admit us.
 void Participant::ask_again(Micros local) {
   SessionConfig c = config_.session;
   c.waited = local - began_;
   if (c.patience > 0) c.patience -= c.waited;
   if (config_.session.patience > 0 && c.patience <= 0) return;
-  collect(next_);
-  next_ = {};
+  drop_attempt(local);
   c.seed = derive_seed(c.seed, 0xA6A, ++tries_);
   next_.session = std::make_unique<Session>(c, local);
 }

@@ -119,10 +119,7 @@ void Joiner::give_up_if_late(Micros local) {
   const Micros patience = session_.config.patience;
   if (patience == 0 || local - session_.born < patience) return;
   const bool refused = refused_ && refused_->at == target_ && local - refused_->when <= 2 * SessionPace::kRareJoin;
-  if (session_.config.waited > 0)
-    return session_.fail("no admission by " + to_string(target_) + " within " +
-                         in_seconds(session_.config.waited + patience) +
-                         ": a member answered, but its world did not come through in time");
+  if (session_.config.waited > 0) return session_.fail(no_admission(target_, session_.config.waited + patience));
   session_.fail("no answer from " + to_string(target_) + " within " + in_seconds(patience) +
                 (refused ? ": nobody listens there"
                  : session_.config.sealed

@@ -14,8 +14,8 @@ void TransferPull::on_pong(const Endpoint& from, const wire::Pong& pong, Micros 
   heard_ = local;
   unanswered_ = 0;
   offset_.add(pong.sent, pong.session, local);
-  lost_ |= offset_.is_contradictory();
-  if (ready_ && !lost_) set_clock();
+  if (offset_.is_contradictory()) lose("has told times that do not fit each other");
+  if (ready_ && !lost()) set_clock();
   finish_if_complete();
 }
 
@@ -83,21 +83,28 @@ bool TransferPull::comes_to_nothing(Micros local) const {
 }
 
 void TransferPull::on_redirect(const Endpoint& from, const wire::Redirect& redirect) {
-  if (from == by_ && redirect.nonce == nonce_ && entering_) lost_ = true;
+  if (from == by_ && redirect.nonce == nonce_ && entering_) lose("has named another peer to ask");
 }
 
 // Fails with the next advance only: a caller that looks between two advances must not take a restart for the end.
 void TransferPull::on_unreachable(const Endpoint& at) {
-  if (at == by_) lost_ = true;
+  if (at == by_) lose("has ended");
+}
+
+void TransferPull::lose(std::string_view by) {
+  if (!lost()) lost_ = by;
+}
+
+std::string_view TransferPull::why_late(Micros local) const {
+  if (local - heard_ > kPatience) return "is silent";
+  if (comes_to_nothing(local)) return "does not send all of the world";
+  if (local - begun_ > kLongest) return ready_ ? "lets nobody in" : "does not send the world";
+  return {};
 }
 
 void TransferPull::advance(Micros local) {
-  lost_ = lost_ || local - heard_ > kPatience || local - begun_ > kLongest || comes_to_nothing(local);
-  if (lost_)
-    return session_.fail(
-        "peer at " + to_string(by_) +
-        " has ended, is silent, sends too little, names another peer, tells times that do not fit, or takes too long, "
-        "before this peer was admitted");
+  lose(why_late(local));
+  if (lost()) return session_.fail(to_string(by_) + " " + std::string(lost_) + ", before this peer was admitted");
   measure(local);
   if (pull_is_due(local)) pull(local);
   if (entering_ && local - entered_ >= (entries_ < kOften ? kAgain : kRarely)) enter(local);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <string_view>
 #include <vector>
 
 #include "common/session/session_state.h"
@@ -34,7 +35,7 @@ class TransferPull {
   const wire::Bytes& transfer() const { return transfer_; }
   /// The introducer has ended, fallen silent, stopped sending pieces, redirected us, told times that do not fit each
   /// other, or not let us in for kLongest.
-  bool lost() const { return lost_; }
+  bool lost() const { return !lost_.empty(); }
   const Endpoint& by() const { return by_; }
   Micros round_trip() const { return offset_.round_trip(); }
 
@@ -57,6 +58,8 @@ class TransferPull {
  private:
   void pull(Micros local);
   void set_clock();
+  void lose(std::string_view by);
+  std::string_view why_late(Micros local) const;
   bool pull_is_due(Micros local) const;
   bool comes_to_nothing(Micros local) const;
   void finish_if_complete();
@@ -83,7 +86,7 @@ class TransferPull {
   Micros entered_ = 0;
   bool ready_ = false;
   bool entering_ = false;
-  bool lost_ = false;
+  std::string_view lost_;  ///< by what the introducer is lost; empty: it is not
 };
 
 }  // namespace padr::node

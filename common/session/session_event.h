@@ -32,7 +32,7 @@ struct SessionEvent {
     kOutvoted,   ///< a part of the session with `count` members outranks ours, which has `own`: this peer joins it at
                  ///< `at`
     kReturning,  ///< this peer joins anew; `text`: why
-    kStillOut,   ///< its last attempt to has failed; `text`: why
+    kStillOut,   ///< an attempt to come in, for the first time or anew, has failed; `text`: why
     kWrongKey,   ///< `count` datagrams were not made with this session's key, the last of them at `at`
     kLastKeyLogged,  ///< keys of `count` peers have been logged, and no more will be
     kReadable,       ///< the peer at `at` sends readable datagrams, though this one encrypts

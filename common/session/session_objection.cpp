@@ -29,6 +29,11 @@ std::string objection(const SessionConfig& c, const wire::Join& join) {
   return "";
 }
 
+std::string no_admission(const Endpoint& by, Micros within) {
+  return "no admission by " + to_string(by) + " within " + in_seconds(within) +
+         ": a member answered, but its world did not come through in time";
+}
+
 std::string in_seconds(Micros t) {
   std::array<char, 32> text{};
   const double s = static_cast<double>(t) / static_cast<double>(kMicrosPerSecond);

@@ -235,7 +235,7 @@ TEST(Losing, AMachineThatWasSuspendedForMinutesIsBack) {
         party.net().pause(who, false);
         const auto took = party.run_until(20, [&] { return party.united(); });
         ASSERT_TRUE(took.has_value()) << party.story();
-        EXPECT_EQ(party.noted(who, "not back in yet: the transfer of"), peers == 4) << party.story();
+        EXPECT_EQ(party.noted(who, "not in yet: the transfer of"), peers == 4) << party.story();
         std::printf("%d of %d is back after %.2f s\n", who, peers, *took);
         party.run(5);
         EXPECT_EQ(party.judge().violation(), "");
