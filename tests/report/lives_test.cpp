@@ -59,6 +59,19 @@ TEST(ReportOfLives, EveryLifeIsMeasuredWhileItLasts) {
   EXPECT_GT(r.confirmed.given_up, 0U);
 }
 
+// Once, a session of four was called one of three, as play had waited for three.
+TEST(ReportOfLives, MoreMayBeThereAtTheStartThanPlayWaitedFor) {
+  report::Report r;
+  for (int p = 0; p < 5; ++p) {
+    r.peers.emplace_back().header.wanted = 3;
+    r.peers.back().header.incarnation = p == 0 ? 0 : 40U + static_cast<std::uint32_t>(p);
+    r.peers.back().came = p == 4 ? 1000 : 60;
+  }
+  EXPECT_EQ(r.peers_at_start(), 4);
+  r.peers[3].header.spectates = true;
+  EXPECT_EQ(r.peers_at_start(), 3);
+}
+
 TEST(ReportOfLives, TheTableSaysWhoCameAndWentWhen) {
   const std::string table = report::table(report::analyse(all_traces()));
   for (const char* expected : {"3 peers at the start, 3 traces of who came later", "Who came and went.", "broke off",

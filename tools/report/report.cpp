@@ -29,9 +29,13 @@ Traffic& Traffic::operator+=(const Traffic& o) {
 }
 
 int Report::peers_at_start() const {
-  int n = 0;
-  for (const Peer& p : peers) n = std::max({n, p.header.incarnation == 0 ? p.header.peers : 0, p.header.wanted});
-  return n;
+  int told = 0;
+  int there = 0;  // more may have come in time than play waited for
+  for (const Peer& p : peers) {
+    told = std::max({told, p.header.incarnation == 0 ? p.header.peers : 0, p.header.wanted});
+    if (!p.header.spectates && !came_later(p)) ++there;
+  }
+  return std::max(told, there);
 }
 
 // Whoever heard late of the begin of play may have begun some ticks after the others.
