@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-
 #include "common/model/ids.h"
 #include "common/model/vec.h"
 

@@ -18,8 +18,6 @@ struct AvatarMoment {
   Vec2 aim;
   Vec2 acceleration;
 };
-/// Where the avatar is so many ticks later by that model, if it touches nothing. Model::kChosen: as kInput.
-Vec2 foretold(const AvatarDef& avatar, Model model, AvatarMoment m, Tick ticks);
 
 /// Which model to tell of an avatar: the one that has lately foretold its motion better. A hand that points jumps and
 /// stops, and its avatar is best foretold by where it heads (Model::kInput); who runs goes on as before, and is best
@@ -28,6 +26,9 @@ Vec2 foretold(const AvatarDef& avatar, Model model, AvatarMoment m, Tick ticks);
 class ModelChoice {
  public:
   explicit ModelChoice(const AvatarDef& avatar) : avatar_(avatar) {}
+
+  /// Where the avatar is so many ticks later by that model, if it touches nothing. Model::kChosen: as kInput.
+  Vec2 foretold(Model model, AvatarMoment m, Tick ticks) const;
 
   /// The avatar after this tick's step, and what would be told of it now: the point that it heads for, m, and its
   /// acceleration, m/s^2. `way`: ticks that an update takes to its receivers.

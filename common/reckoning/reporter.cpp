@@ -38,7 +38,6 @@ Reporter::Reporter(const Scene& scene, PeerId self, const Technique& technique)
       chain_(static_cast<int>(scene.bodies.size()), static_cast<EntityId>(scene.bodies.size() + self),
              patience_of(technique)),
       aim_(technique.lead),
-      avatar_def_(scene.avatar),
       choice_(scene.avatar),
       model_error_(technique.time_space),
       no_claim_before_(scene.bodies.size(), 0),
@@ -296,7 +295,7 @@ float Reporter::error_ahead(const Situation& s) const {
   const bool held_up = !error_of(s, avatar).differs || std::any_of(contacts.begin(), contacts.end(), touches);
   if (kind != model.kind && held_up) return 0;
   const auto later = [&](Model m, const AvatarMoment& from) {
-    return foretold(avatar_def_, m, from, static_cast<Tick>(std::lround(technique_.foresee * kTicksPerSecond)));
+    return choice_.foretold(m, from, static_cast<Tick>(std::lround(technique_.foresee * kTicksPerSecond)));
   };
   const world::View& live = s.live->world();
   const Vec2 told = later(kind, {live.position(avatar), live.velocity(avatar), aim_.ahead(way(s)), s.acceleration});

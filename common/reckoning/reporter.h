@@ -102,7 +102,6 @@ class Reporter {
   std::vector<float> rim_;  ///< m, by body: distance from the centre that turns fastest
   ContactChain chain_;
   Aim aim_;
-  AvatarDef avatar_def_;
   ModelChoice choice_;
   ModelError model_error_;
   std::vector<Tick> no_claim_before_;

@@ -69,7 +69,7 @@ TEST(Foretold, IsWhereAWorldHasTheAvatarThatItsModelMoves) {
       drive_model(w, 0, told, t);
       w.step();
     }
-    const Vec2 there = foretold(scene.avatar, model, from, 6);
+    const Vec2 there = ModelChoice(scene.avatar).foretold(model, from, 6);
     EXPECT_NEAR(there.x, w.position(avatar).x, 0.002F) << static_cast<int>(model);
     EXPECT_NEAR(there.y, w.position(avatar).y, 0.002F) << static_cast<int>(model);
   }
