@@ -148,6 +148,7 @@ class Admitting : public testing::Test {
     const auto world = [this] {
       sync::Transfer t;
       t.have.resize(12);
+      t.have[1] = has_of_1_;
       t.slots.resize(12);
       for (std::uint32_t i = 0; i < tail_; ++i) {
         t.tail.emplace_back().index = i;
@@ -162,7 +163,8 @@ class Admitting : public testing::Test {
 
   Situation s_{12, 0};
   Admissions rules_{s_.session};
-  std::uint32_t tail_ = 0;  ///< updates in the transfer
+  std::uint32_t tail_ = 0;      ///< updates in the transfer
+  std::uint32_t has_of_1_ = 0;  ///< updates of slot 1 that the joiner has with it
 };
 
 TEST_F(Admitting, OnlyWhoHasGotTheCookieIsSentTheWorld) {
@@ -238,6 +240,25 @@ TEST_F(Admitting, ComesInByAnOrderOnceItHasTheWorld) {
   ListedCommands again;
   rules_.on_enter(joiner(1), {1}, s_.view(), true, again);
   EXPECT_TRUE(again.orders.empty()) << "once";
+}
+
+// The joiner has got them with its transfer, and nothing is to be passed on.
+TEST_F(Admitting, WaitsForTheLastUpdateOfTheSlotsFormerOccupant) {
+  const Tick ahead = s_.roster.now + 30;
+  s_.log.begin(1, 0, kNow);
+  s_.tells(1, 0, ahead);
+  s_.log.close(1, 1);
+  has_of_1_ = 1;
+  pieces(1, welcome(1).cookie, kLocal);
+  for (; s_.roster.now <= ahead; ++s_.roster.now) {
+    ListedCommands early;
+    rules_.on_enter(joiner(1), {1}, s_.view(), true, early);
+    ASSERT_TRUE(early.orders.empty()) << s_.roster.now;
+  }
+  ListedCommands out;
+  rules_.on_enter(joiner(1), {1}, s_.view(), true, out);
+  ASSERT_EQ(out.orders.size(), 1U);
+  EXPECT_EQ(out.orders[0].admission->slot, 1);
 }
 
 // Once, a coordinator passed on what one that had left had published with a clock that was ahead; all others took that

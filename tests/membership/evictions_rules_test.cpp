@@ -110,6 +110,22 @@ TEST_F(Eviction, OrdersWhatNobodyMayLackAndThenTheRemoval) {
 }
 
 // No log takes two updates of one tick: what all are told to file, all could only wait for. So its log ends before.
+// Its clock was ahead. Once, the next occupant of its slot was moved by these, except for that one itself.
+TEST_F(Eviction, IsOrderedAfterTheLastUpdateThatAllHave) {
+  begin();
+  const Tick ahead = s_.roster.now + 30;
+  s_.tells(3, 1, ahead);
+  reply(1, true, 2, -1);
+  reply(2, true, 2, -1);
+  while (s_.roster.now <= ahead) {
+    pass(1);
+    ASSERT_TRUE(orders_.empty()) << s_.roster.now;
+  }
+  pass(1);
+  ASSERT_EQ(orders_.size(), 1U);
+  EXPECT_EQ(orders_[0].removals[0], (sync::Removal{3, 4, 2}));
+}
+
 TEST_F(Eviction, PassesOnNoUpdateThatIsNoLaterThanTheOneBefore) {
   begin();
   reply(1, true, 1, -1);

@@ -34,6 +34,7 @@ class Stage {
         if (there.size() > 1) network_.kill(who);
         return;
       case Kind::kPause:
+        if (e.suspends() && !network_.paused(who)) suspended_[who] = e.at;
         network_.pause(who, true);
         undo_.push_back({e.at + e.span, Kind::kPause, who});
         return;
@@ -71,7 +72,7 @@ class Stage {
   void undo_until(Micros t) {
     for (const Undo& u : undo_) {
       if (u.at > t) continue;
-      if (u.kind == Kind::kPause) network_.pause(u.who, false);
+      if (u.kind == Kind::kPause) wake(u.who, u.at);
       if (u.kind == Kind::kDivide) network_.divide({});
       if (u.kind == Kind::kFight) network_.attract({});
       if (u.kind == Kind::kCut) network_.cut(u.who, u.other, false);
@@ -86,6 +87,13 @@ class Stage {
     int who;
     int other = 0;
   };
+  void wake(int who, Micros at) {
+    if (const auto it = suspended_.find(who); it != suspended_.end()) {
+      network_.stand_still(who, at - it->second);
+      suspended_.erase(it);
+    }
+    network_.pause(who, false);
+  }
   void cut(int from, int to, Micros until) {
     if (from == to) return;
     network_.cut(from, to, true);
@@ -101,6 +109,7 @@ class Stage {
   VirtualNetwork& network_;
   const Scene& scene_;
   std::vector<Undo> undo_;
+  std::map<int, Micros> suspended_;  ///< since when
 };
 
 void fill_outcome(const VirtualNetwork& g, const ChaosPlay& how, int founders, ChaosOutcome& out) {

@@ -112,7 +112,8 @@ std::string describe(const ChaosScript& s) {
   std::string text = "seed " + std::to_string(s.seed) + ", " + std::to_string(s.founders) + " peers begin\n";
   if (s.liar) text += describe(*s.liar);
   for (const ChaosEvent& e : s.events) {
-    text += fmt::sprintf("  %7.2f s  %-6s", static_cast<double>(e.at) / 1e6, kNames[static_cast<std::size_t>(e.kind)]);
+    text += fmt::sprintf("  %7.2f s  %-7s", static_cast<double>(e.at) / 1e6,
+                         e.suspends() ? "suspend" : kNames[static_cast<std::size_t>(e.kind)]);
     if (e.span > 0) text += fmt::sprintf(" for %.2f s", static_cast<double>(e.span) / 1e6);
     if (e.kind == Kind::kShape) text += " " + chaos_links()[e.pick % chaos_links().size()];
     text += "\n";

@@ -15,7 +15,7 @@ struct ChaosEvent {
     kStart,   ///< a process starts and joins
     kLeave,   ///< one says goodbye
     kKill,    ///< one vanishes
-    kPause,   ///< one stands still for `span`
+    kPause,   ///< one stands still for `span`; by the pick, its machine's clock does, too
     kDivide,  ///< the network falls into two parts for `span`
     kShape,   ///< all links become another
     kFight,   ///< all avatars are drawn to one place for `span`
@@ -25,6 +25,9 @@ struct ChaosEvent {
   Micros at = 0;
   Micros span = 0;
   std::uint64_t pick = 0;  ///< whom, how divided, which link or place: read modulo what there is
+
+  /// Whether the machine is suspended: a quarter of all pauses.
+  bool suspends() const { return kind == Kind::kPause && pick >> 62U == 0; }
 };
 
 struct Behaviour;
