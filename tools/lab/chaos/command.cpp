@@ -73,12 +73,12 @@ void ChaosCommand::declare(CLI::App& app) {
       ->type_name("FILE|-");
   app.footer(
       "Peers found a session. By a random script other peers then join, leave, crash and pause; some machines are\n"
-      "suspended, with their clocks; the network splits, links change, and all avatars move to one place. Clocks run\n"
-      "wrong by up to 200 ppm, and the peers steer them. Checks at every tick: peers that are members to each other\n"
-      "have confirmed the same worlds, bit by bit; a body has at most one owner, and that owner is there; all numbers\n"
-      "are finite; memory is bounded. After the script and\n"
-      "20 s of quiet, 50 s with --liar, all running peers must be in one session and know each other. If a check\n"
-      "fails, the program prints the shortest script that still shows the failure.\n"
+      "suspended, with their clocks, and may wake in another network; the network splits, links change, and all\n"
+      "avatars move to one place. Clocks run wrong by up to 200 ppm, and the peers steer them. Checks at every tick:\n"
+      "peers that are members to each other have confirmed the same worlds, bit by bit; a body has at most one owner,\n"
+      "and that owner is there; all numbers are finite; memory is bounded. After the script and 20 s of quiet, 50 s\n"
+      "with --liar, all running peers must be in one session and know each other. If a check fails, the program\n"
+      "prints the shortest script that still shows the failure.\n"
       "With --liar one of the peers lies now and then, with its own keys; the checks are for the honest among\n"
       "themselves. Harm must be mended within 30 s: a peer that confirms nothing or is out, two that confirm\n"
       "different worlds. Nobody honest may be cut off, and no live world may stand still for 1 s. Those whom the liar\n"

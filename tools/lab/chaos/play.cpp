@@ -34,7 +34,7 @@ class Stage {
         if (there.size() > 1) network_.kill(who);
         return;
       case Kind::kPause:
-        if (e.suspends() && !network_.paused(who)) suspended_[who] = e.at;
+        if (e.suspends() && !network_.paused(who)) suspended_[who] = {e.at, e.moves()};
         network_.pause(who, true);
         undo_.push_back({e.at + e.span, Kind::kPause, who});
         return;
@@ -87,9 +87,12 @@ class Stage {
     int who;
     int other = 0;
   };
+  /// A place where nobody has been.
+  Endpoint elsewhere() { return ipv4({192, 0, 2, 7}, ++moved_); }
   void wake(int who, Micros at) {
     if (const auto it = suspended_.find(who); it != suspended_.end()) {
-      network_.stand_still(who, at - it->second);
+      network_.stand_still(who, at - it->second.since);
+      if (it->second.moves) network_.move(who, elsewhere());
       suspended_.erase(it);
     }
     network_.pause(who, false);
@@ -109,7 +112,12 @@ class Stage {
   VirtualNetwork& network_;
   const Scene& scene_;
   std::vector<Undo> undo_;
-  std::map<int, Micros> suspended_;  ///< since when
+  struct Suspended {
+    Micros since;
+    bool moves;
+  };
+  std::map<int, Suspended> suspended_;
+  std::uint16_t moved_ = 0;  ///< machines that have moved
 };
 
 void fill_outcome(const VirtualNetwork& g, const ChaosPlay& how, int founders, ChaosOutcome& out) {

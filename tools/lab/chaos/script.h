@@ -15,7 +15,7 @@ struct ChaosEvent {
     kStart,   ///< a process starts and joins
     kLeave,   ///< one says goodbye
     kKill,    ///< one vanishes
-    kPause,   ///< one stands still for `span`; by the pick, its machine's clock does, too
+    kPause,   ///< one stands still for `span`; by the pick, its machine's clock does, too, and wakes elsewhere
     kDivide,  ///< the network falls into two parts for `span`
     kShape,   ///< all links become another
     kFight,   ///< all avatars are drawn to one place for `span`
@@ -28,6 +28,8 @@ struct ChaosEvent {
 
   /// Whether the machine is suspended: a quarter of all pauses.
   bool suspends() const { return kind == Kind::kPause && pick >> 62U == 0; }
+  /// Whether it wakes up in another network: half of those.
+  bool moves() const { return suspends() && (pick >> 61U & 1U) == 0; }
 };
 
 struct Behaviour;
