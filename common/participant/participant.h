@@ -214,6 +214,7 @@ class Participant {
   bool stays_ = false;
   /// See SessionConfig; of the next incarnation.
   std::optional<Micros> most_offset_;
+  bool doubts_time_ = false;  ///< a transfer has shown another time than this incarnation's
   Micros try_again_ = 0;
   std::optional<Micros> failed_;  ///< when it was last told why this peer has not come in
   std::uint64_t tries_ = 0;

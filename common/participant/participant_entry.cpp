@@ -190,6 +190,7 @@ void Participant::begin_with_transfer(Micros local) {
     // What others showed may be out of date: a suspended machine's clock has stood still, or the session went on by
     // another time. The next attempt does without.
     most_offset_.reset();
+    doubts_time_ = true;
     s.state().fail("the transfer of " + to_string(s.introducer()) + " is of tick " + std::to_string(then) +
                    ", but the session is at " + std::to_string(now));
     return;
@@ -222,6 +223,7 @@ void Participant::take_over() {
   Incarnation before = std::move(current_);
   current_ = std::move(next_);
   next_ = {};
+  doubts_time_ = false;
   had_.push_back(current_.session->incarnation());
   if (!current_.membership) {
     current_.membership = std::make_unique<Membership>(current_.session->state(), *current_.replica);
@@ -261,6 +263,7 @@ void Participant::look_for_way_back(Micros local) {
 
 // A session's time does not change: it is not what another introducer says, if most others say that this peer has it.
 void Participant::note_time(Micros local) {
+  if (doubts_time_) return;
   const Micros offset = session().session_now(local) - local;
   if (const Micros lead = replica().least_clock_lead(); lead >= Replica::kFarAhead)
     most_offset_ = offset - lead;

@@ -80,6 +80,38 @@ TEST(Crowd, PeersMeetFarOut) {
   EXPECT_EQ(run.different(), 0U);
 }
 
+TEST(Crowd, AMachineThatWasSuspendedForMinutesIsBack) {
+  for (const int who : {0, 2}) {
+    CrowdRunConfig c = config(4, "delay 30ms 5ms loss 1%");
+    c.plane.bodies = 4;
+    c.starts = {{8, 8}, {10, 8}, {12, 8}, {14, 8}};
+    c.drive = [](int person, Tick t) {
+      return Vec2{8.0F + 2 * static_cast<float>(person), 8.0F + static_cast<float>(t % 240) / 60};
+    };
+    CrowdRun run(c);
+    run_for(run, 8);
+    run.suspend(who, true);
+    run_for(run, 150);
+    run.suspend(who, false);
+    const Tick woke = run.now();
+    const auto all_there = [&run] {
+      for (int person = 0; person < run.persons(); ++person) {
+        const node::Replica* n = node_of(run, person, crowd::Region{0, 0});
+        if (n == nullptr || !n->member()) return false;
+        int there = 0;
+        for (const auto& a : n->agreed().confirmed().avatars) there += a.present ? 1 : 0;
+        if (there != run.persons()) return false;
+      }
+      return true;
+    };
+    while (run.now() < woke + 8 * kTicksPerSecond && !all_there()) run.advance();
+    EXPECT_TRUE(all_there());
+    std::printf("person %d is back after %.1f s\n", who, static_cast<double>(run.now() - woke) / kTicksPerSecond);
+    run_for(run, 5);
+    EXPECT_EQ(run.different(), 0U);
+  }
+}
+
 TEST(Crowd, WhoStandsBeyondABorderIsSeenAsExactlyAsWhoStandsHere) {
   CrowdRunConfig c = config(2, "delay 100ms loss 2%");
   c.plane.bodies = 0;

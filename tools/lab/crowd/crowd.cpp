@@ -120,6 +120,11 @@ void CrowdRun::advance() {
 
 void CrowdRun::work(std::size_t person) {
   Person& p = persons_[person];
+  if (p.suspended) {
+    p.inbox.clear();
+    p.stood_still += stride_;
+    return;
+  }
   std::stable_sort(p.inbox.begin(), p.inbox.end(), [](const Arrival& a, const Arrival& b) { return a.at < b.at; });
   for (Tick t = now_ + 1; t <= now_ + stride_; ++t) {
     if (t < p.comes) continue;
@@ -130,11 +135,12 @@ void CrowdRun::work(std::size_t person) {
 
 void CrowdRun::work_a_tick(std::size_t person, Micros time) {
   Person& p = persons_[person];
+  const Micros local = time - tick_start(p.stood_still);
   const double before = thread_seconds();
   const auto next = std::find_if(p.inbox.begin(), p.inbox.end(), [time](const Arrival& a) { return a.at > time; });
-  for (auto a = p.inbox.begin(); a != next; ++a) p.peer->receive(persons_[a->from].place, a->bytes, time);
+  for (auto a = p.inbox.begin(); a != next; ++a) p.peer->receive(persons_[a->from].place, a->bytes, local);
   p.inbox.erase(p.inbox.begin(), next);
-  p.peer->turn([this, person](Tick t) { return target_of(person, t); }, time);
+  p.peer->turn([this, person](Tick t) { return target_of(person, t); }, local);
   const std::span<const node::Parcel> parcels = p.peer->take_outgoing();
   p.cpu += thread_seconds() - before;
   for (const node::Parcel& d : parcels) {

@@ -46,6 +46,8 @@ class CrowdRun {
   /// So many.
   Tick stride() const { return stride_; }
   Tick now() const { return now_; }
+  /// A person's machine is suspended: it does nothing, and its clock stands still; or it is no longer.
+  void suspend(int person, bool suspended) { persons_[at(person)].suspended = suspended; }
   /// From now on everybody stands where it is.
   void stop_input();
 
@@ -96,6 +98,8 @@ class CrowdRun {
     float from_edge = 0;
     std::optional<Vec2> stands;
     Tick comes = 0;  ///< nothing is there before
+    bool suspended = false;
+    Tick stood_still = 0;  ///< for so long its clock has
   };
   static std::size_t at(int person) { return static_cast<std::size_t>(person); }
   void place(int person);
