@@ -34,7 +34,7 @@ class Stage {
         if (there.size() > 1) network_.kill(who);
         return;
       case Kind::kPause:
-        if (e.suspends() && !network_.paused(who)) suspended_[who] = {e.at, e.moves()};
+        if (e.suspends() && !network_.paused(who)) suspended_[who] = {network_.now(), e.moves()};
         network_.pause(who, true);
         undo_.push_back({e.at + e.span, Kind::kPause, who});
         return;
@@ -72,7 +72,7 @@ class Stage {
   void undo_until(Micros t) {
     for (const Undo& u : undo_) {
       if (u.at > t) continue;
-      if (u.kind == Kind::kPause) wake(u.who, u.at);
+      if (u.kind == Kind::kPause) wake(u.who);
       if (u.kind == Kind::kDivide) network_.divide({});
       if (u.kind == Kind::kFight) network_.attract({});
       if (u.kind == Kind::kCut) network_.cut(u.who, u.other, false);
@@ -89,9 +89,10 @@ class Stage {
   };
   /// A place where nobody has been.
   Endpoint elsewhere() { return ipv4({192, 0, 2, 7}, ++moved_); }
-  void wake(int who, Micros at) {
+  // At the end of a script sooner than planned.
+  void wake(int who) {
     if (const auto it = suspended_.find(who); it != suspended_.end()) {
-      network_.stand_still(who, at - it->second.since);
+      network_.stand_still(who, network_.now() - it->second.since);
       if (it->second.moves) network_.move(who, elsewhere());
       suspended_.erase(it);
     }
