@@ -296,12 +296,14 @@ void PartitionMerge::advance(const View& view, Commands& out) {
   std::erase_if(gone_, [&](const Remembered& r) {
     const bool is_back = std::any_of(view.roster.seats.begin(), view.roster.seats.end(),
                                      [&](const Seat& s) { return s.there() && s.at == r.gone.at; });
-    return view.roster.now - r.kept > kRemember || (!r.has_left && is_back);
+    return (view.roster.now - r.kept > kRemember && !session_.config.sealed) || (!r.has_left && is_back);
   });
   const bool tells = view.roster.now - told_at_ >= kTell;
   if (tells) told_at_ = view.roster.now;
+  const bool is_turn_of_old = view.roster.now / kPace % (kRarely / kPace) == 0;
   for (Remembered& r : gone_) {
-    if (r.has_left || member_at(r.gone.at, view)) continue;
+    const bool is_old = view.roster.now - r.kept > kRemember;
+    if (r.has_left || member_at(r.gone.at, view) || (is_old && !is_turn_of_old)) continue;
     out.send(r.gone.at, our_probe(false, view));
     if (session_.config.sealed && (tells || !r.told)) tell_of_ours(r, view, out);
   }

@@ -73,7 +73,10 @@ class PartitionMerge {
   static constexpr Tick kAnswerPace = kPace / 2;
   static constexpr Tick kGrace = kTicksPerSecond;
   static constexpr Tick kLately = 2 * kTicksPerSecond;
+  /// Time for which lost peers are looked for often, ticks; without a key they are then forgotten.
   static constexpr Tick kRemember = 20 * 60 * kTicksPerSecond;
+  /// Time between two Probes to one of them after that, ticks: an outage may last for hours.
+  static constexpr Tick kRarely = 30 * kTicksPerSecond;
   /// A peer that was admitted within this time before an eviction may be unknown to the evicted peer: the longest time
   /// from a partition to the eviction.
   static constexpr Tick kMayBeUnknown = kSilence + Evictions::kWithheld;

@@ -219,15 +219,15 @@ TEST(Losing, AfterALongPauseAPeerIsBackWithinTwoSeconds) {
 }
 
 /// One comes back after its machine was suspended, and its clock stood still. `moves`: it wakes up in another network.
-void expect_back_after_suspension(int peers, int who, wire::SealMode mode, bool moves) {
+void expect_back_after_suspension(int peers, int who, wire::SealMode mode, bool moves, double s = 150) {
   SCOPED_TRACE(std::to_string(who) + " of " + std::to_string(peers) + (moves ? ", elsewhere" : ""));
   lab::VirtualNetworkConfig config = party_config(peers, "delay 30ms 5ms loss 1%", 47);
   config.seal = mode;
   Party party(config);
   party.run(8);
   party.net().pause(who, true);
-  party.run(150);
-  party.net().stand_still(who, seconds(150));
+  party.run(s);
+  party.net().stand_still(who, seconds(s));
   if (moves) party.net().move(who, ipv4({192, 0, 2, 7}, 7000));
   party.net().pause(who, false);
   const auto took = party.run_until(40, [&] { return party.united(); });
@@ -245,6 +245,11 @@ TEST(Losing, AMachineThatWasSuspendedForMinutesIsBack) {
     for (const int peers : {2, 4})
       for (const int who : {0, peers - 1})
         for (const bool moves : {false, true}) expect_back_after_suspension(peers, who, mode, moves);
+}
+
+// Once, the other one had forgotten it by then, and took it for a stranger: each waited for the other to come.
+TEST(Losing, AMachineThatWasSuspendedForHalfAnHourIsBack) {
+  for (const int who : {0, 1}) expect_back_after_suspension(2, who, wire::SealMode::kAuth, false, 30 * 60);
 }
 
 // Whoever stood still itself gives the coordinator as long as if it had listened. It must not wait until then with what

@@ -39,6 +39,20 @@ TEST(Partition, TwoAndTwoForTenSecondsAreIdenticalWithinTwo) {
   EXPECT_GT(party.judge().compared(), before + 6 * 200);
 }
 
+// Once, nobody looked for anybody any more after 20 minutes.
+TEST(Partition, TwoSidesMeetAfterAnOutageOfHalfAnHour) {
+  Party party(sealed(4, "delay 30ms", 34, wire::SealMode::kAuth));
+  party.run(6);
+  party.net().divide({{0, 1}, {1, 1}});
+  party.run(30 * 60);
+  party.net().divide({});
+  const auto took = party.run_until(40, [&] { return party.united(); });
+  ASSERT_TRUE(took) << party.story();
+  std::printf("one session %.1f s after the outage\n", *took);
+  party.run(4);
+  EXPECT_EQ(party.judge().violation(), "");
+}
+
 TEST(Partition, TheLargerSideWins) {
   for (const auto mode : kModes) {
     Party party(sealed(5, "delay 30ms", 32, mode));
