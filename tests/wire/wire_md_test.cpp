@@ -417,6 +417,7 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("alone", node::PartitionMerge::kAlone);
   add("lonely", node::PartitionMerge::kLonely);
   add("probe_remember", node::PartitionMerge::kRemember);
+  add("probe_rarely", node::PartitionMerge::kRarely);
   add("unheard", node::Paths::kUnheard);
   add("carried_unanswered", node::Paths::kUnanswered);
   add("reach_fresh", node::Paths::kFresh);
