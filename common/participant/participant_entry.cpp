@@ -93,9 +93,10 @@ void Participant::drop_attempt(Micros local) {
   next_ = {};
 }
 
-// Only until it has asked for its admission, which may be under way.
+// Only until it has asked for its admission, which may be under way. In a crowd many may wait for their turn to come
+// into a region, and have others meanwhile.
 void Participant::give_up_entering(Micros local) {
-  const Micros patience = config_.session.patience;
+  const Micros patience = scene_.region ? 0 : config_.session.patience;
   if (patience > 0 && local - began_ >= patience)
     next_.session->state().fail(no_admission(next_.session->let_in_by(), patience));
 }
