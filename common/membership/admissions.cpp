@@ -230,9 +230,8 @@ void Admissions::on_enter(const Endpoint& from, const wire::Enter& enter, const 
   const std::vector<sync::Bundle> unsent = what_nobody_sends(*guest, view);
   // Whose clock was ahead left updates of later ticks than an order now would have; the joiner asks again.
   const auto is_ahead = [&](const sync::Bundle& b) { return b.tick >= view.roster.now; };
-  const std::uint32_t had = view.log.have(guest->slot);
-  const sync::Bundle* last = had > 0 ? view.log.find(guest->slot, had - 1) : nullptr;
-  if (std::any_of(unsent.begin(), unsent.end(), is_ahead) || (last != nullptr && is_ahead(*last))) return;
+  if (std::any_of(unsent.begin(), unsent.end(), is_ahead) || !view.is_over(guest->slot, view.log.have(guest->slot)))
+    return;
   guest->ordered = true;
   for (const sync::Bundle& b : unsent) {
     sync::Bundle order;

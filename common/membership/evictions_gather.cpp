@@ -103,9 +103,7 @@ bool Evictions::gather(PeerId p, Lost& lost, const View& view, Commands& out) {
     fetch(p, lost, i, view, out);
     return false;
   }
-  // Nor may the last one that all have be of a later tick: it would move the avatar of the slot's next occupant.
-  const sync::Bundle* last = lost.most > 0 ? log.find(p, lost.most - 1) : nullptr;
-  return last == nullptr || last->tick < view.roster.now;
+  return view.is_over(p, lost.most);
 }
 
 // A member may count an update without keeping it: a late joiner has it in the state that it began with. So the members

@@ -21,6 +21,12 @@ struct View {
     const Seat& s = roster.seats[p];
     return std::max(0, roster.now - std::max({log.complete(p), s.excused, s.forgiven}));
   }
+  /// Whether the last of the first `count` updates of p's slot is of a tick that is over, or is kept no longer. Only
+  /// then may the slot be given to another peer: what a clock that was ahead left would move that one's avatar.
+  bool is_over(PeerId p, std::uint32_t count) const {
+    const sync::Bundle* last = count > 0 ? log.find(p, count - 1) : nullptr;
+    return last == nullptr || last->tick < roster.now;
+  }
   /// Whether updates of a former occupant of p's slot are missing, which p cannot tell.
   bool lacks_former(PeerId p) const { return log.have(p) < roster.seats[p].first; }
   /// Whether p, though heard, has not told or not acknowledged updates for too long.

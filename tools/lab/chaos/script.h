@@ -15,7 +15,7 @@ struct ChaosEvent {
     kStart,   ///< a process starts and joins
     kLeave,   ///< one says goodbye
     kKill,    ///< one vanishes
-    kPause,   ///< one stands still for `span`; by the pick, its machine's clock does, too, and wakes elsewhere
+    kPause,   ///< one stands still for `span`; by the pick, its machine is suspended
     kDivide,  ///< the network falls into two parts for `span`
     kShape,   ///< all links become another
     kFight,   ///< all avatars are drawn to one place for `span`
