@@ -54,13 +54,6 @@ constexpr int kBelieved = 4;
 
 }  // namespace
 
-Tick OutLink::probe_interval(Tick unanswered) {
-  Tick interval = kCalmMarkInterval;
-  for (const Probing& p : kProbing)
-    if (unanswered >= p.unanswered) interval = p.interval;
-  return interval;
-}
-
 bool OutLink::arrived(std::uint32_t index) const {
   if (index < acked_) return true;
   const std::uint32_t beyond = index - acked_ - 1;
@@ -90,9 +83,15 @@ bool OutLink::echoes(const Flight& f, Tick now) const {
 
 // What is not acknowledged is to be soon, and for that the other end must hear that it is not.
 Tick OutLink::interval(const Context& c, std::uint32_t end) const {
-  const Tick probes = probe_interval(unanswered(c.now));
-  if (c.calm && loss_ < kLossy) return probes;
-  return std::min(probes, c.quiet && acked_ >= end && loss_ < kUnquiet ? kQuietMarkInterval : kMarkInterval);
+  const bool quiet = c.quiet && acked_ >= end && loss_ < kUnquiet;
+  const Tick marks = c.calm && loss_ < kLossy ? kCalmMarkInterval : quiet ? kQuietMarkInterval : kMarkInterval;
+  const Tick silence = unanswered(c.now);
+  // An answer may take a mark of ours and then one of the other end.
+  if (silence < 2 * marks) return marks;
+  Tick probes = marks;
+  for (const Probing& p : kProbing)
+    if (silence >= p.unanswered) probes = p.interval;
+  return std::min(marks, probes);
 }
 
 void OutLink::empty_packet() {
@@ -103,9 +102,8 @@ void OutLink::empty_packet() {
   packet_.updates = std::move(updates);
 }
 
-// Where everybody falls quiet at once, or begins, all would go on sending their marks in the same tick. So one mark of
-// a row is early, and from then on they come in the peer's own phase. Who has just come in is waited for, and begins at
-// once.
+// Where everybody begins at once, all would go on sending their marks in the same tick. So the first one is early, and
+// they come in the peer's own phase. Who has just come in is waited for, and begins at once.
 void OutLink::begin_marks(Tick now) {
   if (last_sent_ != kNever || fresh_) return;
   rate_.begin_window();
@@ -113,9 +111,12 @@ void OutLink::begin_marks(Tick now) {
   marked_ = true;
 }
 
+// Where everybody falls quiet at once, the marks of a row get back into phase, each a little early.
 bool OutLink::mark_is_due(const Context& c) const {
   const Tick since = c.now - last_sent_;
-  return since >= interval_ || (marked_ && since > 0 && (c.now + c.phase) % interval_ == 0);
+  const Tick earliest = seq_ == 0 ? 1 : interval_ - interval_ / 8;
+  const Tick to_go = (interval_ - (c.now + c.phase) % interval_) % interval_;
+  return since >= interval_ || (marked_ && since >= earliest && (to_go == 0 || since + to_go > interval_));
 }
 
 // Newest first: it matters most to what is seen. But where the other end cannot acknowledge all that it has one by one,

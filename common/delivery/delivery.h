@@ -57,8 +57,6 @@ class OutLink {
   LinkRate& rate() { return rate_; }
   /// Ticks since the receiver last said that something new of ours has arrived.
   Tick unanswered(Tick now) const { return answered_at_ == kNever ? 0 : std::max(0, now - answered_at_); }
-  /// Marks on a link that has been unanswered for so long come at most so many ticks after one another.
-  static Tick probe_interval(Tick unanswered);
   /// Unanswered for so long, a link is sent one repeat with each datagram, and no others.
   static constexpr Tick kSilent = 3 * kTicksPerSecond;
   /// Updates sent more than once, counted by repetition.
