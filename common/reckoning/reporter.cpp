@@ -14,7 +14,8 @@ namespace {
 // end at once.
 constexpr Tick kPatience = 6;
 constexpr float kMisdriven = 0.001F;  // m
-// Below this the avatar counts as standing.
+// Below this the avatar counts as standing, by its way: where it is jammed, the solver gives it a velocity all the
+// same.
 constexpr float kStandingSpeed = 0.01F;  // m/s
 
 Tick patience_of(const Technique& t) {
@@ -262,7 +263,8 @@ void Reporter::follow_avatar(const Situation& s, const BodyState& truth) {
     last_target_ = s.target;
     target_since_ = now;
   }
-  if (length(truth.velocity) > kStandingSpeed) avatar_moved_ = now;
+  if (distance(truth.position, last_place_) > kStandingSpeed * kTickSeconds) avatar_moved_ = now;
+  last_place_ = truth.position;
   const bool still = !truth.awake || world::has_arrived(truth.position, truth.velocity, s.target);
   if (!still) avatar_driven_ = now;
 }

@@ -118,6 +118,7 @@ class Reporter {
   const ChainChanges* changes_ = nullptr;  ///< of this tick
   Bundle told_;
   Vec2 last_target_;
+  Vec2 last_place_;         ///< of the avatar
   Tick target_since_ = 0;   ///< since when the input has been the same
   Tick avatar_driven_ = 0;  ///< last tick anything drove the avatar
   Tick avatar_rest_told_ = -1000;
