@@ -111,10 +111,12 @@ void OutLink::begin_marks(Tick now) {
   marked_ = true;
 }
 
-// Where everybody falls quiet at once, the marks of a row get back into phase, each a little early.
+// Where everybody falls quiet at once, the marks of a row get back into phase: each a little early, or one as early as
+// need be where acknowledgements are urgent.
 bool OutLink::mark_is_due(const Context& c) const {
   const Tick since = c.now - last_sent_;
-  const Tick earliest = seq_ == 0 ? 1 : interval_ - interval_ / 8;
+  const bool at_once = seq_ == 0 || interval_ <= kMarkInterval;
+  const Tick earliest = at_once ? 1 : interval_ - interval_ / 8;
   const Tick to_go = (interval_ - (c.now + c.phase) % interval_) % interval_;
   return since >= interval_ || (marked_ && since >= earliest && (to_go == 0 || since + to_go > interval_));
 }
