@@ -112,11 +112,11 @@ void OutLink::begin_marks(Tick now) {
 }
 
 // Where everybody falls quiet at once, the marks of a row get back into phase: each a little early, or one as early as
-// need be where acknowledgements are urgent.
+// need be where acknowledgements are urgent. On a narrow link none is early: it takes no more.
 bool OutLink::mark_is_due(const Context& c) const {
   const Tick since = c.now - last_sent_;
   const bool at_once = seq_ == 0 || interval_ <= kMarkInterval;
-  const Tick earliest = at_once ? 1 : interval_ - interval_ / 8;
+  const Tick earliest = at_once ? 1 : interval_ - (rate_.is_limited() ? 0 : interval_ / 8);
   const Tick to_go = (interval_ - (c.now + c.phase) % interval_) % interval_;
   return since >= interval_ || (marked_ && since >= earliest && (to_go == 0 || since + to_go > interval_));
 }
