@@ -91,7 +91,7 @@ Tick OutLink::interval(const Context& c, std::uint32_t end) const {
   Tick probes = marks;
   for (const Probing& p : kProbing)
     if (silence >= p.unanswered) probes = p.interval;
-  return std::min(marks, probes);
+  return probes;
 }
 
 void OutLink::empty_packet() {
@@ -112,7 +112,7 @@ void OutLink::begin_marks(Tick now) {
 }
 
 // Where everybody falls quiet at once, the marks of a row get back into phase: each a little early, or one as early as
-// need be where acknowledgements are urgent. On a narrow link none is early: it takes no more.
+// need be where acknowledgements are urgent. Elsewhere on a narrow link none is early: it takes no more.
 bool OutLink::mark_is_due(const Context& c) const {
   const Tick since = c.now - last_sent_;
   const bool at_once = seq_ == 0 || interval_ <= kMarkInterval;
