@@ -138,7 +138,8 @@ bool PartitionMerge::has_stronger_evidence(const wire::Probe& probe, const Side&
   const auto& [theirs, ours] = few ? members : known;
   if (members.peers() == 0) return false;
   if (theirs.peers != ours.peers) return theirs.peers > ours.peers;
-  // What a single witness says may be a lie.
+  // What a single witness says may be a lie: it moves no larger part at once. If it is true, it joins that part itself.
+  if (theirs.peers == 1 && us.size() > probe.members.size()) return false;
   if (stalled_ && theirs.peers > 1) return true;
   if (theirs.senior != ours.senior) return theirs.senior < ours.senior;
   return comes_first(probe.members, us);

@@ -258,6 +258,24 @@ TEST(PartitionMerge, SeniorityKeepsTheSmallerPartApartForAWhileOnly) {
   }
 }
 
+// Once, one of five, which had not itself seen the most senior peer lie, went over to that one again and again, as all
+// the others had come after its eviction.
+TEST(PartitionMerge, SeniorityOfASinglePeerMovesNoLargerPart) {
+  for (const bool one_was_there : {true, false}) {
+    for (const std::size_t listed : {1U, 2U, 3U, 4U}) {
+      SCOPED_TRACE(std::to_string(listed) + (one_was_there ? " and one of us was there" : ""));
+      Met met({one_was_there ? 50 : 910, 920, 930}, 0);
+      met.s.roster.in_since = 930;
+      met.rules.remember({keyed(5), 20, 900}, 900);
+      met.probe.members.clear();
+      for (std::size_t i = 0; i < listed; ++i)
+        met.probe.members.push_back({static_cast<PeerId>(5 + i), static_cast<std::uint32_t>(6 + i), 0});
+      met.probed_by(5, 5);
+      EXPECT_EQ(met.yields(), !one_was_there || listed >= 3) << "whom that one cannot know, it cannot join";
+    }
+  }
+}
+
 // Once, a member stayed for 30 s with a senior liar by which nothing was confirmed, beside a part of the same size.
 TEST(PartitionMerge, SeniorityKeepsNobodyWhereNothingIsConfirmed) {
   for (const int both : {1, 2, 3}) {
