@@ -272,9 +272,10 @@ class Replica {
   void forget_pushes(const sync::Bundle& told);
   void publish(const sync::Bundle& bundle);
   void send();
-  /// Of each link, bytes per second.
-  double share_of_budget() const;
-  void fill(sync::StatePacket& packet, PeerId p);
+  /// Peers that datagrams go to.
+  int links() const;
+  /// `check_every`: ticks between hashes told to one peer.
+  void fill(sync::StatePacket& packet, PeerId p, Tick check_every);
   const HashChecks::Own* contested_check(PeerId p) const;
   void refresh_own();
   bool own_is_predicted(const std::vector<bool>& own) const;

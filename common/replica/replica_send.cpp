@@ -18,6 +18,9 @@ constexpr Tick kKept = 15 * kTicksPerSecond;
 constexpr Tick kKeptAtMost = 64 * kTicksPerSecond;
 // Interval between hashes when updates leave no room for marks; otherwise each hash goes out once, with a mark.
 constexpr Tick kTellCheck = 60;
+// The same for each other peer, in a large session: ten hashes a second reach each peer, so whoever differs finds it
+// out as soon as in a small one.
+constexpr Tick kTellCheckPerPeer = 6;
 constexpr double kBytesPerKbit = 125;
 // Ticks after the last one that counted as held up that are still made too late, as a peer makes up for what it missed.
 constexpr Tick kMakesUp = 24;
@@ -26,17 +29,19 @@ constexpr Tick kQuiet = kTicksPerSecond;
 
 }  // namespace
 
-double Replica::share_of_budget() const {
-  if (config_.technique.budget <= 0) return sync::LinkRate::kMost;
+int Replica::links() const {
   int links = 0;
   for (PeerId p = 0; p < config_.slots; ++p)
     if (p != config_.self && seat(p).reachable()) ++links;
-  return config_.technique.budget * kBytesPerKbit / std::max(1, links);
+  return links;
 }
 
 void Replica::send() {
   sent_ = 0;
-  const double share = share_of_budget();
+  const int others = links();
+  const double budget = config_.technique.budget;
+  const double share = budget > 0 ? budget * kBytesPerKbit / std::max(1, others) : sync::LinkRate::kMost;
+  const Tick check_every = std::max(kTellCheck, kTellCheckPerPeer * others);
   const bool is_late = now() - roster_.late <= kMakesUp;
   std::uint32_t everyone = own_end();
   for (PeerId p = 0; p < config_.slots; ++p) {
@@ -59,7 +64,7 @@ void Replica::send() {
       n.unacknowledged = own_log_[acked - own_first_].tick;
     if (packet == nullptr) continue;
     to.repeats = false;
-    fill(*packet, p);
+    fill(*packet, p, check_every);
     if (sent_ == outgoing_.size()) outgoing_.emplace_back().bytes.reserve(wire::kMaxDatagram);
     Outgoing& o = outgoing_[sent_++];
     o.to = p;
@@ -85,16 +90,17 @@ void Replica::keep_logs(std::uint32_t everyone) {
   agreed_.keep_from(std::max(all, now() - kKeptAtMost));
 }
 
-void Replica::fill(sync::StatePacket& packet, PeerId p) {
+void Replica::fill(sync::StatePacket& packet, PeerId p, Tick check_every) {
   LinkState& to = links_[p];
   packet.incarnation = config_.incarnation;
   packet.to_incarnation = seat(p).incarnation;
   // Marks carry what is not urgent.
   const bool mark = packet.updates.empty();
   const HashChecks::Own newest = checks_.newest();
-  const bool late = now() - to.checked >= kTellCheck;
+  const bool late = now() - to.checked >= check_every;
   if (mark || late) packet.loss = static_cast<std::uint32_t>(to.window.loss() * 100);
-  if (!late && (!mark || newest.tick <= to.told_check)) return;
+  const bool early = mark && newest.tick > to.told_check && check_every == kTellCheck;
+  if (!late && !early) return;
   to.checked = now();
   to.told_check = newest.tick;
   if (to.clock.measured()) packet.transit = static_cast<std::int32_t>(to.clock.least() / 100);

@@ -317,6 +317,34 @@ TEST_P(QuietSession, TakesLessThanAKilobitASecondOnEachLinkAndWakesAtOnce) {
 
 INSTANTIATE_TEST_SUITE_P(Replica, QuietSession, testing::Values("", "delay 100ms 20ms", "delay 100ms 20ms loss 1%"));
 
+// Once, each of 21 peers was told 15 hashes a second.
+TEST(Replica, ALargeSessionComparesNoMoreHashesThanASmallOneAndAsSoon) {
+  for (const int peers : {6, 13, 21}) {
+    SCOPED_TRACE(std::to_string(peers) + " peers");
+    constexpr Tick kSeconds = 30;
+    Mesh mesh(peers, "delay 100ms", test::seed(1), {}, "pitch");
+    const std::vector<bool> all(static_cast<std::size_t>(peers), true);
+    for (Tick t = 0; t < 5 * kTicksPerSecond; ++t) mesh.step(all);
+    std::vector<std::uint64_t> compared(all.size());
+    std::vector<Tick> latest(all.size(), mesh.now());
+    for (PeerId p = 0; p < peers; ++p) compared[p] = mesh[p].stats().hash_checks;
+    std::vector<std::uint64_t> seen = compared;
+    for (Tick t = 0; t < kSeconds * kTicksPerSecond; ++t) {
+      mesh.step(all);
+      for (PeerId p = 0; p < peers; ++p) {
+        if (mesh[p].stats().hash_checks > seen[p]) latest[p] = mesh.now();
+        seen[p] = mesh[p].stats().hash_checks;
+        ASSERT_LT(mesh.now() - latest[p], 3 * kTicksPerSecond / 2) << "peer " << int{p};
+      }
+    }
+    for (PeerId p = 0; p < peers; ++p) {
+      const auto a_second = static_cast<double>(seen[p] - compared[p]) / kSeconds;
+      EXPECT_GE(a_second, peers == 6 ? 3 : 8) << "peer " << int{p};
+      EXPECT_LE(a_second, 12) << "peer " << int{p};
+    }
+  }
+}
+
 /// Updates of this tick as told to somebody, by peer.
 void for_each_told(const Mesh& mesh, PeerId p, const auto& look) {
   if (mesh[p].outgoing().empty()) return;
