@@ -57,6 +57,11 @@ TEST(ChaosSealed, Holds6037) {
   play_in_full(6037, wire::SealMode::kAuth);
 }
 
+// A newcomer was given the address of a machine that was asleep and woke up elsewhere.
+TEST(ChaosSealed, Holds760019) {
+  play_in_full(760019, wire::SealMode::kAuth);
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Once, ChaosInFull,
     testing::Values(

@@ -25,7 +25,8 @@ class Stage {
     const int other = there[(e.pick >> 20U) % there.size()];
     switch (e.kind) {
       case Kind::kStart:
-        network_.start(who);
+        if (const std::vector<int> known = those_where_they_stay(); !known.empty())
+          network_.start(known[e.pick % known.size()]);
         return;
       case Kind::kLeave:
         if (there.size() > 1) network_.leave(who);
@@ -102,6 +103,15 @@ class Stage {
     if (from == to) return;
     network_.cut(from, to, true);
     undo_.push_back({until, Kind::kCut, from, to});
+  }
+  // The address of a machine that will wake up elsewhere leads nowhere, and a newcomer knows only one.
+  std::vector<int> those_where_they_stay() const {
+    std::vector<int> all = those_there();
+    std::erase_if(all, [&](int p) {
+      const auto it = suspended_.find(p);
+      return it != suspended_.end() && it->second.moves;
+    });
+    return all;
   }
   std::vector<int> those_there() const {
     std::vector<int> there;
