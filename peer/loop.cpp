@@ -1,7 +1,10 @@
 #include "peer/loop.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
+#include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include "common/model/user_error.h"
@@ -18,17 +21,51 @@ constexpr Micros kDrain = 300'000;
 
 /// Addresses that are remembered as such that nothing can be sent to.
 constexpr std::size_t kMostUnsendable = 256;
+/// Where some datagrams can be sent and some cannot, that is said so often at most.
+constexpr Micros kSayAgain = 60 * kMicrosPerSecond;
 
 }  // namespace
 
 Loop::Loop(const Options& options, Log& log, const shell::Clock& clock)
     : options_(options), log_(log), clock_(clock), io_(1), signals_(io_), timer_(io_) {
   shell::add_stop_signals(signals_);
-  const std::optional<shell::Udp::endpoint> join = join_address(io_, options);
+  const std::optional<shell::Udp::endpoint> join = look_up_whom_to_join();
   socket_ = std::make_unique<shell::UdpSocket>(io_, listen_address(io_, options, join));
   local_ = shell::to_endpoint(socket_->local());
   if (join) join_ = shell::to_endpoint(*join);
   if (options.map_port) map_port();
+}
+
+// A machine that boots may start a peer before it has its network.
+std::optional<shell::Udp::endpoint> Loop::look_up_whom_to_join() {
+  const Micros patience = in_micros(options_.join_timeout);
+  Micros said = -kSayAgain;
+  for (const Micros begin = clock_.now();;) {
+    try {
+      return join_address(io_, options_);
+    } catch (const shell::NotResolvedYet& e) {
+      const Micros after = clock_.now() - begin;
+      if (patience > 0 && after >= patience) throw;
+      if (clock_.now() - said >= kSayAgain) {
+        log_.net->warn("{}; trying on", e.what());
+        said = clock_.now();
+      }
+    }
+    wait_for_a_second();
+  }
+}
+
+void Loop::wait_for_a_second() {
+  std::string_view signal;
+  signals_.async_wait([&](const boost::system::error_code& error, int number) {
+    if (!error) signal = shell::name_of_signal(number);
+  });
+  io_.run_for(std::chrono::seconds(1));
+  signals_.cancel();
+  io_.restart();
+  io_.poll();
+  io_.restart();
+  if (!signal.empty()) throw std::runtime_error(std::string(signal) + " before the session started");
 }
 
 void Loop::map_port() {
@@ -129,9 +166,10 @@ void Loop::flush() {
   socket_->flush([this, time](const Endpoint& to, std::span<const std::byte> datagram, bool sent) {
     if (sent) {
       if (packets_) packets_->sent(to, datagram, time);
-      unsendable_.erase(to);
+      if (const auto it = unsendable_.find(to); it != unsendable_.end() && clock_.now() - it->second >= kSayAgain)
+        unsendable_.erase(it);
     } else if (unsendable_.size() < kMostUnsendable && !unsendable_.contains(to) && net_limit_.pass(clock_.now())) {
-      unsendable_.insert(to);
+      unsendable_[to] = clock_.now();
       log_.net->warn("cannot send to {}: {}; this is said once, until it is possible", to_string(to),
                      socket_->last_error());
     }

@@ -6,9 +6,9 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -89,6 +89,10 @@ class Loop {
 
  private:
   void map_port();
+  /// Tries on until a name server answers, for as long as joining may take. Throws UserError.
+  std::optional<shell::Udp::endpoint> look_up_whom_to_join();
+  /// Throws std::runtime_error if a signal comes meanwhile.
+  void wait_for_a_second();
   void flush();
   void take(const Endpoint& from, std::span<const std::byte> datagram);
   void set_timer(Micros now);
@@ -101,9 +105,9 @@ class Loop {
   std::shared_ptr<shell::HandlerMemory> timer_memory_ = std::make_shared<shell::HandlerMemory>();
   std::optional<Micros> timer_due_;  ///< what it is set to; nothing: it is not
   std::unique_ptr<shell::OutputFile> json_;
-  std::string packets_failure_;         ///< as it was said; empty: none
-  std::unique_ptr<PacketLog> packets_;  ///< null: none is kept
-  std::set<Endpoint> unsendable_;       ///< the system has refused to send there, and it was said
+  std::string packets_failure_;            ///< as it was said; empty: none
+  std::unique_ptr<PacketLog> packets_;     ///< null: none is kept
+  std::map<Endpoint, Micros> unsendable_;  ///< the system has refused to send there, and when it was said
   RateLimit net_limit_;
   Micros next_status_ = -1;            ///< local time; -1: not yet playing
   bool step_failed_ = false;           ///< of those after the end

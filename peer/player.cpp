@@ -14,6 +14,8 @@ namespace padr::peer {
 namespace {
 
 constexpr Micros kTickLength = kMicrosPerSecond / kTicksPerSecond;
+/// The same newcomer is said to be refused for the same reason so often at most.
+constexpr Micros kRefusedAgain = 10 * kMicrosPerSecond;
 
 Totals operator+(const Totals& a, const Totals& b) {
   Totals sum = a;
@@ -207,14 +209,25 @@ void Player::watch_hashes() {
                    replica().stats().first_mismatch);
 }
 
-// Strangers may ask to join fifty times a second, and the log must not fill the disk.
+// Strangers may ask to join fifty times a second, and the log must not fill the disk. A newcomer asks a full session
+// several times.
 void Player::tell_events(Micros now) {
   for (const node::SessionEvent& e : participant_.take_events()) {
-    if (e.kind == node::SessionEvent::Kind::kRefused && (refused_untold_ > 0 || !refusals_.take(1, now)))
+    const std::string words = shell::words_of(e);
+    const bool refusal = e.kind == node::SessionEvent::Kind::kRefused;
+    if (refusal && words == refused_ && now - refused_at_ < kRefusedAgain) {
+      ++refused_again_;
+      continue;
+    }
+    if (refusal && (refused_untold_ > 0 || !refusals_.take(1, now))) {
       ++refused_untold_;
-    else
-      log_.session->log(shell::is_problem(e) ? spdlog::level::warn : spdlog::level::info, "{}", shell::words_of(e));
+      continue;
+    }
+    if (refusal) refused_ = words;
+    if (refusal) refused_at_ = now;
+    log_.session->log(shell::is_problem(e) ? spdlog::level::warn : spdlog::level::info, "{}", words);
   }
+  if (now - refused_at_ >= kRefusedAgain) refused_untold_ += std::exchange(refused_again_, 0);
   if (refused_untold_ == 0 || !refusals_.take(1, now)) return;
   log_.session->info("refused {} more", std::exchange(refused_untold_, 0));
 }

@@ -142,6 +142,9 @@ class Player {
   bool catching_up_ = false;                ///< after a standstill, which is nobody's fault
   node::Allowance refusals_{1, 10, 10, 0};  ///< of which the log has a line each
   int refused_untold_ = 0;
+  std::string refused_;    ///< the last of those lines, and when it was said
+  int refused_again_ = 0;  ///< times that it would have been said since
+  Micros refused_at_ = 0;
   History history_;
   node::Participant participant_;
   std::unique_ptr<scenarios::InputSource> input_;

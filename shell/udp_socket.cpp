@@ -53,8 +53,10 @@ Udp::endpoint resolve(asio::io_context& io, const std::string& flag, const shell
   Udp::resolver resolver(io);
   error_code error;
   const auto found = resolver.resolve(where.host, std::to_string(where.port), error);
-  if (error || found.empty())
-    throw UserError(flag + ": cannot resolve '" + where.host + "': " + (error ? error.message() : "no address"));
+  const std::string failure =
+      flag + ": cannot resolve '" + where.host + "': " + (error ? error.message() : "no address");
+  if (error == asio::error::host_not_found_try_again) throw NotResolvedYet(failure);
+  if (error || found.empty()) throw UserError(failure);
   const Udp wanted = own != nullptr ? own->protocol() : Udp::v4();
   for (const auto& entry : found)
     if (as_it_is(entry.endpoint()).protocol() == wanted) return as_it_is(entry.endpoint());

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "common/model/endpoint.h"
+#include "common/model/user_error.h"
 #include "shell/handler_memory.h"
 #include "shell/host_port.h"
 
@@ -21,8 +22,14 @@ namespace padr::shell {
 
 using Udp = boost::asio::ip::udp;
 
+/// No name server has answered: it may a moment later.
+struct NotResolvedYet : UserError {
+  using UserError::UserError;
+};
+
 /// The first address of HOST that a socket at `own` can send to, of its family if there is one; without `own`, IPv4
-/// before IPv6. Throws UserError, which names the flag, if there is none.
+/// before IPv6. Throws UserError, which names the flag, if there is none;
+/// NotResolvedYet if that may change.
 Udp::endpoint resolve(boost::asio::io_context& io, const std::string& flag, const shell::HostPort& where,
                       const Udp::endpoint* own = nullptr);
 

@@ -51,6 +51,11 @@ SecureChannels::Channel* SecureChannels::lately_at(const Endpoint& place, Micros
   return it == channels_.end() ? nullptr : &*it;
 }
 
+bool SecureChannels::hears(const Endpoint& place, Micros local) const {
+  return std::any_of(channels_.begin(), channels_.end(),
+                     [&](const Channel& c) { return same_place(c.at, place) && c.met && local - c.heard <= kQuiet; });
+}
+
 // ---- out
 
 void SecureChannels::send(const Endpoint& to, PeerId state_to, std::span<const std::byte> datagram, Micros local) {

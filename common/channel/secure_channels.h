@@ -113,6 +113,8 @@ class SecureChannels {
     bool carried = false;
   };
   Came came(const PublicKey& of, Micros local) const;
+  /// Whether somebody who has the session's key has lately been heard at this place.
+  bool hears(const Endpoint& place, Micros local) const;
   /// Where a peer is, by what it sent last; not set if it is not known.
   Endpoint place(const PublicKey& of) const;
   /// What to send, by place, in order, since the last time; until the next call of anything.

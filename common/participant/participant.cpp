@@ -91,7 +91,13 @@ void Participant::warn_of_drops(const Endpoint& place, Micros local) {
   const auto& dropped = channels_->stats().dropped;
   const std::uint64_t drops =
       dropped[static_cast<std::size_t>(ChannelDrop::kUnsealed)] + dropped[static_cast<std::size_t>(ChannelDrop::kTag)];
-  if (std::exchange(drops_seen_, drops) != drops) dropped_at_ = place;
+  // What comes from a member after this peer's process has begun anew is sealed for the one before.
+  const std::uint64_t news = drops - std::exchange(drops_seen_, drops);
+  if (channels_->hears(place, local)) {
+    drops_told_ += news;
+  } else if (news > 0) {
+    dropped_at_ = place;
+  }
   if (drops == drops_told_ || local - warned_ < kWarnAgain) return;
   events_.push_back({.kind = SessionEvent::Kind::kWrongKey, .at = dropped_at_, .count = drops - drops_told_});
   drops_told_ = drops;

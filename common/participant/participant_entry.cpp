@@ -258,6 +258,7 @@ void Participant::look_for_way_back(Micros local) {
   if (c.joins == 0) return;
   c.seed = derive_seed(c.seed, 0xBAC, ++tries_);
   c.patience = kReturnPatience;
+  c.returns = true;
   c.most_offset = most_offset_;
   next_.session = std::make_unique<Session>(c, local);
 }

@@ -124,7 +124,7 @@ void Session::dispatch(const Endpoint& from, const wire::Header& header, const w
     if (pull_) pull_->on_redirect(from, *redirect);
     joiner_->on_redirect(from, *redirect, local);
   }
-  if (const auto* refuse = std::get_if<wire::Refuse>(&message)) joiner_->on_refuse(from, *refuse);
+  if (const auto* refuse = std::get_if<wire::Refuse>(&message)) joiner_->on_refuse(from, *refuse, local);
   const auto* pong = std::get_if<wire::Pong>(&message);
   if (pong != nullptr && pull_ && !settled_) pull_->on_pong(from, *pong, local);
 }

@@ -11,10 +11,15 @@ namespace padr::node {
 namespace {
 
 constexpr int kMostRedirects = 4;
+/// Time for which a newcomer goes on asking though all slots are taken: longer than a member that has just crashed is
+/// not missed.
+constexpr Micros kInsists = 2 * kMicrosPerSecond;
+/// Interval between two events that tell why joining takes long.
+constexpr Micros kTellAgain = 10 * kMicrosPerSecond;
 
 }  // namespace
 
-Joiner::Joiner(SessionState& session, Micros local) : session_(session), target_(*session.config.join) {
+Joiner::Joiner(SessionState& session, Micros local) : session_(session), target_(*session.config.join), told_(local) {
   std::uint64_t seed = session.config.seed;
   do {
     nonce_ = splitmix64(seed);
@@ -92,9 +97,14 @@ void Joiner::on_redirect(const Endpoint& from, const wire::Redirect& redirect, M
   ask(local);
 }
 
-void Joiner::on_refuse(const Endpoint& from, const wire::Refuse& refuse) {
+// A player that starts anew after a crash may find its own slot taken.
+void Joiner::on_refuse(const Endpoint& from, const wire::Refuse& refuse, Micros local) {
   if (session_.phase != SessionPhase::kJoining || !is_target(from) || refuse.nonce != nonce_) return;
-  session_.fail("refused by " + to_string(from) + ": " + refuse.reason);
+  const std::string why = "refused by " + to_string(from) + ": " + refuse.reason;
+  if (session_.config.returns || !refuse.reason.starts_with(kFull)) return session_.fail(why);
+  if (full_.empty()) full_since_ = local;
+  full_ = why;
+  if (local - full_since_ >= kInsists) session_.fail(why);
 }
 
 void Joiner::on_other_version(const Endpoint& from, int version) {
@@ -106,6 +116,7 @@ void Joiner::on_other_version(const Endpoint& from, int version) {
 void Joiner::advance(Micros local) {
   give_up_if_late(local);
   if (session_.phase == SessionPhase::kFailed) return;
+  tell_why_it_takes_long(local);
   start_over_if_unheard(local);
   if (local - asked_ >= (asks_ <= SessionPace::kJoins ? SessionPace::kJoin : SessionPace::kRareJoin)) ask(local);
 }
@@ -118,13 +129,24 @@ std::optional<Joiner::Introduction> Joiner::introduction(Micros local) const {
 void Joiner::give_up_if_late(Micros local) {
   const Micros patience = session_.config.patience;
   if (patience == 0 || local - session_.born < patience) return;
+  session_.fail(why_not_in(patience, local));
+}
+
+void Joiner::tell_why_it_takes_long(Micros local) {
+  if (local - told_ < kTellAgain) return;
+  told_ = local;
+  session_.tell({.kind = SessionEvent::Kind::kStillOut,
+                 .text = why_not_in((local - session_.born) / kTellAgain * kTellAgain, local)});
+}
+
+std::string Joiner::why_not_in(Micros after, Micros local) const {
+  if (!full_.empty()) return full_;
+  if (session_.config.waited > 0) return no_admission(target_, session_.config.waited + after);
   const bool refused = refused_ && refused_->at == target_ && local - refused_->when <= 2 * SessionPace::kRareJoin;
-  if (session_.config.waited > 0) return session_.fail(no_admission(target_, session_.config.waited + patience));
-  session_.fail("no answer from " + to_string(target_) + " within " + in_seconds(patience) +
-                (refused ? ": nobody listens there"
-                 : session_.config.sealed
-                     ? "; it may have another session key, or none, or nobody listens there"
-                     : "; it may have a session key, or play in a crowd, or nobody listens there"));
+  return "no answer from " + to_string(target_) + " within " + in_seconds(after) +
+         (refused                  ? ": nobody listens there"
+          : session_.config.sealed ? "; it may have another session key, or none, or nobody listens there"
+                                   : "; it may have a session key, or play in a crowd, or nobody listens there");
 }
 
 }  // namespace padr::node

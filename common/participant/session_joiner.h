@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "common/session/session_state.h"
 
@@ -16,7 +17,7 @@ class Joiner {
   void on_join(const Endpoint& from, const wire::Join& join, Micros local);
   void on_welcome(const Endpoint& from, const wire::Header& header, const wire::Welcome& welcome);
   void on_redirect(const Endpoint& from, const wire::Redirect& redirect, Micros local);
-  void on_refuse(const Endpoint& from, const wire::Refuse& refuse);
+  void on_refuse(const Endpoint& from, const wire::Refuse& refuse, Micros local);
   /// The peer at `from` has another version of the protocol.
   void on_other_version(const Endpoint& from, int version);
   /// The machine at `at` reports that nobody listens there.
@@ -36,6 +37,9 @@ class Joiner {
   bool is_target(const Endpoint& from);
   void start_over_if_unheard(Micros local);
   void give_up_if_late(Micros local);
+  void tell_why_it_takes_long(Micros local);
+  /// Why this peer is not in after so long, us.
+  std::string why_not_in(Micros after, Micros local) const;
 
   SessionState& session_;
   std::uint64_t nonce_;
@@ -52,6 +56,9 @@ class Joiner {
     Micros when = 0;
   };
   std::optional<Refused> refused_;  ///< the last report that nobody listens there
+  std::string full_;                ///< the refusal of a session that was full
+  Micros full_since_ = 0;
+  Micros told_;  ///< when it was last told why this takes long
 };
 
 }  // namespace padr::node

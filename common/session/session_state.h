@@ -43,6 +43,7 @@ struct SessionConfig {
   /// Joins that may be sent in all, but for one more for each of the first redirects: whoever sends them may have named
   /// the address of somebody else. Absent: any number.
   std::optional<int> joins{};
+  bool returns = false;  ///< this peer has been in the session before
   /// Longest time from this peer's start to the begin of play, us; 0: no limit.
   Micros patience = 30 * kMicrosPerSecond;
   /// So much of it an attempt before this one took, in which a member answered, us; 0: there was none.

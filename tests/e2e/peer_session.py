@@ -6,11 +6,13 @@ Usage: peer_session.py PATH_TO_PADR_PEER [unittest arguments]
 
 import ctypes
 import os
+import shutil
 import struct
+import subprocess
 import time
 import zlib
 
-from peers import Case, main, run, socket, time
+from peers import PROGRAM, Case, main, run, socket, time
 
 
 class Joining(Case):
@@ -66,6 +68,18 @@ class Joining(Case):
         self.assertEqual(joiner.end(), 1)
         self.assertIn("no answer from 127.0.0.1:1 within 1 s: nobody listens there", joiner.text())
 
+    def test_no_name_server_answers_yet(self):
+        alone = shutil.which("unshare") and subprocess.run(["unshare", "-rn", "true"], capture_output=True).returncode == 0
+        if not alone:
+            self.skipTest("no network namespaces here")
+        begin = time.monotonic()
+        result = subprocess.run(["unshare", "-rn", PROGRAM, "--listen", "0.0.0.0:0", "--insecure", "--join", "host.invalid:7001",
+                                 "--join-timeout", "2"], capture_output=True, text=True, timeout=60)  # fmt: skip
+        self.assertEqual(result.returncode, 2)
+        self.assertGreater(time.monotonic() - begin, 2)
+        self.assertEqual(result.stderr.count("cannot resolve 'host.invalid'"), 2, result.stderr)
+        self.assertIn("; trying on", result.stderr)
+
 
 class Refusal(Case):
     def check_refused(self, founder_flags, joiner_flags, *words):
@@ -92,7 +106,7 @@ class Refusal(Case):
         self.check_refused([], ["--technique", "avatar-only"], "authority rule differs", "dynamic", "avatar-only")
 
     def test_full_session_that_runs(self):
-        peers = self.session(2, "--duration", 4, own=[["--slots", 2], []])
+        peers = self.session(2, "--duration", 8, own=[["--slots", 2], []])
         for p in peers:
             p.wait_for("status:")
         late = self.peer("--join", f"127.0.0.1:{peers[1].port()}")

@@ -58,7 +58,7 @@ class Usage(Case):
             (["--listen", "127.0.0.1:65536"], "--listen", "65535"),
             (["--listen", "::1:7000"], "--listen", "brackets"),
             (["--listen", "no-such-host.invalid:7000"], "--listen", "cannot resolve", "no-such-host.invalid"),
-            (["--join", "no-such-host.invalid:7000"], "--join", "cannot resolve", "no-such-host.invalid"),
+            (["--join", "no-such-host.invalid:7000", "--join-timeout", "0.1"], "--join", "cannot resolve", "no-such-host.invalid"),
             (["--join", "127.0.0.1:0"], "--join", "from 1 to 65535"),
             (["--listen", "0.0.0.0:0"], "--listen", "--insecure"),
             (["--listen", "[::]:0"], "--listen", "--insecure"),

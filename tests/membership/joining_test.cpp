@@ -136,6 +136,21 @@ TEST(Joining, AFullSessionRefuses) {
       << party.net().peer(newcomer).session().failure();
 }
 
+// Once, it was refused at once: nobody had missed the process before yet.
+TEST(Joining, WhoIsStartedAnewAfterACrashComesIntoAFullSession) {
+  for (const double after : {0.0, 0.3, 0.9}) {
+    lab::VirtualNetworkConfig config = party_config(3, "delay 10ms", 17);
+    config.slots = 3;
+    Party party(std::move(config));
+    party.run(5);
+    party.net().kill(2);
+    party.run(after);
+    const int again = party.net().start(1);
+    ASSERT_TRUE(party.run_until(10, [&] { return party.net().runs(again) && party.united(); })) << party.story();
+    EXPECT_EQ(party.judge().violation(), "");
+  }
+}
+
 TEST(Joining, ASlotThatWasLeftIsTakenAgain) {
   lab::VirtualNetworkConfig config = party_config(3, "delay 30ms", 16);
   config.slots = 3;

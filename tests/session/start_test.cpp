@@ -285,6 +285,25 @@ TEST(SessionStart, TimeoutsSayWhy) {
   EXPECT_EQ(failure(1), "only 1 of 3 players came within 7 s");
 }
 
+// Once, it said nothing until it gave up, and if it never does, nothing at all.
+TEST(SessionStart, WhoGetsNoAnswerSaysSoEveryTenSeconds) {
+  Party party(
+      party_config(2, "delay 10ms", 1),
+      [](lab::VirtualNetwork& net) {
+        net.on_start = [](int, node::ParticipantConfig& c) {
+          c.session.patience = 0;
+          c.session.join = ipv4({10, 0, 0, 50}, 7000);
+        };
+      },
+      1);
+  party.run(35);
+  const std::string story = party.story();
+  for (const char* after : {"10 s", "20 s", "30 s"})
+    EXPECT_NE(story.find("not in yet: no answer from 10.0.0.50:7000 within " + std::string(after) + "; it may have"),
+              std::string::npos)
+        << story;
+}
+
 // Once, it may have had a session key, or played in a crowd; and whoever had been welcomed waited for 10 s, however
 // soon it was to give up.
 TEST(SessionStart, WhoIsWelcomedAndNotAdmittedSaysSo) {
