@@ -4,6 +4,8 @@
 #include <iterator>
 #include <utility>
 
+#include "common/model/observed_address.h"
+
 namespace padr::node {
 namespace {
 
@@ -89,7 +91,8 @@ void Membership::receive(const Endpoint& from, const wire::Header& header, const
       return admissions_.pass_on(from, *enter, view.roster.seats[c].at, commands_);
     return admissions_.on_enter(from, *enter, view, c == session_.self && !evictions_.busy() && !doubts(), commands_);
   }
-  if (const auto* other = std::get_if<wire::Newcomer>(&message); other != nullptr && !bars(from.key))
+  const auto* other = std::get_if<wire::Newcomer>(&message);
+  if (other != nullptr && !bars(from.key) && member_with(other->at.key) == kNoPeer)
     merge_.on_told(from, other->at, view);
   if (is_at(header.sender, from) && view.roster.seats[header.sender].reachable()) {
     if (hears(header.sender)) receive_of_member(header.sender, message, local);
@@ -118,8 +121,17 @@ void Membership::receive_of_member(PeerId member, const wire::MembershipMessage&
   }
 }
 
+PeerId Membership::member_with(const PublicKey& key) const {
+  for (PeerId p = 0; p < session_.slots; ++p)
+    if (const Seat& s = roster().seats[p]; p != session_.self && s.there() && s.at.has_key() && s.at.key == key)
+      return p;
+  return kNoPeer;
+}
+
 void Membership::on_newcomer(PeerId by, const wire::Newcomer& newcomer, Micros local) {
   const Endpoint& at = newcomer.at;
+  if (const PeerId p = member_with(at.key); p != kNoPeer && p != by)
+    return paths_.note_seen(p, as_seen_from(at, roster().seats[by].at));
   if (coordinator() != session_.self) return;
   misbehaviour_.pardon(at.key);  // the member that tells of it does not bar it
   if (bars(at.key)) return;
@@ -246,13 +258,16 @@ void Membership::advance(Micros local) {
 }
 
 // Whoever has come back may have another slot than before, and its address is still that of the former one, too.
+PeerId Membership::member_at(const Endpoint& where) const {
+  for (PeerId p = 0; p < session_.slots; ++p)
+    if (is_at(p, where) && roster().seats[p].reachable()) return p;
+  return kNoPeer;
+}
+
 bool Membership::may_carry(const Endpoint& from, const Endpoint& to) const {
-  const auto is_member = [this](const Endpoint& at) {
-    for (PeerId p = 0; p < session_.slots; ++p)
-      if (is_at(p, at) && roster().seats[p].reachable()) return hears(p);
-    return false;
-  };
-  return roster().member && is_member(from) && is_member(to);
+  const PeerId sender = member_at(from);
+  const PeerId receiver = member_at(to);
+  return roster().member && sender != kNoPeer && receiver != kNoPeer && hears(sender) && hears(receiver);
 }
 
 // Without a key, whoever carries could say anything in the name of others.

@@ -40,6 +40,8 @@ class Membership {
   bool is_at(PeerId p, const Endpoint& where) const {
     return p < session_.slots && p != session_.self && roster().seats[p].at == where;
   }
+  /// The member whose place this is; kNoPeer: nobody's.
+  PeerId member_at(const Endpoint& where) const;
   /// Whether datagrams of member p are taken.
   bool hears(PeerId p) const { return misbehaviour_.hears(p, view()); }
   /// A state datagram of member p was dropped.
@@ -58,8 +60,10 @@ class Membership {
   const std::vector<Introductions::Introduction>& introduced() const { return introductions_.introduced(); }
   /// The member through which p is reached; kNoPeer: it is reached directly.
   PeerId carrier(PeerId p) const { return paths_.carrier(p); }
-  /// Where p says that it is itself.
-  const std::vector<Endpoint>& own_addresses(PeerId p) const { return paths_.own_addresses(p); }
+  /// See Paths.
+  std::vector<Endpoint> addresses(PeerId p) const { return paths_.addresses(p); }
+  /// Tells member `to` where this peer, which carries between the two, sees another one.
+  void introduce(const Endpoint& who, PeerId to) { commands_.send(roster().seats[to].at, wire::Newcomer{who}); }
   /// Whether it is not known which ways to p work, so that what is carried for it goes directly, too.
   bool is_unsure_of(PeerId p) const { return !paths_.has_told(p, roster().now); }
   /// The machine at `at` reports that nobody listens there.
@@ -110,6 +114,8 @@ class Membership {
   }
   sync::Transfer transfer() const;
   void receive_of_member(PeerId member, const wire::MembershipMessage& message, Micros local);
+  /// Another one that is there; kNoPeer: none.
+  PeerId member_with(const PublicKey& key) const;
   void on_newcomer(PeerId by, const wire::Newcomer& newcomer, Micros local);
   sync::DropReason judge(const sync::StatePacket& packet, PeerId relayed_by);
   void follow_testimony();

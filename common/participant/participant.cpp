@@ -25,6 +25,8 @@ constexpr double kCarriedAtOnce = 64'000;
 /// The same for newcomers, between which and the coordinator this peer carries; they take nothing from members.
 constexpr double kIntroducedAtLeast = 16'000;
 constexpr double kIntroducedAtOnce = 64'000;
+/// Interval between two times of telling members for whom this peer carries where it sees them.
+constexpr Micros kIntroduceAgain = 3 * kMicrosPerSecond;
 /// Interval between two events about datagrams that do not fit the session's key.
 constexpr Micros kWarnAgain = 10 * kMicrosPerSecond;
 
@@ -53,6 +55,7 @@ Participant::Participant(const Scene& scene, ParticipantConfig config, Micros lo
       warned_(local - kWarnAgain),
       began_(local),
       for_members_(config_.carries, kCarriedAtOnce, 0, local),
+      introduced_(local),
       for_newcomers_(kIntroducedAtLeast, kIntroducedAtOnce, kIntroducedAtOnce, local) {
   check(config_.replica.technique);
   if (config_.channels) {
@@ -124,7 +127,10 @@ void Participant::hand_over(const Endpoint& to, PeerId state_to, std::span<const
 // Half of what this peer sends may be what it carries, and some more, so that quiet peers can carry, too.
 bool Participant::may_carry(const Endpoint& from, const Endpoint& to, std::size_t bytes) {
   if (!current_.membership) return false;
-  if (current_.membership->may_carry(from, to)) return for_members_.take(bytes, local_);
+  if (current_.membership->may_carry(from, to)) {
+    carried_to_[current_.membership->member_at(to)] |= only(current_.membership->member_at(from));
+    return for_members_.take(bytes, local_);
+  }
   return current_.membership->may_introduce(from, to) && for_newcomers_.take(bytes, local_);
 }
 
@@ -338,8 +344,24 @@ void Participant::use_carriers() {
   const Membership& m = *current_.membership;
   for (PeerId p = 0; p < replica().config().slots; ++p)
     if (const PeerId by = m.carrier(p); by != kNoPeer)
-      channels_->carry(replica().seat(p).at.key, replica().seat(by).at.key, m.is_unsure_of(p), local_,
-                       m.own_addresses(p));
+      channels_->carry(replica().seat(p).at.key, replica().seat(by).at.key, m.is_unsure_of(p), local_, m.addresses(p));
+  introduce_carried();
+}
+
+// Of two that have moved at the same moment each sends to where the other one was. Whoever carries between them knows.
+void Participant::introduce_carried() {
+  if (local_ - introduced_ < kIntroduceAgain) return;
+  introduced_ = local_;
+  for (PeerId to = 0; to < session().slots(); ++to) {
+    const PeerSet carried = std::exchange(carried_to_[to], 0);
+    for (PeerId p = 0; p < session().slots(); ++p) {
+      if ((carried & only(p)) == 0) continue;
+      const Endpoint& who = replica().seat(p).at;
+      Endpoint where = channels_->place(who.key);
+      where.key = who.key;
+      if (where.is_set() && channels_->came(who.key, local_).directly) current_.membership->introduce(where, to);
+    }
+  }
 }
 
 void Participant::collect(Incarnation& incarnation) {

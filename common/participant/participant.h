@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cassert>
 #include <functional>
 #include <limits>
@@ -175,6 +176,7 @@ class Participant {
   bool nobody_to_tell() const;
   void use_introductions();
   void use_carriers();
+  void introduce_carried();
   void collect(Incarnation& incarnation);
   void take(const SecureChannels::Arrival& arrival, Micros local);
   bool may_carry(const Endpoint& from, const Endpoint& to, std::size_t bytes);
@@ -218,7 +220,9 @@ class Participant {
   Micros try_again_ = 0;
   std::optional<Micros> failed_;  ///< when it was last told why this peer has not come in
   std::uint64_t tries_ = 0;
-  Allowance for_members_;    ///< what this peer may carry
+  Allowance for_members_;                        ///< what this peer may carry
+  std::array<PeerSet, kMaxPeers> carried_to_{};  ///< by receiver: whose datagrams it has carried there lately
+  Micros introduced_;
   Allowance for_newcomers_;  ///< what it may carry between them and the coordinator
   Outbox outgoing_;
   std::vector<SessionEvent> events_;

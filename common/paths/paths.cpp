@@ -32,6 +32,16 @@ void Paths::on_reach(PeerId from, const wire::Reach& reach, Tick now) {
   std::copy_if(reach.at.begin(), reach.at.end(), std::back_inserter(w.at), is_of_one_host);
 }
 
+void Paths::note_seen(PeerId who, const Endpoint& where) {
+  if (ways_[who].known && is_of_one_host(where)) ways_[who].seen = where.place();
+}
+
+std::vector<Endpoint> Paths::addresses(PeerId of) const {
+  std::vector<Endpoint> all = ways_[of].at;
+  if (ways_[of].seen) all.push_back(*ways_[of].seen);
+  return all;
+}
+
 // Silence while this peer was held up says nothing.
 Tick Paths::unanswered(const Roster& roster, const std::vector<Link>& links, PeerId p) {
   return std::min(links[p].unanswered, roster.now - roster.seats[p].excused);

@@ -48,8 +48,10 @@ class Paths {
   /// carried for it is sent directly, too.
   bool has_told(PeerId p, Tick now) const { return has_told(ways_[p], now); }
 
-  /// Where a member says that it is, whatever others see.
-  const std::vector<Endpoint>& own_addresses(PeerId of) const { return ways_[of].at; }
+  /// Whoever carries between this peer and another member sees that one there.
+  void note_seen(PeerId who, const Endpoint& where);
+  /// Where else a member may be: its own addresses, as it says, and where a carrier has seen it last.
+  std::vector<Endpoint> addresses(PeerId of) const;
 
   /// A member of which nothing has come directly for this time is not heard directly, ticks. More than the longest
   /// honest interval between two datagrams, of which one may get lost.
@@ -95,6 +97,7 @@ class Paths {
     std::map<PeerId, std::uint32_t> hears;  ///< whom it hears directly, and their delay in ticks
     PeerSet hears_carried = 0;              ///< whom it hears only by others
     std::vector<Endpoint> at;               ///< its own addresses
+    std::optional<Endpoint> seen;           ///< by whoever carries for it
     std::map<PeerId, Failure> failed;       ///< by carrier
     void fail(std::uint32_t incarnation, Tick now);
     bool has_failed(PeerId carrier, std::uint32_t incarnation, Tick now) const;

@@ -131,6 +131,27 @@ TEST_P(SealedChaos, Holds) {
 INSTANTIATE_TEST_SUITE_P(Seeds, SealedChaos, testing::Range(1, 21));
 
 // Whatever passes the wire comes again: as it was, damaged, from elsewhere, to somebody else, and back to its sender.
+// Once, the third one carried between them for ever: each sent to where the other had been.
+TEST(SealedParty, TwoWhoseAddressesChangeAtTheSameMomentFindEachOther) {
+  Party party(keyed(3, "delay 30ms", 30, wire::SealMode::kAuth));
+  ASSERT_TRUE(party.run_until(10, [&] { return party.united(); })) << party.story();
+  party.run(3);
+  for (const int person : {1, 2}) {
+    Endpoint other = party.net().place_of(person);
+    other.port = static_cast<std::uint16_t>(4711 + person);
+    party.net().move(person, other);
+  }
+  party.run(20);
+  EXPECT_TRUE(party.united()) << party.story();
+  for (const auto& [person, other] : {std::pair(1, 2), std::pair(2, 1)}) {
+    const node::Participant& peer = party.net().peer(person);
+    const PeerId slot = party.net().peer(other).replica().self();
+    EXPECT_EQ(peer.carrier(slot), kNoPeer) << party.story();
+    EXPECT_EQ(peer.place(slot), party.net().place_of(other));
+  }
+  EXPECT_EQ(party.judge().violation(), "");
+}
+
 TEST(SealedParty, NothingForgedOrReplayedIsTakenIn) {
   Party party(keyed(3, "delay 30ms", 26, wire::SealMode::kAuth));
   ASSERT_TRUE(party.run_until(10, [&] { return party.united(); })) << party.story();

@@ -394,18 +394,23 @@ TEST(PathsRules, OwnAddressesAreThoseOfOneHost) {
   for (const Endpoint& e : good) {
     s.run(1);
     s.paths.on_reach(2, {s.roster.now, {}, {e}}, s.roster.now);
-    EXPECT_EQ(s.paths.own_addresses(2), std::vector{e}) << to_string(e);
+    EXPECT_EQ(s.paths.addresses(2), std::vector{e}) << to_string(e);
   }
   for (const Endpoint& e : wrong) {
     s.run(1);
     s.paths.on_reach(2, {s.roster.now, {}, {e, good[0]}}, s.roster.now);
-    EXPECT_EQ(s.paths.own_addresses(2), std::vector{good[0]}) << to_string(e);
+    EXPECT_EQ(s.paths.addresses(2), std::vector{good[0]}) << to_string(e);
   }
   s.paths.on_reach(2, {s.roster.now - 1, {}, {good[1]}}, s.roster.now);
-  EXPECT_EQ(s.paths.own_addresses(2), std::vector{good[0]}) << "an older word";
+  EXPECT_EQ(s.paths.addresses(2), std::vector{good[0]}) << "an older word";
+  s.paths.note_seen(2, good[1]);
+  EXPECT_EQ(s.paths.addresses(2), (std::vector{good[0], good[1]}));
+  for (const Endpoint& e : wrong) s.paths.note_seen(2, e);
+  s.paths.note_seen(2, good[2]);
+  EXPECT_EQ(s.paths.addresses(2), (std::vector{good[0], good[2]})) << "the last place counts";
   s.roster.seats[2].incarnation = 5;
   s.run(1);
-  EXPECT_TRUE(s.paths.own_addresses(2).empty()) << "somebody else sits there";
+  EXPECT_TRUE(s.paths.addresses(2).empty()) << "somebody else sits there";
 }
 
 }  // namespace
