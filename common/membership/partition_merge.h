@@ -22,7 +22,8 @@ namespace padr::node {
 /// belongs together. Each listed peer counts only if it has sent a Probe lately itself, and its key was a member's that
 /// this part evicted, or that left: it may have found others than those who stayed. Peers that the other part cannot
 /// know do not count on either side: those that were admitted after the eviction, or shortly before. Of two parts with
-/// equally many the one with the most senior of these peers wins.
+/// equally many the one with the most senior of these peers wins; of two with one each only if it is not the smaller
+/// one.
 ///
 /// All that two parts know of each other may be a peer that was a member of both, and it may end. So with its Probes
 /// each part tells of its own peers, in turn. A peer that has been alone for kAlone looks for those peers as well.

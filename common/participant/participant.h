@@ -222,8 +222,8 @@ class Participant {
   std::uint64_t tries_ = 0;
   Allowance for_members_;                        ///< what this peer may carry
   std::array<PeerSet, kMaxPeers> carried_to_{};  ///< by receiver: whose datagrams it has carried there lately
-  Micros introduced_;
-  Allowance for_newcomers_;  ///< what it may carry between them and the coordinator
+  Micros introduced_;                            ///< when it last told them where it sees those
+  Allowance for_newcomers_;                      ///< what it may carry between them and the coordinator
   Outbox outgoing_;
   std::vector<SessionEvent> events_;
   std::vector<MemberChange> changes_;

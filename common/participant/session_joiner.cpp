@@ -11,8 +11,8 @@ namespace padr::node {
 namespace {
 
 constexpr int kMostRedirects = 4;
-/// Time for which a newcomer goes on asking though all slots are taken: longer than a member that has just crashed is
-/// not missed.
+/// Time for which a newcomer goes on asking though all slots are taken: longer than until a member that has just
+/// crashed is missed.
 constexpr Micros kInsists = 2 * kMicrosPerSecond;
 /// Interval between two events that tell why joining takes long.
 constexpr Micros kTellAgain = 10 * kMicrosPerSecond;
