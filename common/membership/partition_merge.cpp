@@ -133,9 +133,10 @@ bool PartitionMerge::knows(const Endpoint& at, const View& view) const {
                      [&](const Remembered& r) { return !r.has_left && same_place(r.gone.at, at); });
 }
 
-PartitionMerge::Witness& PartitionMerge::note_witness(const Endpoint& from, PeerId sender, std::uint32_t incarnation,
+PartitionMerge::Witness& PartitionMerge::note_witness(const Endpoint& from, PeerId sender, const wire::Probe& probe,
                                                       Tick now) {
-  Witness noted{from, sender, incarnation, now};
+  Witness noted{from, sender, probe.incarnation, now};
+  if (session_.config.sealed) noted.members = probe.members;
   std::erase_if(witnesses_, [&](const Witness& w) {
     const bool same = session_.config.sealed ? w.from.key == from.key : w.from == from;
     if (same) noted.answered = w.answered;
@@ -143,6 +144,19 @@ PartitionMerge::Witness& PartitionMerge::note_witness(const Endpoint& from, Peer
   });
   keep(witnesses_, noted, kMost);
   return witnesses_.back();
+}
+
+// A liar in a part that no longer counts it would be one more of them to us than to themselves, and each part might
+// yield.
+bool PartitionMerge::is_disowned(const Witness& sender, Tick now) const {
+  const auto lists = [](const Witness& w, const Witness& other) {
+    return std::any_of(w.members.begin(), w.members.end(),
+                       [&](const wire::Seat& s) { return s.slot == other.slot && s.incarnation == other.incarnation; });
+  };
+  const auto is_other = [&](const Witness& w) { return &w != &sender && now - w.heard < kLately && lists(sender, w); };
+  return std::any_of(witnesses_.begin(), witnesses_.end(), is_other) &&
+         std::none_of(witnesses_.begin(), witnesses_.end(),
+                      [&](const Witness& w) { return is_other(w) && lists(w, sender); });
 }
 
 void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, std::size_t bytes,
@@ -162,7 +176,7 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
   } else if (member_at(from, view)) {
     return;  // sent by another incarnation
   }
-  Witness& witness = note_witness(from, sender, probe.incarnation, view.roster.now);
+  Witness& witness = note_witness(from, sender, probe, view.roster.now);
   if (!session_.config.sealed) {
     std::size_t& credit = credit_of(from).bytes;
     credit = std::min(credit + bytes, wire::kMaxDatagram);
@@ -170,7 +184,7 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
   const Side us = ours(view);
   // Whoever has left to join anew and knows nobody any more has nothing to lose.
   const bool is_lost = view.roster.leaving && us.size() == 1;
-  const bool stays = view.roster.now < stays_until_;
+  const bool stays = view.roster.now < stays_until_ || is_disowned(witness, view.roster.now);
   if (is_lost || (!stays && (is_outranked(probe, us, view) || is_larger_for_long(probe, us, view)))) {
     // Whoever tells of it has to be of it: anybody can repeat its list.
     if (!is_lost && !is_witness(from, probe, view)) return;
@@ -193,7 +207,7 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
 void PartitionMerge::on_probe_of_barred(const Endpoint& from, PeerId sender, const wire::Probe& probe,
                                         const View& view) {
   if (view.roster.member && sender < session_.slots && !member_at(from, view))
-    note_witness(from, sender, probe.incarnation, view.roster.now);
+    note_witness(from, sender, probe, view.roster.now);
 }
 
 bool PartitionMerge::is_unproven(const Endpoint& at, const View& view) const {

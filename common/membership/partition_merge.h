@@ -118,6 +118,7 @@ class PartitionMerge {
     std::uint32_t incarnation = 0;
     Tick heard = 0;
     Tick answered = -kAnswerPace;  ///< when it was last sent a Probe in reply
+    Side members{};                ///< by its last Probe
   };
   /// The peers of a part that the other part knows.
   struct Weight {
@@ -162,7 +163,9 @@ class PartitionMerge {
   bool is_own(const Endpoint& from, PeerId sender, std::uint32_t incarnation, const View& view) const;
   void tell_of_ours(Remembered& to, const View& view, Commands& out);
   Side ours(const View& view) const;
-  Witness& note_witness(const Endpoint& from, PeerId sender, std::uint32_t incarnation, Tick now);
+  Witness& note_witness(const Endpoint& from, PeerId sender, const wire::Probe& probe, Tick now);
+  /// Whether others of that part have spoken, and none of them says that the Probe's sender is one of them.
+  bool is_disowned(const Witness& sender, Tick now) const;
   std::vector<Gone> evidence(const Side& side, const View& view) const;
   /// Whether a part has more peers than another one, or as many and the lowest slot, or the lower incarnation in it.
   static bool comes_first(const Side& a, const Side& b);

@@ -276,6 +276,25 @@ TEST(PartitionMerge, SeniorityOfASinglePeerMovesNoLargerPart) {
   }
 }
 
+// Once, a liar that its own part no longer counted listed that part and itself. Each of two parts then took the other
+// one for the winner, and neither let anybody in for half a minute.
+TEST(PartitionMerge, WhomItsOwnPartDoesNotCountIsNoneOfThem) {
+  for (const bool counted : {false, true}) {
+    Met met({5, 6, 7}, 0);
+    for (int person = 5; person < 9; ++person) met.rules.remember({keyed(person), 20, 900}, 900);
+    const auto listing = [&](int last) {
+      met.probe.members.clear();
+      for (int person = 5; person <= last; ++person)
+        met.probe.members.push_back({static_cast<PeerId>(person), 1U + static_cast<std::uint32_t>(person), 0});
+    };
+    listing(counted ? 8 : 7);
+    met.probed_by(5, 7);
+    listing(8);
+    met.probed_by(8, 8);
+    EXPECT_EQ(met.yields(), counted);
+  }
+}
+
 // Once, a member stayed for 30 s with a senior liar by which nothing was confirmed, beside a part of the same size.
 TEST(PartitionMerge, SeniorityKeepsNobodyWhereNothingIsConfirmed) {
   for (const int both : {1, 2, 3}) {
