@@ -214,22 +214,26 @@ void Player::watch_hashes() {
 void Player::tell_events(Micros now) {
   for (const node::SessionEvent& e : participant_.take_events()) {
     const std::string words = shell::words_of(e);
-    const bool refusal = e.kind == node::SessionEvent::Kind::kRefused;
-    if (refusal && words == refused_ && now - refused_at_ < kRefusedAgain) {
-      ++refused_again_;
-      continue;
-    }
-    if (refusal && (refused_untold_ > 0 || !refusals_.take(1, now))) {
-      ++refused_untold_;
-      continue;
-    }
-    if (refusal) refused_ = words;
-    if (refusal) refused_at_ = now;
+    if (e.kind == node::SessionEvent::Kind::kRefused && !tells_refusal(words, now)) continue;
     log_.session->log(shell::is_problem(e) ? spdlog::level::warn : spdlog::level::info, "{}", words);
   }
   if (now - refused_at_ >= kRefusedAgain) refused_untold_ += std::exchange(refused_again_, 0);
   if (refused_untold_ == 0 || !refusals_.take(1, now)) return;
   log_.session->info("refused {} more", std::exchange(refused_untold_, 0));
+}
+
+bool Player::tells_refusal(const std::string& words, Micros now) {
+  if (words == refused_ && now - refused_at_ < kRefusedAgain) {
+    ++refused_again_;
+    return false;
+  }
+  if (refused_untold_ > 0 || !refusals_.take(1, now)) {
+    ++refused_untold_;
+    return false;
+  }
+  refused_ = words;
+  refused_at_ = now;
+  return true;
 }
 
 void Player::tell(Micros now) {

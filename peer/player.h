@@ -130,6 +130,8 @@ class Player {
   void watch_clock(Micros now);
   void watch_hashes();
   void tell_events(Micros now);
+  /// Whether the log has a line for this refusal; counts it if not.
+  bool tells_refusal(const std::string& words, Micros now);
   void tell(Micros now);
 
   const Options& options_;

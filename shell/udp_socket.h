@@ -28,8 +28,7 @@ struct NotResolvedYet : UserError {
 };
 
 /// The first address of HOST that a socket at `own` can send to, of its family if there is one; without `own`, IPv4
-/// before IPv6. Throws UserError, which names the flag, if there is none;
-/// NotResolvedYet if that may change.
+/// before IPv6. Throws UserError, which names the flag, if there is none; NotResolvedYet if that may change.
 Udp::endpoint resolve(boost::asio::io_context& io, const std::string& flag, const shell::HostPort& where,
                       const Udp::endpoint* own = nullptr);
 

@@ -146,19 +146,6 @@ PartitionMerge::Witness& PartitionMerge::note_witness(const Endpoint& from, Peer
   return witnesses_.back();
 }
 
-// A liar in a part that no longer counts it would be one more of them to us than to themselves, and each part might
-// yield.
-bool PartitionMerge::is_disowned(const Witness& sender, Tick now) const {
-  const auto lists = [](const Witness& w, const Witness& other) {
-    return std::any_of(w.members.begin(), w.members.end(),
-                       [&](const wire::Seat& s) { return s.slot == other.slot && s.incarnation == other.incarnation; });
-  };
-  const auto is_other = [&](const Witness& w) { return &w != &sender && now - w.heard < kLately && lists(sender, w); };
-  return std::any_of(witnesses_.begin(), witnesses_.end(), is_other) &&
-         std::none_of(witnesses_.begin(), witnesses_.end(),
-                      [&](const Witness& w) { return is_other(w) && lists(w, sender); });
-}
-
 void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::Probe& probe, std::size_t bytes,
                               const View& view, Micros local, Commands& out) {
   if (!view.roster.member || sender >= session_.slots) return;

@@ -164,6 +164,7 @@ class PartitionMerge {
   void tell_of_ours(Remembered& to, const View& view, Commands& out);
   Side ours(const View& view) const;
   Witness& note_witness(const Endpoint& from, PeerId sender, const wire::Probe& probe, Tick now);
+  static bool lists(const Side& side, const Witness& w);
   /// Whether others of that part have spoken, and none of them says that the Probe's sender is one of them.
   bool is_disowned(const Witness& sender, Tick now) const;
   std::vector<Gone> evidence(const Side& side, const View& view) const;

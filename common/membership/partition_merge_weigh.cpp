@@ -32,6 +32,23 @@ bool PartitionMerge::is_disjoint(const Side& theirs, const Side& us, const View&
   });
 }
 
+bool PartitionMerge::lists(const Side& side, const Witness& w) {
+  return std::any_of(side.begin(), side.end(),
+                     [&](const wire::Seat& s) { return s.slot == w.slot && s.incarnation == w.incarnation; });
+}
+
+// A liar in a part that no longer counts it would be one more of them to us than to themselves, and each part might
+// yield.
+bool PartitionMerge::is_disowned(const Witness& sender, Tick now) const {
+  bool has_others = false;
+  for (const Witness& w : witnesses_) {
+    if (&w == &sender || now - w.heard >= kLately || !lists(sender.members, w)) continue;
+    if (lists(w.members, sender)) return false;
+    has_others = true;
+  }
+  return has_others;
+}
+
 bool PartitionMerge::is_own(const Endpoint& from, PeerId sender, std::uint32_t incarnation, const View& view) const {
   const bool is_another = from.has_key() && own_key_ != PublicKey{} && from.key != own_key_;
   return sender == view.roster.self && incarnation == view.roster.incarnation && !is_another;
@@ -49,10 +66,7 @@ PartitionMerge::Gone PartitionMerge::known(const Remembered& r, const View& view
 std::vector<sync::Transfer::Gone> PartitionMerge::evidence(const Side& side, const View& view) const {
   std::vector<Gone> all;
   for (const Witness& w : witnesses_) {
-    const bool listed = std::any_of(side.begin(), side.end(), [&](const wire::Seat& s) {
-      return s.slot == w.slot && s.incarnation == w.incarnation;
-    });
-    if (!listed || view.roster.now - w.heard >= kLately) continue;
+    if (!lists(side, w) || view.roster.now - w.heard >= kLately) continue;
     const auto gone =
         std::find_if(gone_.begin(), gone_.end(), [&](const Remembered& r) { return r.gone.at.key == w.from.key; });
     const auto disowned = disowned_by_.find(w.slot);

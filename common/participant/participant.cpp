@@ -55,8 +55,8 @@ Participant::Participant(const Scene& scene, ParticipantConfig config, Micros lo
       warned_(local - kWarnAgain),
       began_(local),
       for_members_(config_.carries, kCarriedAtOnce, 0, local),
-      introduced_(local),
-      for_newcomers_(kIntroducedAtLeast, kIntroducedAtOnce, kIntroducedAtOnce, local) {
+      for_newcomers_(kIntroducedAtLeast, kIntroducedAtOnce, kIntroducedAtOnce, local),
+      introduced_(local) {
   check(config_.replica.technique);
   if (config_.channels) {
     auto& may = config_.channels->may_carry;
@@ -357,9 +357,10 @@ void Participant::introduce_carried() {
     for (PeerId p = 0; p < session().slots(); ++p) {
       if ((carried & only(p)) == 0) continue;
       const Endpoint& who = replica().seat(p).at;
-      Endpoint where = channels_->place(who.key);
+      if (!channels_->came(who.key, local_).directly) continue;
+      Endpoint where = place(p);
       where.key = who.key;
-      if (where.is_set() && channels_->came(who.key, local_).directly) current_.membership->introduce(where, to);
+      current_.membership->introduce(where, to);
     }
   }
 }

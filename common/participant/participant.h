@@ -221,9 +221,9 @@ class Participant {
   std::optional<Micros> failed_;  ///< when it was last told why this peer has not come in
   std::uint64_t tries_ = 0;
   Allowance for_members_;                        ///< what this peer may carry
+  Allowance for_newcomers_;                      ///< what it may carry between them and the coordinator
   std::array<PeerSet, kMaxPeers> carried_to_{};  ///< by receiver: whose datagrams it has carried there lately
   Micros introduced_;                            ///< when it last told them where it sees those
-  Allowance for_newcomers_;                      ///< what it may carry between them and the coordinator
   Outbox outgoing_;
   std::vector<SessionEvent> events_;
   std::vector<MemberChange> changes_;

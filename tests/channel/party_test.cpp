@@ -130,7 +130,6 @@ TEST_P(SealedChaos, Holds) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, SealedChaos, testing::Range(1, 21));
 
-// Whatever passes the wire comes again: as it was, damaged, from elsewhere, to somebody else, and back to its sender.
 // Once, the third one carried between them for ever: each sent to where the other had been.
 TEST(SealedParty, TwoWhoseAddressesChangeAtTheSameMomentFindEachOther) {
   Party party(keyed(3, "delay 30ms", 30, wire::SealMode::kAuth));
@@ -152,6 +151,7 @@ TEST(SealedParty, TwoWhoseAddressesChangeAtTheSameMomentFindEachOther) {
   EXPECT_EQ(party.judge().violation(), "");
 }
 
+// Whatever passes the wire comes again: as it was, damaged, from elsewhere, to somebody else, and back to its sender.
 TEST(SealedParty, NothingForgedOrReplayedIsTakenIn) {
   Party party(keyed(3, "delay 30ms", 26, wire::SealMode::kAuth));
   ASSERT_TRUE(party.run_until(10, [&] { return party.united(); })) << party.story();

@@ -25,7 +25,7 @@ class Stage {
     const int other = there[(e.pick >> 20U) % there.size()];
     switch (e.kind) {
       case Kind::kStart:
-        if (const std::vector<int> known = those_where_they_stay(); !known.empty())
+        if (const std::vector<int> known = those_that_stay(there); !known.empty())
           network_.start(known[e.pick % known.size()]);
         return;
       case Kind::kLeave:
@@ -105,13 +105,12 @@ class Stage {
     undo_.push_back({until, Kind::kCut, from, to});
   }
   // The address of a machine that will wake up elsewhere leads nowhere, and a newcomer knows only one.
-  std::vector<int> those_where_they_stay() const {
-    std::vector<int> all = those_there();
-    std::erase_if(all, [&](int p) {
+  std::vector<int> those_that_stay(std::vector<int> there) const {
+    std::erase_if(there, [&](int p) {
       const auto it = suspended_.find(p);
       return it != suspended_.end() && it->second.moves;
     });
-    return all;
+    return there;
   }
   std::vector<int> those_there() const {
     std::vector<int> there;
