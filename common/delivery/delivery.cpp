@@ -38,6 +38,10 @@ constexpr Tick kUnheard = 24;
 // And as long as it has said nothing, what it has been sent goes along with whatever goes out, so many times at most.
 constexpr int kFirstWords = 8;
 
+// Where an update is under way, and a round trip and a mark more than this pass without an answer, there is none to be
+// expected, ticks.
+constexpr Tick kAnswered = 45;
+
 // A burst of losses takes one datagram after the other, however far apart they are; so the longer no answer comes, the
 // faster a link is probed, until a peer that does not answer would be taken for silent. Who does not answer for longer
 // does not matter any more to whom it is silent, or is heard by others.
@@ -140,11 +144,25 @@ bool OutLink::fits(std::size_t bytes, std::size_t room) {
   return true;
 }
 
+// Nothing new has arrived for so long as far as is known, though some update has been under way for as long. The other
+// end answers an update within a mark.
+bool OutLink::is_silent(const Context& c, const Ring<Bundle>& own, std::uint32_t first) const {
+  const Tick silence = unanswered(c.now);
+  if (silence >= kSilent) return true;
+  const Tick answer =
+      static_cast<Tick>(std::ceil(srtt_ + 4 * rttvar_ + rate_.queue())) + rate_.mark_interval(mark_bytes_);
+  if (silence < kAnswered + answer) return false;
+  const auto end = first + static_cast<std::uint32_t>(own.size());
+  for (std::uint32_t i = std::max(acked_, first); i < end; ++i)
+    if (!arrived(i)) return c.now - own[i - first].tick >= kAnswered + answer;
+  return false;
+}
+
 // On a silent link nothing is repeated but the update that was sent longest ago, with whatever goes out: the link may
 // work in this direction only, or by a carrier that the other end does not know, as it lacks that one's admission.
 bool OutLink::choose(const Context& c, const Ring<Bundle>& own, std::uint32_t first, const SizeOf& size_of,
                      std::size_t room) {
-  const bool silent = unanswered(c.now) >= kSilent;
+  const bool silent = is_silent(c, own, first);
   bool urgent = false;
   used_ = 0;
   repeated_.clear();

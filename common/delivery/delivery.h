@@ -57,7 +57,8 @@ class OutLink {
   LinkRate& rate() { return rate_; }
   /// Ticks since the receiver last said that something new of ours has arrived.
   Tick unanswered(Tick now) const { return answered_at_ == kNever ? 0 : std::max(0, now - answered_at_); }
-  /// Unanswered for so long, a link is sent one repeat with each datagram, and no others.
+  /// Unanswered for so long, a link is sent one repeat with each datagram, and no others; and after less if an update
+  /// is under way.
   static constexpr Tick kSilent = 3 * kTicksPerSecond;
   /// Updates sent more than once, counted by repetition.
   std::uint64_t repeats() const { return repeats_; }
@@ -75,6 +76,7 @@ class OutLink {
   };
   void tell_heard(Tick now);
   bool arrived(std::uint32_t index) const;
+  bool is_silent(const Context& c, const Ring<Bundle>& own, std::uint32_t first) const;
   bool lost(const Flight& f, Tick now) const;
   bool echoes(const Flight& f, Tick now) const;
   /// Updates in the order in which they are considered for a packet.

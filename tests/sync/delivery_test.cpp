@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <map>
 #include <set>
 
 #include "tests/sync/script.h"
@@ -72,6 +73,47 @@ TEST(Delivery, OnALinkThatHasBeenSilentForThreeSecondsOneUpdateIsRepeatedAtATime
   const auto repair = s.at(411);
   ASSERT_TRUE(repair);
   EXPECT_GE(repair->updates.size(), 2U) << "all but what went out last";
+}
+
+// Once, each update went out three times within the two seconds of an outage, and took from others what a peer may
+// send.
+TEST(Delivery, WhileUpdatesAreUnderWayALinkIsSilentAfterLess) {
+  constexpr Tick kCut = 100;
+  Script s;
+  for (Tick t = 0; t < kCut; ++t) {
+    if (t % 3 == 0) s.update(t);
+    s.at(t);
+    s.hear(t, static_cast<std::uint32_t>(t), static_cast<std::uint32_t>(s.own.size()), s.link.sent());
+  }
+  std::size_t again = 0;
+  std::size_t most = 0;
+  for (Tick t = kCut; t < kCut + 120; ++t) {
+    if (t % 3 == 0) s.update(t);
+    const std::uint64_t before = s.link.repeats();
+    s.at(t);
+    const std::size_t now = s.link.repeats() - before;
+    again += now;
+    if (t > kCut + 60) most = std::max(most, now);
+  }
+  EXPECT_EQ(most, 1U) << "one with each datagram";
+  EXPECT_LT(again, 60U) << "of 40 updates";
+  s.hear(kCut + 120, kCut + 120, s.link.acked(), s.link.sent());
+  EXPECT_GE(s.at(kCut + 121, false, 100'000)->updates.size(), 30U) << "what is missing at once";
+}
+
+// A round trip of more than a second is no silence.
+TEST(Delivery, ALongLinkIsNotSilent) {
+  constexpr Tick kRoundTrip = 80;
+  Script s;
+  std::map<Tick, std::pair<std::uint32_t, std::uint32_t>> answers;  // by tick: what has arrived
+  std::uint64_t at_first = 0;
+  for (Tick t = 0; t < 1200; ++t) {
+    if (t % 10 == 0) s.update(t);
+    if (s.at(t)) answers[t + kRoundTrip] = {static_cast<std::uint32_t>(s.own.size()), s.link.sent()};
+    if (answers.contains(t)) s.hear(t, static_cast<std::uint32_t>(t), answers[t].first, answers[t].second);
+    if (t == 300) at_first = s.link.repeats();
+  }
+  EXPECT_EQ(s.link.repeats(), at_first);
 }
 
 // The window of a link that has not answered is full: marks alone would never tell whoever hears us, though we hear
