@@ -36,6 +36,8 @@ std::string words_of(const node::SessionEvent& e) {
       return who + " is heard again: it stays";
     case Kind::kCarried:
       return who + " is reached through peer " + std::to_string(e.by) + ": the link to it does not work";
+    case Kind::kRelayed:
+      return who + " is not reached: the link to it does not work, and others relay its updates, which is slow";
     case Kind::kDirect:
       return who + " is reached directly again";
     case Kind::kDropped:
@@ -60,6 +62,9 @@ std::string words_of(const node::SessionEvent& e) {
       return "the keys of " + count + " peers have been logged, and no more will be";
     case Kind::kReadable:
       return to_string(e.at) + " sends readable datagrams (--seal auth), though this peer encrypts";
+    case Kind::kOtherSession:
+      return to_string(e.at) + " is in another session; to come into that one, start this peer with --join " +
+             to_string(e.at);
     case Kind::kDiffered:
       return "here and there " + e.text;
   }

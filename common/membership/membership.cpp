@@ -23,6 +23,9 @@ SessionEvent::Kind kind_of(const MemberChange& c, PeerId self) {
 
 /// Time for which a machine must report that nobody listens there, with nothing heard from the peer meanwhile.
 constexpr Tick kRefused = kTicksPerSecond / 10;
+/// Without a key: a link without an answer for so long, ticks, is worth a word if its peer's updates are relayed. By
+/// then a peer that has ended has been declared gone.
+constexpr Tick kDead = 5 * kTicksPerSecond;
 
 }  // namespace
 
@@ -270,9 +273,24 @@ bool Membership::may_carry(const Endpoint& from, const Endpoint& to) const {
   return roster().member && sender != kNoPeer && receiver != kNoPeer && hears(sender) && hears(receiver);
 }
 
-// Without a key, whoever carries could say anything in the name of others.
+// Without a key nobody carries, as whoever did could say anything in the name of others. Updates are relayed.
+void Membership::find_dead_links() {
+  for (PeerId p = 0; p < roster().slots(); ++p) {
+    if (p == session_.self) continue;
+    const Seat& s = roster().seats[p];
+    const Tick unanswered = replica_.replica().link(p).out.unanswered(roster().now);
+    const bool was_dead = (dead_links_ & only(p)) != 0;
+    const bool is_dead = unanswered >= kDead && (was_dead || roster().now - s.relayed < kDead);
+    if (was_dead == (s.there() && is_dead)) continue;
+    dead_links_ ^= only(p);
+    if (s.there())
+      commands_.tell({.kind = was_dead ? SessionEvent::Kind::kDirect : SessionEvent::Kind::kRelayed, .peer = p});
+  }
+}
+
 void Membership::find_paths() {
-  if (!session_.config.sealed || !roster().member) return;
+  if (!roster().member) return;
+  if (!session_.config.sealed) return find_dead_links();
   links_.resize(roster().slots());
   for (PeerId p = 0; p < roster().slots(); ++p) {
     const sync::OutLink& out = replica_.replica().link(p).out;

@@ -131,6 +131,7 @@ class Membership {
   void follow_changes();
   void count_present();
   void find_paths();
+  void find_dead_links();
   void note_former_incarnations(const std::vector<MemberChange>& changes);
   void end_former_incarnations();
   /// Whether an eviction may be near.
@@ -162,6 +163,7 @@ class Membership {
   Vouching vouching_;
   Paths paths_;
   std::vector<Paths::Link> links_;  ///< by slot, as measured last
+  PeerSet dead_links_ = 0;          ///< without a key: to whom, as told last
   std::vector<MemberChange> changes_;
   PeerSet returning_ = 0;  ///< members that have asked this peer to let them in anew
   struct Refused {

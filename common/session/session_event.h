@@ -24,6 +24,7 @@ struct SessionEvent {
     kHeard,        ///< `peer` does not answer, but stays, as other members hear it
     kHeardAgain,   ///< as kHeard, of a peer that was suspected
     kCarried,      ///< `peer` is reached through `by`
+    kRelayed,      ///< `peer` does not answer directly, and others relay its updates
     kDirect,       ///< `peer` is reached directly again
     kDropped,      ///< `count` datagrams of `peer`; `text`: why
     kWithholds,  ///< `peer` does not answer polls about lost peers, or does not send the updates that it claims to have
@@ -36,6 +37,7 @@ struct SessionEvent {
     kWrongKey,   ///< `count` datagrams were not made with this session's key, the last of them at `at`
     kLastKeyLogged,  ///< keys of `count` peers have been logged, and no more will be
     kReadable,       ///< the peer at `at` sends readable datagrams, though this one encrypts
+    kOtherSession,   ///< while this founder waits, the peer at `at` sends datagrams of another session
     kDiffered,       ///< the state that this peer rejoins with differs from its own of that tick; `text`: where
   };
   Kind kind{};

@@ -34,6 +34,25 @@ TEST_P(Hearing, WhoSomebodyHearsStays) {
 
 INSTANTIATE_TEST_SUITE_P(Each, Hearing, testing::ValuesIn(kCuts), [](const auto& cut) { return cut.param.name; });
 
+// Once, without a key, nothing was said of a link that others made up for.
+TEST(HearingByRelay, IsTold) {
+  Party party(4, "delay 50ms 10ms loss 1%", seed(82));
+  party.run(20);
+  for (int p = 0; p < 4; ++p) EXPECT_FALSE(party.noted(p, "is not reached")) << party.story();
+  party.net().cut(0, 2, true);
+  party.net().cut(2, 0, true);
+  party.run(10);
+  EXPECT_TRUE(party.noted(0, "peer 2 is not reached: the link to it does not work")) << party.story();
+  EXPECT_TRUE(party.noted(2, "peer 0 is not reached")) << party.story();
+  EXPECT_FALSE(party.noted(0, "directly again"));
+  party.net().cut(0, 2, false);
+  party.net().cut(2, 0, false);
+  party.run(2);
+  EXPECT_TRUE(party.noted(0, "peer 2 is reached directly again")) << party.story();
+  EXPECT_TRUE(party.noted(2, "peer 0 is reached directly again")) << party.story();
+  EXPECT_FALSE(party.noted(1, "reached"));
+}
+
 // What two that do not hear one another have told has to be kept until they say that they have it. So the others hold
 // them together for five minutes, and then one of them is declared gone after all.
 TEST(HearingForLong, IsNotForEver) {
