@@ -197,7 +197,9 @@ bool Loop::is_time_for_status(Micros since, Micros now) {
   const Micros interval = std::max<Micros>(in_micros(options_.status_interval), 1);
   if (next_status_ < 0) next_status_ = since + interval;
   if (now < next_status_) return false;
-  next_status_ += interval * ((now - next_status_) / interval + 1);
+  // After a pause no sooner than half an interval from now: what a peer that catches up sends within a millisecond is
+  // no rate.
+  next_status_ += interval * ((now - next_status_ + interval / 2) / interval + 1);
   return true;
 }
 

@@ -368,7 +368,8 @@ void Participant::introduce_carried() {
 void Participant::collect(Incarnation& incarnation) {
   if (!incarnation.session) return;
   for (const SessionDatagram& d : incarnation.session->take_outgoing()) post(d.to, kNoPeer, d.bytes);
-  for (SessionEvent& e : incarnation.session->take_events()) events_.push_back(std::move(e));
+  for (SessionEvent& e : incarnation.session->take_events())
+    if (!left_at_ || e.kind != SessionEvent::Kind::kOutvoted) events_.push_back(std::move(e));  // it joins nobody
   if (!incarnation.membership) return;
   for (const MemberChange& c : incarnation.membership->take_changes()) changes_.push_back(c);
 }

@@ -170,6 +170,10 @@ class Participant {
   /// Whether another member is to be asked than the one that this peer tries to join anew by.
   bool asks_in_vain(const Endpoint& way_back) const;
   void look_for_way_back(Micros local);
+  /// Whether play has not begun, and the founder is gone.
+  bool waits_without_founder() const;
+  void announce_founder_is_gone();
+  bool is_of_this_session(const Session& session) const;
   void note_time(Micros local);
   void plan_farewell();
   void say_goodbye();
@@ -216,7 +220,8 @@ class Participant {
   bool stays_ = false;
   /// See SessionConfig; of the next incarnation.
   std::optional<Micros> most_offset_;
-  bool doubts_time_ = false;  ///< a transfer has shown another time than this incarnation's
+  bool misses_founder_ = false;  ///< that has been told
+  bool doubts_time_ = false;     ///< a transfer has shown another time than this incarnation's
   Micros try_again_ = 0;
   std::optional<Micros> failed_;  ///< when it was last told why this peer has not come in
   std::uint64_t tries_ = 0;

@@ -207,7 +207,7 @@ void Participant::begin_with_transfer(Micros local) {
   }
   for (sync::Transfer::Slot& slot : transfer->slots)
     if (slot.at.is_set()) slot.at = as_seen_from(slot.at, s.introducer());
-  if (current_.replica) {
+  if (current_.replica && is_of_this_session(s)) {
     const sync::FoldState* ours = current_.replica->replica().agreed().confirmed_at(then);
     const std::string difference = ours == nullptr ? "" : first_difference(*ours, transfer->state);
     if (!difference.empty()) s.state().tell({.kind = SessionEvent::Kind::kDiffered, .text = difference});
@@ -218,6 +218,10 @@ void Participant::begin_with_transfer(Micros local) {
     next_.gone.push_back({as_seen_from(g.at, s.introducer()), g.since, g.removed});
   next_.proofs = transfer->proofs;
   catch_up(next_, local);
+}
+
+bool Participant::is_of_this_session(const Session& s) const {
+  return s.number() == session().number() && s.id() == session().id();
 }
 
 void Participant::take_over() {
@@ -231,9 +235,11 @@ void Participant::take_over() {
     current_.session->hand_over_to(current_.membership.get());
   }
   if (left_at_) plan_farewell();  // leave() was called before its admission
+  misses_founder_ = false;
   if (!before.session) return;
   collect(before);
-  current_.membership->inherit(*before.membership, current_.session->let_in_by().key);
+  if (is_of_this_session(*before.session))
+    current_.membership->inherit(*before.membership, current_.session->let_in_by().key);
   before.replica->finish(true);
 }
 
@@ -244,22 +250,46 @@ bool Participant::asks_in_vain(const Endpoint& way_back) const {
   return s.phase == SessionPhase::kJoining && asked != way_back && current_.membership->asks_in_vain(asked);
 }
 
+// A founder that is started anew founds another session, and in this one play may never begin. While it takes its leave
+// it would only pass this peer on.
+bool Participant::waits_without_founder() const {
+  const auto& join = config_.session.join;
+  if (!join || scene_.region || replica().start().wanted == 0) return false;
+  for (PeerId p = 0; p < session().slots(); ++p) {
+    const bool is_here = replica().seat(p).reachable() && !replica().roster().departed(p);
+    if (p == replica().self() || !is_here) continue;
+    if (replica().seat(p).incarnation == 0 || same_place(place(p), *join)) return false;
+  }
+  return true;
+}
+
+void Participant::announce_founder_is_gone() {
+  if (std::exchange(misses_founder_, true)) return;
+  current_.session->state().tell(
+      {.kind = SessionEvent::Kind::kReturning, .text = "the founder is gone, and play has not begun"});
+}
+
 void Participant::look_for_way_back(Micros local) {
   if (left_at_) return;
-  const auto where = current_.membership->way_back();
+  auto where = current_.membership->way_back();
   if (where) current_.membership->announce_way_back();
+  const bool elsewhere = !where && waits_without_founder();
+  if (elsewhere) {
+    announce_founder_is_gone();
+    where = config_.session.join;
+  }
   note_time(local);
   if (current_.membership->founds_anew() && !next_.replica && !scene_.region) return found_anew(local);
   if (next_.session && !next_.replica && (!where || asks_in_vain(*where))) next_ = {};  // no longer needed
   if (next_.session || local < try_again_ || !where || !where->is_set()) return;
   SessionConfig c = config_.session;
   c.join = *where;
-  c.joins = current_.membership->joins_for(*where);
+  if (!elsewhere) c.joins = current_.membership->joins_for(*where);
   if (c.joins == 0) return;
   c.seed = derive_seed(c.seed, 0xBAC, ++tries_);
   c.patience = kReturnPatience;
   c.returns = true;
-  c.most_offset = most_offset_;
+  if (!elsewhere) c.most_offset = most_offset_;
   next_.session = std::make_unique<Session>(c, local);
 }
 

@@ -7,6 +7,13 @@
 #include "common/participant/session_joiner.h"
 
 namespace padr::node {
+namespace {
+
+/// Time for which others send datagrams of another session before that is told, and interval between two such events.
+constexpr Micros kOthersStay = 5 * kMicrosPerSecond;
+constexpr Micros kTellOthersAgain = 60 * kMicrosPerSecond;
+
+}  // namespace
 
 Session::Session(const SessionConfig& config, Micros local) {
   assert(config.join || (config.wanted >= 1 && config.wanted <= config.slots && config.slots <= kMaxPeers));
@@ -50,6 +57,7 @@ bool Session::receive(const Endpoint& from, const wire::Opened& opened, Micros l
     const bool ours = h.session == session_.number && session_.number != 0;
     if (!ours || membership_ == nullptr || !membership_->is_at(h.sender, from)) {
       ++stats_.foreign;
+      if (!ours) note_other_session(from, local);
       if (ours && membership_ != nullptr) membership_->on_stranger(from, opened.datagram.size(), local);
       return false;
     }
@@ -85,6 +93,16 @@ void Session::unreachable(const Endpoint& at, Micros local) {
   if (joiner_) joiner_->on_unreachable(at, local);
 }
 
+// A founder that is started anew while the others play founds another session, and waits for them in vain. Those that
+// wait, too, come by themselves.
+void Session::note_other_session(const Endpoint& from, Micros local) {
+  if (session_.config.join || settled_ || session_.phase != SessionPhase::kMember) return;
+  if (!others_since_) others_since_ = local;
+  if (local - *others_since_ < kOthersStay) return;
+  others_since_ = local + kTellOthersAgain;
+  session_.tell({.kind = SessionEvent::Kind::kOtherSession, .at = from});
+}
+
 void Session::take_membership(const Endpoint& from, const wire::Opened& opened, Micros local) {
   const wire::Header& header = opened.header;
   const auto message = wire::decode_membership(opened.payload);
@@ -94,6 +112,7 @@ void Session::take_membership(const Endpoint& from, const wire::Opened& opened, 
   }
   if (header.session != session_.number || session_.number == 0) {
     ++stats_.foreign;
+    note_other_session(from, local);
     return;
   }
   ++stats_.session;

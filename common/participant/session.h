@@ -113,6 +113,7 @@ class Session {
  private:
   void found(Micros local);
   void dispatch(const Endpoint& from, const wire::Header& header, const wire::SessionMessage& message, Micros local);
+  void note_other_session(const Endpoint& from, Micros local);
   void take_membership(const Endpoint& from, const wire::Opened& opened, Micros local);
   void other_version(const Endpoint& from, std::size_t bytes, std::uint8_t version, Micros local);
 
@@ -121,6 +122,7 @@ class Session {
   std::unique_ptr<TransferPull> pull_;  ///< once welcomed
   PeerId introducer_ = kNoPeer;
   bool settled_ = false;
+  std::optional<Micros> others_since_;  ///< while it waits as a founder: when it heard from another session
   Membership* membership_ = nullptr;
   SessionStats stats_;
   Micros next_due_ = 0;
