@@ -84,6 +84,8 @@ class Membership {
   /// Bans, proofs and places that this peer's former incarnation knew. `let_in_by`: key of who has let this peer in
   /// anew, if anybody has.
   void inherit(const Membership& before, const PublicKey& let_in_by);
+  /// See PartitionMerge.
+  void note_sleep() { merge_.note_sleep(roster().now); }
   /// Once a tick, after the replica's step.
   void advance(Micros local);
   /// Address at which to join anew after an eviction, a difference of confirmed worlds, a standstill or a lost merge of

@@ -172,7 +172,9 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
   // Whoever has left to join anew and knows nobody any more has nothing to lose.
   const bool is_lost = view.roster.leaving && us.size() == 1;
   const bool stays = view.roster.now < stays_until_ || is_disowned(witness, view.roster.now);
-  if (is_lost || (!stays && (is_outranked(probe, us, view) || is_larger_for_long(probe, us, view)))) {
+  const bool yields =
+      has_slept_through(probe, view) || is_outranked(probe, us, view) || is_larger_for_long(probe, us, view);
+  if (is_lost || (!stays && yields)) {
     // Whoever tells of it has to be of it: anybody can repeat its list.
     if (!is_lost && !is_witness(from, probe, view)) return;
     if (!winner_)
@@ -184,7 +186,9 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
   }
   if (winner_ == from) winner_.reset();
   // Once, two parts that did not merge answered each other's replies as fast as these came.
-  if (view.roster.leaving || view.roster.now - witness.answered < kAnswerPace || !out.may_answer(local)) return;
+  if (view.roster.leaving || is_awake_for_less(kLately, view) || view.roster.now - witness.answered < kAnswerPace ||
+      !out.may_answer(local))
+    return;
   witness.answered = view.roster.now;
   if (known) return out.send(from, our_probe(true, view));
   reply_within_credit(from, view, out);
@@ -291,6 +295,7 @@ void PartitionMerge::tell_of_ours(Remembered& to, const View& view, Commands& ou
 void PartitionMerge::advance(const View& view, Commands& out) {
   // Nobody can join by whoever leaves.
   if (!view.roster.member || view.roster.leaving || view.roster.now - probed_ < kPace) return;
+  if (is_awake_for_less(kLately, view)) return;
   probed_ = view.roster.now;
   if (has_company(view)) had_company_ = view.roster.now;
   give_winner_up(view);

@@ -48,6 +48,8 @@ class PartitionMerge {
   void on_told(const Endpoint& from, const Endpoint& of, const View& view);
   /// Whether nothing has been confirmed here for kStalled: then seniority keeps no part of the same size from winning.
   void set_stalled(bool stalled) { stalled_ = stalled; }
+  /// This peer stands still, or has just made a tick more than kSilence late: what its part did meanwhile is nothing.
+  void note_sleep(Tick now) { slept_ = now; }
   /// Sends one Probe to an address of no member.
   void knock(const Endpoint& at, const View& view, Commands& out);
   /// Once a tick.
@@ -92,6 +94,9 @@ class PartitionMerge {
   static constexpr Tick kInVain = 10 * kTicksPerSecond;
   /// Time for which a peer that is alone then stays, ticks. Longer than another one takes to come in.
   static constexpr Tick kStaysAlone = 3 * kTicksPerSecond;
+  /// After it has stood still, a peer yields to a part that is no smaller for this time, ticks, and sends no Probes for
+  /// kLately: the others, who were awake, look for it.
+  static constexpr Tick kDrowsy = 10 * kTicksPerSecond;
   /// Shorter than the time after which this peer would join its own part anew, ticks.
   static constexpr Tick kStalled = 10 * kTicksPerSecond;
   /// Time between two peers of the own part that a peer of another part is told of, ticks, after the first ones.
@@ -163,6 +168,10 @@ class PartitionMerge {
   bool is_own(const Endpoint& from, PeerId sender, std::uint32_t incarnation, const View& view) const;
   void tell_of_ours(Remembered& to, const View& view, Commands& out);
   Side ours(const View& view) const;
+  /// Whether this peer has stood still, and been up to date again for less than that time, ticks.
+  bool is_awake_for_less(Tick time, const View& view) const { return view.roster.now - slept_ < kSilence + time; }
+  /// Whether this part has slept through what the other one, which is no smaller, has done.
+  bool has_slept_through(const wire::Probe& probe, const View& view) const;
   Witness& note_witness(const Endpoint& from, PeerId sender, const wire::Probe& probe, Tick now);
   static bool lists(const Side& side, const Witness& w);
   /// Whether others of that part have spoken, and none of them says that the Probe's sender is one of them.
@@ -212,7 +221,8 @@ class PartitionMerge {
   Tick had_company_ = kNever;  ///< when somebody else was last in this part
   Tick won_at_ = 0;
   Tick yields_since_ = 0;
-  Tick stays_until_ = 0;   ///< no part wins before
+  Tick stays_until_ = 0;  ///< no part wins before
+  Tick slept_ = -kSilence - kDrowsy;
   Tick larger_since_ = 0;  ///< since when Probes of a larger part have come
   Tick larger_seen_ = -kLately;
 };

@@ -95,6 +95,18 @@ bool PartitionMerge::is_outranked(const wire::Probe& probe, const Side& us, cons
   return !probe.yields || is_larger(probe, us, evidence(probe.members, view).size(), us.size(), view);
 }
 
+// Once, whoever had played on alone for two minutes went over to the founder that woke up then, and lost all that.
+bool PartitionMerge::has_slept_through(const wire::Probe& probe, const View& view) const {
+  if (!is_awake_for_less(kDrowsy, view)) return false;
+  std::size_t own = 1;
+  for (PeerId p = 0; p < view.roster.slots(); ++p) {
+    const auto disowned = disowned_by_.find(p);
+    const bool disowns = disowned != disowned_by_.end() && disowned->second == view.roster.seats[p].incarnation;
+    if (p != view.roster.self && view.roster.seats[p].there() && !disowns) ++own;
+  }
+  return (session_.config.sealed ? evidence(probe.members, view).size() : probe.members.size()) >= own;
+}
+
 // A newcomer counts in its own part only, and seniority may then keep the smaller part from joining the larger one for
 // ever. A single witness may be a liar, and moves nobody but who has been alone for longer.
 bool PartitionMerge::is_larger_for_long(const wire::Probe& probe, const Side& us, const View& view) {

@@ -134,7 +134,14 @@ bool Participant::may_carry(const Endpoint& from, const Endpoint& to, std::size_
   return current_.membership->may_introduce(from, to) && for_newcomers_.take(bytes, local_);
 }
 
+void Participant::note_sleep(Micros local) {
+  if (!current_.membership) return;
+  const Micros lateness = current_.session->session_now(local) - tick_start(replica().now() + 1);
+  if (lateness > tick_start(kSilence)) current_.membership->note_sleep();
+}
+
 void Participant::take(const SecureChannels::Arrival& arrival, Micros local) {
+  note_sleep(local);
   const auto& [from, datagram, carried] = arrival;
   wire::SealError refused{};
   std::uint8_t version = 0;
@@ -221,6 +228,7 @@ Micros Participant::before_step(Micros local) {
   if (farewell_ && replica().now() >= *farewell_) say_goodbye();
   if (replica().playing()) current_.session->settle_clock();
   const Micros lateness = current_.session->session_now(local) - tick_start(replica().now() + 1);
+  note_sleep(local);
   if (lateness > tick_start(kHeldUp)) current_.replica->excuse_tick();
   return lateness;
 }

@@ -1,5 +1,6 @@
 // Crashes and pauses.
 #include "tests/membership/party.h"
+#include "tests/seed.h"
 
 namespace padr::test {
 namespace {
@@ -216,6 +217,34 @@ TEST(Losing, AfterALongPauseAPeerIsBackWithinTwoSeconds) {
     EXPECT_EQ(party.judge().violation(), "");
     EXPECT_LT(party.lag(who), 120);
   }
+}
+
+// Once, of two parts of one size the one with the founder won, though it had slept: whoever had played on for minutes
+// began anew with the world that the founder had left.
+TEST(Losing, WhoHasSleptTakesOverTheWorldOfThoseWhoWereAwake) {
+  for (const auto mode : {wire::SealMode::kNone, wire::SealMode::kAuth})
+    for (const std::vector<int>& asleep : {std::vector{0}, std::vector{0, 1}, std::vector{0, 2}})
+      for (const double s : {4.0, 20.0, 120.0}) {
+        const int peers = 2 * static_cast<int>(asleep.size());
+        SCOPED_TRACE(std::to_string(peers) + " peers, " + std::to_string(s) + " s");
+        lab::VirtualNetworkConfig config = party_config(peers, "delay 40ms 10ms loss 2%", seed(91));
+        config.seal = mode;
+        Party party(config);
+        party.run(8);
+        for (const int p : asleep) party.net().pause(p, true);
+        party.run(s);
+        for (const int p : asleep) party.net().pause(p, false);
+        const auto took = party.run_until(15, [&] { return party.united(); });
+        ASSERT_TRUE(took.has_value()) << party.story();
+        RecordProperty("back_after_s", std::to_string(*took));
+        std::printf("%d of %d, %.0f s: back after %.2f s\n", static_cast<int>(asleep.size()), peers, s, *took);
+        party.run(5);
+        EXPECT_TRUE(party.united()) << party.story();
+        for (int p = 0; p < peers; ++p)
+          EXPECT_TRUE(party.net().peer(p).incarnation() == 0 || std::count(asleep.begin(), asleep.end(), p) > 0)
+              << party.story();
+        EXPECT_EQ(party.judge().violation(), "");
+      }
 }
 
 /// One comes back after its machine was suspended, and its clock stood still. `moves`: it wakes up in another network.

@@ -416,6 +416,7 @@ TEST(WireMd, ConstantsAreThoseOfTheCode) {
   add("stays_alone", node::PartitionMerge::kStaysAlone);
   add("alone", node::PartitionMerge::kAlone);
   add("lonely", node::PartitionMerge::kLonely);
+  add("drowsy", node::PartitionMerge::kDrowsy);
   add("probe_remember", node::PartitionMerge::kRemember);
   add("probe_rarely", node::PartitionMerge::kRarely);
   add("unheard", node::Paths::kUnheard);
