@@ -278,7 +278,7 @@ void OutLink::on_packet(const StatePacket& p, Tick now) {
   newest_seen_sent_ = rate_.sent_at(back);
   rate_.acknowledged(back);
   if (sample(static_cast<float>(now - newest_seen_sent_) - static_cast<float>(p.seen_age)))
-    rate_.arrived(back, p.mark_tick - static_cast<Tick>(p.seen_age), now, srtt_);
+    rate_.arrived(back, p.mark_tick - static_cast<Tick>(p.seen_age), now, srtt_, std::min(loss_, 90U) / 100.0);
 }
 
 void OutLink::left(std::size_t bytes, Tick now, bool late) {

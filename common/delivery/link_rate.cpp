@@ -30,6 +30,8 @@ constexpr std::size_t kQueued = 64;
 std::size_t first_that_may_have_begun_it(std::size_t last) {
   return last < kQueued ? 0 : last - kQueued;
 }
+// Where datagrams wait longer than this, ticks, what gets lost is taken to have found no room in the queue.
+constexpr float kFull = 24;
 // What came through is measured over no less than this.
 constexpr Tick kMeasured = 6;
 // The quickest datagram is that of one to two such spans.
@@ -124,7 +126,7 @@ double LinkRate::explains(const Receipt& r) const {
   double rate = 0;
   const std::size_t last = r.number - forgotten_;
   for (std::size_t i = last + 1; i-- > first_that_may_have_begun_it(last);) {
-    bytes += static_cast<double>(sent_[i].bytes);
+    bytes += passed_ * static_cast<double>(sent_[i].bytes);
     rate = std::max(rate, bytes / seconds(static_cast<double>(sent_[last].at - sent_[i].at) + late));
   }
   return rate;
@@ -137,7 +139,7 @@ float LinkRate::predicted(const Receipt& r, double rate) const {
   const double ticks_per_byte = kTicksPerSecond / rate;
   const std::size_t last = r.number - forgotten_;
   for (std::size_t i = last + 1; i-- > first_that_may_have_begun_it(last);) {
-    bytes += static_cast<double>(sent_[i].bytes);
+    bytes += passed_ * static_cast<double>(sent_[i].bytes);
     const double by_it = bytes * ticks_per_byte - static_cast<double>(sent_[last].at - sent_[i].at);
     late = std::max(late, by_it);
   }
@@ -152,7 +154,7 @@ double LinkRate::came_through() const {
   if (ticks < kMeasured) return 0;
   double bytes = 0;
   for (std::size_t i = from.number + 1; i <= to.number; ++i) bytes += static_cast<double>(sent_[i - forgotten_].bytes);
-  return bytes / seconds(static_cast<double>(ticks));
+  return passed_ * bytes / seconds(static_cast<double>(ticks));
 }
 
 float LinkRate::unexplained(double rate) const {
@@ -210,7 +212,7 @@ void LinkRate::acknowledged(std::size_t later) {
   if (is_limited() || *window_ > kLastWindow) window_.reset();
 }
 
-void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_trip) {
+void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_trip, double loss) {
   const std::size_t place = sent_.size() - 1 - later;
   const Tick transit = received - sent_[place].at;
   const bool too_quick = span_ != kNever && transit < std::min(0, quickest().transit) - kTooQuick;
@@ -220,6 +222,7 @@ void LinkRate::arrived(std::size_t later, Tick received, Tick now, float round_t
   while (receipts_.size() > kReceipts || receipts_.front().number < forgotten_) receipts_.pop_front();
   note_transit({receipts_.back().transit, sent_[place].bytes}, now);
   queue_ = lateness(receipts_.back());
+  passed_ = queue_ > kFull ? 1 - loss : 1;
   const float left = unexplained(rate_);
   double best = rate_;
   float least = left;

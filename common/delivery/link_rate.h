@@ -41,8 +41,9 @@ class LinkRate {
   Tick sent_at(std::size_t later) const { return sent_[sent_.size() - 1 - later].at; }
   /// That datagram, the newest so far, has arrived: the window widens.
   void acknowledged(std::size_t later);
-  /// The link itself took so long: it arrived at `received` by the receiver's session clock.
-  void arrived(std::size_t later, Tick received, Tick now, float round_trip);
+  /// The link itself took so long: it arrived at `received` by the receiver's session clock. `loss`: the part of what
+  /// was sent lately that did not arrive, 0 to 1.
+  void arrived(std::size_t later, Tick received, Tick now, float round_trip, double loss = 0);
   /// Whether a datagram may be sent now. If not, what was to be sent counts as held back.
   bool may_send(Tick now);
   /// Whether new updates may be made for it: neither its queue nor its bound is against it.
@@ -103,6 +104,7 @@ class LinkRate {
   std::optional<double> window_;   ///< bytes that may be unacknowledged; nothing: any
   double unacknowledged_ = 0;      ///< bytes sent after what had arrived when there last was a window
   double queued_ = 0;              ///< bytes that wait in the link's queue, by the estimate
+  double passed_ = 1;              ///< part of what is sent that the link has carried of late
   double ahead_ = kMostAhead / 4;  ///< s; a beginning is told roughly
   Tick drained_ = 0;               ///< when those were last computed
   Quickest now_quickest_;          ///< in the span that began at span_, and in the one before

@@ -356,7 +356,15 @@ void Evictions::poll(const wire::Poll& poll, const View& view, Commands& out) {
       out.send(view.roster.seats[p].at, poll);
 }
 
+// What an asker has said meanwhile waits to be read. Once, whoever had stood still and caught up took an honest asker
+// for a liar, and confirmed what the lost peer said on its return: another world than the others had.
+void Evictions::excuse_askers(const View& view) {
+  if (view.roster.now - view.roster.late > 1) return;
+  for (auto& [who, answered] : answered_) answered.polled = view.roster.now;
+}
+
 void Evictions::advance(const View& view, Commands& out) {
+  excuse_askers(view);
   std::erase_if(lost_, [&](const auto& entry) { return !view.roster.seats[entry.first].frozen; });
   take_back_if_over(view, out);
   thaw(view, out);

@@ -133,6 +133,8 @@ class Evictions {
   bool is_current(PeerId from, std::uint32_t number, Tick now);
   bool contests(PeerId from, const wire::Poll& poll, const View& view);
   bool has_expired(PeerId asker, const Answered& a, const View& view) const;
+  /// Time in which this peer catches up is none in which an asker does not poll.
+  void excuse_askers(const View& view);
   void thaw(const View& view, Commands& out);
   void keep(PeerId from, const wire::Fetched& fetched, Lost& lost, const View& view, MisbehaviourPolicy& misbehaviour);
   bool lives(PeerId p, const Lost& lost, const View& view) const;

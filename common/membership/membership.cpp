@@ -60,12 +60,18 @@ bool Membership::bars_for_good(const PublicKey& key) const {
   return testimony_.convicts(key) || misbehaviour_.bars_for_good(key);
 }
 
+std::string Membership::ban_of(const PublicKey& key) const {
+  if (bars_for_good(key)) return "it has been cut off for good";
+  const Tick left = misbehaviour_.bars_for(key, view()) + kTicksPerSecond - 1;
+  return "it has been cut off, and may come in after " + std::to_string(left / kTicksPerSecond) + " s";
+}
+
 void Membership::on_join(const Endpoint& from, const wire::Join& join, Micros local) {
   const View view = this->view();
   const PeerId c = coordinator();
   if (!view.roster.member || c == kNoPeer || way_back()) return;  // the joiner asks again
   if (bars(from.key)) {
-    if (commands_.may_answer(local)) commands_.send(from, wire::Refuse{join.nonce, "it has been cut off"});
+    if (commands_.may_answer(local)) commands_.send(from, wire::Refuse{join.nonce, ban_of(from.key)});
     return;
   }
   if (c == session_.self) return admissions_.on_join(from, join, view, local, commands_);

@@ -108,6 +108,8 @@ class Membership {
 
  private:
   bool bars_for_good(const PublicKey& key) const;
+  /// What a joiner that is barred is told.
+  std::string ban_of(const PublicKey& key) const;
   const Roster& roster() const { return replica_.replica().roster(); }
   View view() const {
     View view = view_of(replica_.replica());

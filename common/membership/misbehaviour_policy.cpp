@@ -16,7 +16,6 @@ using sync::DropReason;
 
 /// Time for which two peers may take themselves for the coordinator, or their orders be under way.
 constexpr Tick kHandOver = 10 * kTicksPerSecond;
-constexpr Tick kForGood = std::numeric_limits<Tick>::max();
 
 /// Reasons that no honest peer causes, whatever the receiver knows, and under a seal no network fault either. All other
 /// rules depend on the receiver's clock or log, and a liar who tells different peers different things can make honest
@@ -207,10 +206,10 @@ void MisbehaviourPolicy::on_drop(PeerId p, DropReason why, const View& view, Mic
   tell(p, why, w, local, out);
   if (!session_.config.sealed) return;
   if (why == DropReason::kPromise)
-    return cut_off(p, false, "has sent an update of a time for which it had promised that there are no more", view,
+    return cut_off(p, Ban::kEnds, "has sent an update of a time for which it had promised that there are no more", view,
                    out);
   if (!is_nonsense(why)) return;
-  if (is_too_much(p, view)) cut_off(p, true, "keeps sending invalid datagrams", view, out);
+  if (is_too_much(p, view)) cut_off(p, Ban::kForGood, "keeps sending invalid datagrams", view, out);
 }
 
 // Whether the first update of p that is missing here is an order that nobody has relayed.
@@ -277,8 +276,9 @@ void MisbehaviourPolicy::advance(const View& view, Commands& out) {
     const std::string what = tells     ? "acknowledged no updates"
                              : refused ? "given orders that it has no right to give"
                                        : "not sent the updates that it promised";
-    cut_off(p, false, "has " + what + " for " + std::to_string(lasted / kTicksPerSecond) + " s", view, out);
-    if (session_.config.sealed) offender(p, view).pardonable = tells && offender(p, view).times == 1;
+    cut_off(p, refused ? Ban::kEnds : Ban::kAtFirst,
+            "has " + what + " for " + std::to_string(lasted / kTicksPerSecond) + " s", view, out);
+    if (session_.config.sealed) offender(p, view).pardonable = tells && offender(p, view).times == 0;
   }
 }
 
@@ -286,25 +286,30 @@ void MisbehaviourPolicy::convict(PeerId p, const View& view, Commands& out) {
   const Seat& s = view.roster.seats[p];
   if (!session_.config.sealed) return;
   // This peer's former incarnation may have barred it.
-  if (!bars_for_good(s.at.key)) cut_off(p, true, "has signed two different updates of one number", view, out);
+  if (!bars_for_good(s.at.key)) cut_off(p, Ban::kForGood, "has signed two different updates of one number", view, out);
   if (!s.given_up_for_good) out.give_up(p, true);
 }
 
 void MisbehaviourPolicy::distrust(PeerId p, const View& view, Commands& out) {
-  cut_off(p, false, "has kept back an update that it promised was none", view, out);
+  cut_off(p, Ban::kEnds, "has kept back an update that it promised was none", view, out);
 }
 
 // How long p is barred, ticks.
-Tick MisbehaviourPolicy::bar(PeerId p, bool for_good, const View& view) {
+Tick MisbehaviourPolicy::bar(PeerId p, Ban ban, const View& view) {
   if (!session_.config.sealed) return kBarred;  // only a key identifies a peer
   Offender& o = offender(p, view);
-  constexpr int kMostDoubled = 6;
-  const Tick until = view.roster.now + (kBarred << std::min(o.times, kMostDoubled));
-  o.barred_until = for_good ? kForGood : std::max(o.barred_until, until);
   o.nonsense.clear();
-  ++o.times;
   o.pardonable = false;
-  return for_good ? kForGood : until - view.roster.now;
+  if (ban == Ban::kForGood) {
+    o.barred_until = kForGood;
+    return kForGood;
+  }
+  constexpr int kMostDoubled = 6;
+  const bool at_first = ban == Ban::kAtFirst && o.times == 0 && !std::exchange(o.warned, true);
+  const Tick until = view.roster.now + (at_first ? kBarredAtFirst : kBarred << std::min(o.times, kMostDoubled));
+  o.barred_until = std::max(o.barred_until, until);
+  if (!at_first) ++o.times;
+  return until - view.roster.now;
 }
 
 void MisbehaviourPolicy::inherit(const MisbehaviourPolicy& before, const PublicKey& let_in_by) {
@@ -323,9 +328,10 @@ bool MisbehaviourPolicy::bars_for_good(const PublicKey& key) const {
                      [&](const Offender& o) { return o.key == key && o.barred_until == kForGood; });
 }
 
-bool MisbehaviourPolicy::bars(const PublicKey& key, const View& view) const {
-  return std::any_of(offenders_.begin(), offenders_.end(),
-                     [&](const Offender& o) { return o.key == key && view.roster.now < o.barred_until; });
+Tick MisbehaviourPolicy::bars_for(const PublicKey& key, const View& view) const {
+  for (const Offender& o : offenders_)
+    if (o.key == key) return o.barred_until == kForGood ? kForGood : std::max(0, o.barred_until - view.roster.now);
+  return 0;
 }
 
 void MisbehaviourPolicy::tell(PeerId p, DropReason why, Watch& w, Micros local, Commands& out) {
@@ -340,8 +346,9 @@ void MisbehaviourPolicy::tell(PeerId p, DropReason why, Watch& w, Micros local, 
 }
 
 // Its updates come by relay from now on, as long as other members hear it. If nobody hears it, it is evicted.
-void MisbehaviourPolicy::cut_off(PeerId p, bool for_good, const std::string& why, const View& view, Commands& out) {
-  const Tick barred = bar(p, for_good, view);
+void MisbehaviourPolicy::cut_off(PeerId p, Ban ban, const std::string& why, const View& view, Commands& out) {
+  const bool for_good = ban == Ban::kForGood;
+  const Tick barred = bar(p, ban, view);
   watch(p, view).deaf_until = for_good ? kForGood : view.roster.now + barred;
   out.tell({.kind = for_good ? SessionEvent::Kind::kCutOff : SessionEvent::Kind::kMuted,
             .peer = p,

@@ -42,8 +42,9 @@ class MisbehaviourPolicy {
   void on_drop(PeerId p, sync::DropReason why, const View& view, Micros local, Commands& out);
   /// Once a tick.
   void advance(const View& view, Commands& out);
-  /// Whether a joiner with this key is still barred.
-  bool bars(const PublicKey& key, const View& view) const;
+  /// For how long a joiner with this key is still barred, ticks; 0: it is not, kForGood: for ever.
+  Tick bars_for(const PublicKey& key, const View& view) const;
+  bool bars(const PublicKey& key, const View& view) const { return bars_for(key, view) > 0; }
   /// Ends a joiner's first ban if it is for acknowledging nothing; for when another member tells of the joiner, or it
   /// is in anew. A peer that has cut off this one acknowledges nothing to it.
   void pardon(const PublicKey& key);
@@ -64,6 +65,9 @@ class MisbehaviourPolicy {
   static constexpr std::size_t kNonsense = 20;  ///< invalid datagrams within kWithin for which p is cut off
   static constexpr Tick kWithin = 10 * kTicksPerSecond;
   static constexpr Tick kBarred = 60 * kTicksPerSecond;  ///< first ban that ends; doubles each time
+  /// Ban of whoever holds up everybody for the first time, ticks: it may have been its network.
+  static constexpr Tick kBarredAtFirst = 10 * kTicksPerSecond;
+  static constexpr Tick kForGood = std::numeric_limits<Tick>::max();
   /// Time for which a member that is heard may acknowledge no updates, ticks.
   static constexpr Tick kPatience = 2 * View::kArrears;
   /// The same for one that asks to be let in anew. All that it has not acknowledged must be kept meanwhile.
@@ -116,6 +120,7 @@ class MisbehaviourPolicy {
     std::deque<Tick> nonsense;  ///< the latest, kNonsense at most
     Tick barred_until = 0;
     int times = 0;
+    bool warned = false;      ///< by a short ban
     bool pardonable = false;  ///< see pardon
   };
   bool is_heard(PeerId p, const View& view) const;
@@ -127,9 +132,10 @@ class MisbehaviourPolicy {
   bool is_too_much(PeerId p, const View& view);
   /// Whether it may be right to say what is dropped, by updates of a silent peer that are not here.
   bool may_lack_an_order(PeerId p, const View& view);
-  Tick bar(PeerId p, bool for_good, const View& view);
+  enum class Ban : std::uint8_t { kAtFirst, kEnds, kForGood };
+  Tick bar(PeerId p, Ban ban, const View& view);
   void tell(PeerId p, sync::DropReason why, Watch& w, Micros local, Commands& out);
-  void cut_off(PeerId p, bool for_good, const std::string& why, const View& view, Commands& out);
+  void cut_off(PeerId p, Ban ban, const std::string& why, const View& view, Commands& out);
 
   const SessionView& session_;
   std::vector<Watch> watches_;       ///< by slot

@@ -62,6 +62,11 @@ TEST(ChaosSealed, Holds760019) {
   play_in_full(760019, wire::SealMode::kAuth);
 }
 
+// Whoever had stood still took an honest asker for a liar, and thawed the peer whose eviction was under way.
+TEST(ChaosSealed, Holds820007) {
+  play_in_full(820007, wire::SealMode::kAuth);
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Once, ChaosInFull,
     testing::Values(

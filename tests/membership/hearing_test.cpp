@@ -1,6 +1,7 @@
 // Links that fail while their ends are well: who is heard by somebody is not declared gone.
 #include "tests/membership/cut.h"
 #include "tests/membership/party.h"
+#include "tests/membership/uplink.h"
 #include "tests/seed.h"
 #include "tools/lab/testbed/harm.h"
 
@@ -182,6 +183,42 @@ TEST(HearingHeldUp, WhoStandsStillForSecondsHasNoNarrowLinks) {
         narrow += narrow_links(party);
       }
       EXPECT_EQ(narrow, 0) << netem << ", " << s << " s";
+    }
+}
+
+// Three links share an uplink that becomes narrow while all play. Once, most of what was sent found no room, each link
+// was taken for one of ten times the rate, and after 8 s the others ignored this peer for a minute.
+TEST(HearingThroughAFullUplink, NobodyIsIgnored) {
+  for (const auto seal : {wire::SealMode::kNone, wire::SealMode::kEncrypt})
+    for (const double room : {0.5, 2.0}) {
+      SCOPED_TRACE("room for " + std::to_string(room) + " s");
+      const auto uplink = std::make_shared<Uplink>();
+      lab::VirtualNetworkConfig config = party_config(4, "delay 5ms 1ms", seed(5));
+      config.seal = seal;
+      config.technique = Technique{};
+      Party party(config, [&](lab::VirtualNetwork& net) {
+        net.on_start = [uplink](int person, node::ParticipantConfig& c) {
+          if (person == 2) c.tamper = [uplink](node::Parcel p) { return (*uplink)(std::move(p)); };
+        };
+      });
+      party.run(8);
+      uplink->net = &party.net();
+      uplink->kbit = 16;
+      uplink->room_s = room;
+      uplink->loss = 0.2;
+      Tick worst = 0;
+      for (int i = 0; i < 20; ++i) {
+        party.run(1);
+        worst = std::max(worst, party.lag(0));
+      }
+      std::printf("worst lag %d ticks, %d datagrams found no room\n", worst, uplink->full);
+      EXPECT_TRUE(party.united()) << party.story();
+      EXPECT_FALSE(party.noted(0, "ignored")) << party.story();
+      EXPECT_EQ(party.net().peer(2).incarnation(), 0) << party.story();
+      uplink->kbit = 0;
+      party.run(5);
+      EXPECT_LT(party.lag(0), 60);
+      EXPECT_EQ(party.judge().violation(), "");
     }
 }
 

@@ -209,10 +209,12 @@ TEST(EvictionRules, AFrozenPeerThatIsHeardAgainIsTakenBackFromAnAskerThatLies) {
     bool polls_on;
     bool tells_on;  ///< the asker's marks go on coming
     bool thaws;
+    bool catches_up = false;
   };
   const std::vector<Row> rows{
       {"it polls on", true, true, true, true},
       {"it neither polls on nor gives its order", true, false, true, true},
+      {"this peer has stood still, and the polls wait to be read", true, false, true, false, true},
       {"it has fallen silent, and may have given its order", true, false, false, false},
       {"without a key nobody lies, but it may be slow", false, true, true, false},
   };
@@ -228,6 +230,7 @@ TEST(EvictionRules, AFrozenPeerThatIsHeardAgainIsTakenBackFromAnAskerThatLies) {
         s.roster.seats[0].heard = s.roster.seats[0].answered = s.roster.seats[0].answer_mark = s.roster.now;
         if (s.roster.seats[2].frozen) s.roster.note_answer_of_frozen(2);
         if (r.tells_on) s.log.mark(0, s.roster.now, 0);
+        if (r.catches_up) s.roster.late = s.roster.now - 1;
         ListedCommands out;
         if (r.polls_on || s.roster.now == kNow)
           rules.on_poll(0, {{s.named(2)}, true, 0}, s.view(), s.roster.now, false, out);

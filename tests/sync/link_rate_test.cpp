@@ -160,6 +160,38 @@ TEST(LinkRate, LateArrivalsAreNoWiderLink) {
 }
 
 // When all comes later, by another way perhaps, that looks like a queue at first. Once, the estimate then stayed low.
+// Once, all that had been sent counted as carried, so a link that took a quarter of it was found to be four times as
+// wide.
+TEST(LinkRate, CountsNothingThatFoundNoRoomInAFullQueue) {
+  constexpr double kRate = 500;
+  constexpr Tick kRoom = 120;
+  LinkRate measured;
+  double busy_until = 0;
+  std::deque<std::pair<Tick, int>> on_its_way;  // when it is received, and its number
+  int sent = 0;
+  int lost = 0;
+  for (Tick now = 0; now < 20 * kTicksPerSecond; ++now) {
+    if (now % 2 == 0) {
+      measured.sent(60, now);
+      if (busy_until - now > kRoom) {
+        ++lost;
+      } else {
+        busy_until = std::max(busy_until, static_cast<double>(now)) + 60 / kRate * kTicksPerSecond;
+        on_its_way.emplace_back(static_cast<Tick>(busy_until) + 3, sent);
+      }
+      ++sent;
+    }
+    while (!on_its_way.empty() && on_its_way.front().first <= now) {
+      const auto later = static_cast<std::size_t>(sent - 1 - on_its_way.front().second);
+      if (later < measured.remembered())
+        measured.arrived(later, on_its_way.front().first, now, 20, static_cast<double>(lost) / sent);
+      on_its_way.pop_front();
+    }
+  }
+  ASSERT_GT(lost, sent / 2);
+  EXPECT_NEAR(measured.rate(), kRate, kRate / 2);
+}
+
 TEST(LinkRate, GrowsAgainWhereTheLinkHasBecomeLonger) {
   for (const Tick longer : {4, 10, 28}) {
     Link l;
