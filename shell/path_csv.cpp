@@ -109,12 +109,20 @@ class Reader {
     for (;;) {
       const auto comma = line.find(',', begin);
       const auto end = comma == std::string_view::npos ? line.size() : comma;
-      if (count == kColumns) fail(begin + 1, "a fourth column, allowed: the three columns t,x,y");
+      if (count == kColumns)
+        fail(begin + 1, "a fourth column, allowed: the three columns t,x,y, and a row on each line");
       fields[count++] = trimmed(line.substr(begin, end - begin), begin + 1);
       if (comma == std::string_view::npos) break;
       begin = comma + 1;
     }
     if (count < kColumns) {
+      const auto other = line.find_first_of(";\t\r");
+      if (count == 1 && other != std::string_view::npos)
+        fail(other + 1, std::string("a ") +
+                            (line[other] == ';'    ? "semicolon"
+                             : line[other] == '\t' ? "tab"
+                                                   : "carriage return without a newline") +
+                            ", allowed: commas between the three columns t,x,y, and a row on each line");
       fail(line.size() + 1, std::string(kNames[count]) + " is missing, allowed: the three columns t,x,y");
     }
     return fields;

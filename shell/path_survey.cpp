@@ -11,6 +11,9 @@ namespace {
 
 // An avatar that is drawn this much slower than it could go is hardly drawn at all.
 constexpr double kIdle = 0.01;
+// Who records so many points records them oftener than this, s.
+constexpr std::size_t kRecorded = 100;
+constexpr double kFarApart = 1;
 
 bool inside(Vec2 p, const Scene& s) {
   return p.x >= s.lower.x && p.x <= s.upper.x && p.y >= s.lower.y && p.y <= s.upper.y;
@@ -98,6 +101,10 @@ PathNotes notes_on_path(const scenarios::Path& path, std::string_view label, con
   if (s.fastest < kIdle * most)
     notes.warnings.push_back(name + ": it hardly moves, at most " + measure(s.fastest) +
                              " m/s; are its times milliseconds?" + hint);
+  else if (const double apart = s.seconds / static_cast<double>(s.points - 1);
+           s.points >= kRecorded && apart > kFarApart)
+    notes.warnings.push_back(name + ": its points are " + measure(apart) +
+                             " s apart on average; are its times milliseconds?" + hint);
   return notes;
 }
 

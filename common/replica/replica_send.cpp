@@ -24,6 +24,9 @@ constexpr Tick kTellCheckPerPeer = 6;
 constexpr double kBytesPerKbit = 125;
 // Ticks after the last one that counted as held up that are still made too late, as a peer makes up for what it missed.
 constexpr Tick kMakesUp = 24;
+// Of the ticks that it makes far too late, one after the other, it sends in every eighth only: one datagram holds the
+// updates of all of them, and a narrow uplink would take seconds for one of each.
+constexpr Tick kTogether = 8;
 // Time without new updates after which marks are less urgent.
 constexpr Tick kQuiet = kTicksPerSecond;
 
@@ -43,6 +46,7 @@ void Replica::send() {
   const double share = budget > 0 ? budget * kBytesPerKbit / std::max(1, others) : sync::LinkRate::kMost;
   const Tick check_every = std::max(kTellCheck, kTellCheckPerPeer * others);
   const bool is_late = now() - roster_.late <= kMakesUp;
+  const bool waits = now() - roster_.late == 1 && now() % kTogether != 0;
   std::uint32_t everyone = own_end();
   for (PeerId p = 0; p < config_.slots; ++p) {
     LinkState& to = links_[p];
@@ -57,8 +61,9 @@ void Replica::send() {
     const sync::OutLink::Context context{now(), log.have(p), log.have_beyond(p),    to.promised > log.have(p),
                                          calm,  quiet,       config_.self * kPhase, to.repeats};
     sync::StatePacket* packet =
-        to.out.compose(context, own_log_, own_first_, wire::encoded_size,
-                       std::min(wire::kMaxPayload - wire::kStateOverhead, to.out.rate().half_second()));
+        waits ? nullptr
+              : to.out.compose(context, own_log_, own_first_, wire::encoded_size,
+                               std::min(wire::kMaxPayload - wire::kStateOverhead, to.out.rate().half_second()));
     everyone = std::min(everyone, to.out.acked());
     if (const std::uint32_t acked = std::max(to.out.acked(), own_first_); acked < own_end())
       n.unacknowledged = own_log_[acked - own_first_].tick;

@@ -186,6 +186,23 @@ TEST(HearingHeldUp, WhoStandsStillForSecondsHasNoNarrowLinks) {
     }
 }
 
+// Once, it sent a datagram for each tick that it had missed, and a narrow uplink took seconds for them.
+TEST(HearingHeldUp, WhoCatchesUpSendsAFewDatagrams) {
+  Party party(3, "delay 20ms", seed(63));
+  party.run(8);
+  const Tick then = party.replica(2).now();
+  party.net().pause(2, true);
+  party.run(2.5);
+  party.net().pause(2, false);
+  const std::uint64_t before = party.replica(2).stats().datagrams_sent;
+  party.run_until(2, [&] { return party.replica(2).now() >= party.replica(0).now() - 2; });
+  EXPECT_GT(party.replica(2).now() - then, 140) << "all ticks are made";
+  EXPECT_LT(party.replica(2).stats().datagrams_sent - before, 2 * 50) << "on two links";
+  party.run(1);
+  EXPECT_LT(party.lag(0), 60);
+  EXPECT_EQ(party.judge().violation(), "");
+}
+
 // Three links share an uplink that becomes narrow while all play. Once, most of what was sent found no room, each link
 // was taken for one of ten times the rate, and after 8 s the others ignored this peer for a minute.
 TEST(HearingThroughAFullUplink, NobodyIsIgnored) {

@@ -50,9 +50,10 @@ TEST(PathCsv, ErrorsNameFileLineColumnAndWhatIsAllowed) {
       {"t,x,y\nt,x,y\n", "p.csv:2:1: t is \"t\", not a number, allowed: -10000000000 .. 10000000000 s"},
       {"0\n1\n", "p.csv:1:2: x is missing, allowed: the three columns t,x,y"},
       {"0,1\n1,2\n", "p.csv:1:4: y is missing, allowed: the three columns t,x,y"},
-      {"0,1,2,3\n", "p.csv:1:7: a fourth column, allowed: the three columns t,x,y"},
-      {"0,1,2,\n", "p.csv:1:7: a fourth column, allowed: the three columns t,x,y"},
-      {"0;1;2\n", "p.csv:1:6: x is missing, allowed: the three columns t,x,y"},
+      {"0,1,2,3\n", "p.csv:1:7: a fourth column, allowed: the three columns t,x,y, and a row on each line"},
+      {"0,1,2,\n", "p.csv:1:7: a fourth column, allowed: the three columns t,x,y, and a row on each line"},
+      {"0;1;2\n", "p.csv:1:2: a semicolon, allowed: commas between the three columns t,x,y, and a row on each line"},
+      {"t\tx\ty\n", "p.csv:1:2: a tab, allowed: commas between the three columns t,x,y, and a row on each line"},
       {"0,1,2\n0.1,nan,2\n", "p.csv:2:5: x is \"nan\", allowed: -10000 .. 10000 m"},
       {"0,1,2\ninf,1,2\n", "p.csv:2:1: t is \"inf\", allowed: -10000000000 .. 10000000000 s"},
       {"nan,1,2\n", "p.csv:1:1: t is \"nan\", allowed: -10000000000 .. 10000000000 s"},
@@ -117,6 +118,12 @@ TEST(PathSurvey, SaysWhatThePathAsksForAndWarnsOfOtherUnits) {
   EXPECT_EQ(
       notes_on_path(Path({{0, {1, 1}}, {1000, {8, 1}}}), "p.csv", room()).warnings,
       (std::vector<std::string>{"path p.csv: it hardly moves, at most 0.007 m/s; are its times milliseconds?" + hint}));
+  // A pointer that flicks goes fast even if its milliseconds count as seconds.
+  std::vector<PathPoint> flicks;
+  for (int i = 0; i < 100; ++i) flicks.push_back({28.0 * i, {i % 2 == 0 ? 1.0F : 4.0F, 2}});
+  EXPECT_EQ(notes_on_path(Path(std::move(flicks)), "p.csv", room()).warnings,
+            (std::vector<std::string>{"path p.csv: its points are 28 s apart on average; are its times milliseconds?" +
+                                      hint}));
   // A corner is a part of the world; nobody gets 6.1 m in a second.
   EXPECT_TRUE(notes_on_path(Path({{0, {0, 15}}, {1, {6, 15}}}), "p.csv", room()).warnings.empty());
   EXPECT_EQ(notes_on_path(Path({{0, {0, 15}}, {1, {6.1F, 15}}, {2, {6.1F, 15}}}), "p.csv", room()).warnings,
