@@ -105,6 +105,7 @@ void Participant::give_up_entering(Micros local) {
 void Participant::ask_again(Micros local) {
   SessionConfig c = config_.session;
   c.waited = local - began_;
+  c.failed = next_.session->failure();
   if (c.patience > 0) c.patience -= c.waited;
   if (config_.session.patience > 0 && c.patience <= 0) return;
   drop_attempt(local);

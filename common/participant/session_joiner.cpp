@@ -141,12 +141,13 @@ void Joiner::tell_why_it_takes_long(Micros local) {
 
 std::string Joiner::why_not_in(Micros after, Micros local) const {
   if (!full_.empty()) return full_;
-  if (session_.config.waited > 0) return no_admission(target_, session_.config.waited + after);
+  if (session_.config.waited > 0) return no_admission(target_, session_.config.waited + after, session_.config.failed);
   const bool refused = refused_ && refused_->at == target_ && local - refused_->when <= 2 * SessionPace::kRareJoin;
   return "no answer from " + to_string(target_) + " within " + in_seconds(after) +
-         (refused                  ? ": nobody listens there"
-          : session_.config.sealed ? "; it may have another session key, or none, or nobody listens there"
-                                   : "; it may have a session key, or play in a crowd, or nobody listens there");
+         (refused                   ? ": nobody listens there"
+          : session_.config.returns ? ""
+          : session_.config.sealed  ? "; it may have another session key, or none, or nobody listens there"
+                                    : "; it may have a session key, or play in a crowd, or nobody listens there");
 }
 
 }  // namespace padr::node

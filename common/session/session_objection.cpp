@@ -29,14 +29,17 @@ std::string objection(const SessionConfig& c, const wire::Join& join) {
   return "";
 }
 
-std::string no_admission(const Endpoint& by, Micros within) {
-  return "no admission by " + to_string(by) + " within " + in_seconds(within) +
-         ": a member answered, but its world did not come through in time";
+std::string no_admission(const Endpoint& by, Micros within, const std::string& why) {
+  return "no admission by " + to_string(by) + " within " + in_seconds(within) + ": " +
+         (why.empty() ? "a member answered, but its world did not come through in time"
+                      : why + "; another member may let it in");
 }
 
 std::string in_seconds(Micros t) {
   std::array<char, 32> text{};
-  const double s = static_cast<double>(t) / static_cast<double>(kMicrosPerSecond);
+  constexpr Micros kHundredth = kMicrosPerSecond / 100;
+  const Micros shown = t < kMicrosPerSecond ? t : (t + kHundredth / 2) / kHundredth * kHundredth;
+  const double s = static_cast<double>(shown) / static_cast<double>(kMicrosPerSecond);
   return std::string(text.data(), std::to_chars(text.data(), text.data() + text.size(), s).ptr) + " s";
 }
 

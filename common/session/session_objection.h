@@ -13,8 +13,9 @@ inline constexpr std::string_view kFull = "the session is full";
 /// Why a joiner does not fit the session; empty if it does.
 std::string objection(const SessionConfig& session, const wire::Join& join);
 
-/// That a member has welcomed this peer, and nobody has admitted it within that time, us.
-std::string no_admission(const Endpoint& by, Micros within);
+/// That a member has welcomed this peer, and nobody has admitted it within that time, us. `why`: what became of that
+/// member, if it is known.
+std::string no_admission(const Endpoint& by, Micros within, const std::string& why = "");
 
 /// For the texts of failures: "4 s", "0.5 s".
 std::string in_seconds(Micros t);

@@ -48,6 +48,7 @@ struct SessionConfig {
   Micros patience = 30 * kMicrosPerSecond;
   /// So much of it an attempt before this one took, in which a member answered, us; 0: there was none.
   Micros waited = 0;
+  std::string failed{};  ///< why that one failed
 };
 
 enum class SessionPhase : std::uint8_t {

@@ -177,6 +177,8 @@ TEST(Report, WhoWasInterferedWithIsNoted) {
                        "Network of peer 1, changed while it played, at last: delay 1ms\n"),
             std::string::npos)
       << table;
+  EXPECT_NE(table.find("Technique at the beginning: full "), std::string::npos) << table;
+  EXPECT_NE(table.find("Technique of peer 1, changed while it played, at last: adaptive "), std::string::npos) << table;
   r.peers[0].header.netem = "loss 1%";
   EXPECT_NE(report::table(r).find("Network of peer 0 at the beginning: loss 1%\n"), std::string::npos);
   EXPECT_TRUE(r.is_seen(r.peers[0]));
@@ -203,12 +205,14 @@ TEST(Report, ANoteSaysOfWhenTheSettingsAreThatTheReportNames) {
   EXPECT_EQ(
       note("peer 0"),
       "peer 0 was interfered with while it played: knobs turned 1 time, bodies pushed 0, links impaired or cut or the "
-      "peer paused 0; the report names technique and network as they were at the beginning");
+      "peer paused 0; the report names technique and network as they were at the beginning, and what was changed as it "
+      "was at last; the figures by technique go by the one at the beginning");
   EXPECT_EQ(
       note("peer 1"),
       "peer 1 was interfered with while it played: knobs turned 0 times, bodies pushed 0, links impaired or cut or "
-      "the peer paused 1; the report names the technique as it was at the beginning, and the network as it was then "
-      "and at last");
+      "the peer paused 1; the report names technique and network as they were at the beginning, and what was changed "
+      "as "
+      "it was at last");
 }
 
 TEST(Report, WhoCarriedForALinkAndForHowLong) {

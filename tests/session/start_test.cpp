@@ -379,8 +379,8 @@ TEST(SessionStart, WhoIsWelcomedAndNotAdmittedSaysSo) {
     ASSERT_TRUE(took) << party.story();
     EXPECT_LE(*took, within);
     EXPECT_EQ(party.net().peer(joiner).session().failure(),
-              "no admission by " + to_string(at) + " within " + std::to_string(within) +
-                  " s: a member answered, but its world did not come through in time");
+              "no admission by " + to_string(at) + " within " + std::to_string(within) + " s: " + to_string(at) +
+                  " is silent, before this peer was admitted; another member may let it in");
   }
 }
 

@@ -215,6 +215,7 @@ class Analysis {
 
   static void take(Cursor& c, const trace::Retune& r) {
     c.technique = r.technique;
+    c.peer.technique_last = r.technique;
     ++c.peer.retunes;
   }
   void take(Cursor& c, const trace::Push& p) {

@@ -109,7 +109,9 @@ void put_peer(Json& j, const Report& r, const Peer& p) {
   put_drops(j, p);
   put_carried(j, p);
   j.key("interference").begin_object();
-  j.field("knobs_turned", p.retunes).field("pushes", p.pushes).field("links_and_pauses", p.remarks).end_object();
+  j.field("knobs_turned", p.retunes).field("pushes", p.pushes).field("links_and_pauses", p.remarks);
+  if (p.technique_last) j.field("knobs_last", shell::describe(*p.technique_last));
+  j.end_object();
   put_provenance(j, p);
   j.end_object();
 }

@@ -101,10 +101,11 @@ struct Peer {
   trace::ShownMotion shown;  ///< if the scene is known
   double threshold_mean_m = 0;
   // What was done to it while it played:
-  std::uint64_t retunes = 0;              ///< its knobs were turned
-  std::uint64_t pushes = 0;               ///< it was told to push a body
-  std::uint64_t remarks = 0;              ///< impairments, cuts, pauses
-  std::optional<std::string> netem_last;  ///< what its links were last told to suffer, if that was changed
+  std::uint64_t retunes = 0;                ///< its knobs were turned
+  std::uint64_t pushes = 0;                 ///< it was told to push a body
+  std::uint64_t remarks = 0;                ///< impairments, cuts, pauses
+  std::optional<Technique> technique_last;  ///< its technique after the last of them
+  std::optional<std::string> netem_last;    ///< what its links were last told to suffer, if that was changed
   /// What it dropped in all, by reason, told at a clean end only; who did not know all reasons tells fewer.
   std::vector<std::uint64_t> dropped;
   std::vector<Drops> drops;      ///< by slot, where there is something to tell

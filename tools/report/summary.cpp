@@ -50,16 +50,16 @@ void note_ends(Report& r) {
                         ": the program crashed or is still running");
 }
 
-// What the trace's header says of the technique and the network is then true of its begin only.
+// What the trace's header says of the technique and the network is then true of its beginning only.
 void note_interference(Report& r) {
   for (const Peer& p : r.peers)
     if (p.retunes + p.pushes + p.remarks > 0)
-      r.notes.push_back(
-          "peer " + p.name + " was interfered with while it played: knobs turned " + shell::counted(p.retunes, "time") +
-          ", bodies pushed " + std::to_string(p.pushes) + ", links impaired or cut or the peer paused " +
-          std::to_string(p.remarks) + "; the report names " +
-          (p.netem_last ? "the technique as it was at the beginning, and the network as it was then and at last"
-                        : "technique and network as they were at the beginning"));
+      r.notes.push_back("peer " + p.name + " was interfered with while it played: knobs turned " +
+                        shell::counted(p.retunes, "time") + ", bodies pushed " + std::to_string(p.pushes) +
+                        ", links impaired or cut or the peer paused " + std::to_string(p.remarks) +
+                        "; the report names technique and network as they were at the beginning" +
+                        (p.technique_last || p.netem_last ? ", and what was changed as it was at last" : "") +
+                        (p.technique_last ? "; the figures by technique go by the one at the beginning" : ""));
 }
 
 void note_confirmed(Report& r) {

@@ -92,14 +92,19 @@ std::string heading(const Report& r) {
   std::string s = "Session " + std::to_string(h.session) + ": " + h.scenario + " (seed " +
                   std::to_string(h.scenario_seed) + "), " + std::to_string(h.bodies) + " bodies, " + people(r) + ", " +
                   fixed(length_of(r), 1) + " s\n";
+  const bool retuned = std::any_of(r.peers.begin(), r.peers.end(), [](const Peer& p) { return p.technique_last; });
   for (std::size_t g = 0; g < r.groups.size(); ++g) {
     s += r.groups.size() > 1 ? "Technique " + std::string(1, static_cast<char>('A' + g % 26)) : "Technique";
-    s += ": " + r.groups[g].technique + "\n";
+    s += std::string(retuned ? " at the beginning" : "") + ": " + r.groups[g].technique + "\n";
     if (r.groups.size() == 1) continue;
     s += "  peers";
     for (const std::size_t i : r.groups[g].peers) s += " " + r.peers[i].name;
     s += "\n";
   }
+  for (const Peer& p : r.peers)
+    if (p.technique_last)
+      s += "Technique of peer " + p.name + ", changed while it played, at last: " + shell::describe(*p.technique_last) +
+           "\n";
   std::map<std::string, std::string> netems;  // and whose they are
   for (const Peer& p : r.peers) {
     std::string& who = netems[p.header.netem];
