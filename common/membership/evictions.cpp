@@ -360,7 +360,10 @@ void Evictions::poll(const wire::Poll& poll, const View& view, Commands& out) {
 // for a liar, and confirmed what the lost peer said on its return: another world than the others had.
 void Evictions::excuse_askers(const View& view) {
   if (view.roster.now - view.roster.late > 1) return;
-  for (auto& [who, answered] : answered_) answered.polled = view.roster.now;
+  for (auto& [who, answered] : answered_) {
+    answered.polled = std::min(answered.polled + 1, view.roster.now);
+    if (answered.contested >= 0) answered.contested = std::min(answered.contested + 1, view.roster.now);
+  }
 }
 
 void Evictions::advance(const View& view, Commands& out) {

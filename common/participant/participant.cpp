@@ -134,10 +134,12 @@ bool Participant::may_carry(const Endpoint& from, const Endpoint& to, std::size_
   return current_.membership->may_introduce(from, to) && for_newcomers_.take(bytes, local_);
 }
 
+Micros Participant::lateness(Micros local) const {
+  return current_.session->session_now(local) - tick_start(replica().now() + 1);
+}
+
 void Participant::note_sleep(Micros local) {
-  if (!current_.membership) return;
-  const Micros lateness = current_.session->session_now(local) - tick_start(replica().now() + 1);
-  if (lateness > tick_start(kSilence)) current_.membership->note_sleep();
+  if (current_.membership && lateness(local) > tick_start(kSilence)) current_.membership->note_sleep();
 }
 
 void Participant::take(const SecureChannels::Arrival& arrival, Micros local) {
@@ -227,8 +229,8 @@ Micros Participant::before_step(Micros local) {
   turn_ = local;
   if (farewell_ && replica().now() >= *farewell_) say_goodbye();
   if (replica().playing()) current_.session->settle_clock();
-  const Micros lateness = current_.session->session_now(local) - tick_start(replica().now() + 1);
   note_sleep(local);
+  const Micros lateness = this->lateness(local);
   if (lateness > tick_start(kHeldUp)) current_.replica->excuse_tick();
   return lateness;
 }

@@ -163,6 +163,8 @@ class Participant {
   /// By how much the step begins after the time of its tick, us.
   Micros before_step(Micros local);
   void after_step(Micros local);
+  /// By how much the next step is late, us.
+  Micros lateness(Micros local) const;
   /// This peer may have stood still until now.
   void note_sleep(Micros local);
   void begin_with_transfer(Micros local);

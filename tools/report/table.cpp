@@ -2,6 +2,7 @@
 #include <map>
 
 #include "common/sync/validation.h"
+#include "shell/technique_text.h"
 #include "shell/text.h"
 #include "tools/report/outputs.h"
 #include "tools/report/rates.h"
