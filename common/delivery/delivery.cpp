@@ -192,6 +192,17 @@ bool OutLink::choose(const Context& c, const Ring<Bundle>& own, std::uint32_t fi
   return urgent;
 }
 
+// Marks so far apart may be all that a link carries, as it is estimated. Once, nothing but marks was sent for 8 s on
+// one that carried a thousand times as much. The update that has waited longest goes with each of them.
+void OutLink::choose_least() {
+  const bool tells = interval_ >= LinkRate::kLongestMarkInterval && !chosen_.empty();
+  if (tells) chosen_.front() = *std::min_element(chosen_.begin(), chosen_.end());
+  chosen_.resize(tells ? 1 : 0);
+  if (tells) stalest_.reset();
+  repeated_.clear();
+  used_ = 0;
+}
+
 StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::uint32_t first, const SizeOf& size_of,
                               std::size_t room) {
   const auto end = first + static_cast<std::uint32_t>(own.size());
@@ -207,11 +218,7 @@ StatePacket* OutLink::compose(const Context& c, const Ring<Bundle>& own, std::ui
   // Without answers nobody would learn that what is taken for a queue is none, or is over.
   const bool only_mark = !rate_.may_send(c.now);
   if (only_mark && !mark_is_due(c)) return nullptr;
-  if (only_mark) {
-    chosen_.clear();
-    repeated_.clear();
-    used_ = 0;
-  }
+  if (only_mark) choose_least();
   if (stalest_) repeated_.push_back(*stalest_);
   for (const std::uint32_t i : repeated_)
     if (fits(size_of(own[i - first]), room)) chosen_.push_back(i);

@@ -83,6 +83,8 @@ class OutLink {
   void line_up(std::uint32_t oldest, std::uint32_t end);
   /// Chooses what goes out, and what goes along with it. Returns whether it has to go out now.
   bool choose(const Context& c, const Ring<Bundle>& own, std::uint32_t first, const SizeOf& size_of, std::size_t room);
+  /// Nothing goes out with the mark, or one update where marks are as far apart as they ever are.
+  void choose_least();
   /// Whether an update of so many bytes goes into the datagram, too.
   bool fits(std::size_t bytes, std::size_t room);
   void begin_marks(Tick now);

@@ -45,8 +45,7 @@ constexpr float kResolution = 0.5F;
 // What is sent waits for an empty queue no longer than this, s.
 constexpr double kLongestWait = 4;
 
-// Marks come so often on any link, and no link is taken to carry less than that, bytes/s.
-constexpr Tick kLongestMarkInterval = kTicksPerSecond;
+// A mark in each of the longest intervals: no link is taken to carry less, bytes/s.
 constexpr double kLeast = 60;
 // Of what a link carries, so much is meant to be used: the rest is for what is sent again, and keeps the queue short.
 constexpr double kUsed = 0.9;

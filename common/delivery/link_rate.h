@@ -22,6 +22,8 @@ class LinkRate {
  public:
   /// No limit: 100 Mbit/s.
   static constexpr double kMost = 1.25e7;
+  /// Marks come so often on any link, ticks.
+  static constexpr Tick kLongestMarkInterval = kTicksPerSecond;
   /// Longest that may be sent ahead, s.
   static constexpr double kMostAhead = 2;
   /// From now on no more may be unacknowledged than a few datagrams, and twice as much with each round trip, until the

@@ -62,6 +62,11 @@ TEST(ChaosSealed, Holds760019) {
   play_in_full(760019, wire::SealMode::kAuth);
 }
 
+// After a suspension of 1.8 s a peer took its link for one of 60 bytes a second, and sent nothing but marks.
+TEST(Chaos, Holds852030) {
+  play_in_full(852030, wire::SealMode::kNone);
+}
+
 // Whoever had stood still took an honest asker for a liar, and thawed the peer whose eviction was under way.
 TEST(ChaosSealed, Holds820007) {
   play_in_full(820007, wire::SealMode::kAuth);

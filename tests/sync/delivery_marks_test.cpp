@@ -6,8 +6,10 @@
 #include <deque>
 #include <utility>
 
+#include <set>
 #include "common/model/rng.h"
 #include "tests/seed.h"
+
 #include "tests/sync/script.h"
 
 namespace padr::sync {
@@ -35,6 +37,7 @@ TEST(Delivery, WhatWaitsForAQueueDoesNotHoldMarksBack) {
   Tick t = 1;
   for (int i = 0; i < 40; ++i, t += 6) {
     s.link.rate().sent(200, t);
+    s.link.rate().acknowledged(0);
     s.link.rate().arrived(0, t + 12 * (i + 1) - 6 * i, t, 12);
   }
   s.link.rate().sent(1500, t);
@@ -47,6 +50,29 @@ TEST(Delivery, WhatWaitsForAQueueDoesNotHoldMarksBack) {
       ++marks;
     }
   EXPECT_GT(marks, 0);
+}
+
+// Once, a clock that was 1.8 s late after a suspension made a wide link look like one of 60 bytes a second. Marks alone
+// took more, the queue never drained, and no update was sent for 8 s.
+TEST(Delivery, WhereMarksMayBeAllThatALinkCarriesTheOldestUpdateGoesWithEach) {
+  Script s;
+  ASSERT_TRUE(s.at(0));
+  Tick t = 1;
+  for (int i = 0; i < 8; ++i, t += 6) {
+    s.link.rate().sent(80, t);
+    s.link.rate().acknowledged(0);
+    s.link.rate().arrived(0, t + 120 * (i + 1), t, 12);
+  }
+  s.bytes = 80;
+  ASSERT_LT(s.link.rate().rate(), 100);
+  for (int i = 0; i < 3; ++i) s.update(t);
+  std::set<std::uint32_t> told;
+  for (const Tick until = t + 6 * kTicksPerSecond; t < until; ++t)
+    if (const auto p = s.at(t)) {
+      EXPECT_LE(p->updates.size(), 1U) << "tick " << t;
+      for (const Bundle& b : p->updates) told.insert(b.index);
+    }
+  EXPECT_EQ(told, (std::set<std::uint32_t>{0, 1, 2}));
 }
 
 TEST(Delivery, OnACalmLinkThreeMarksInFourCanBeSaved) {
