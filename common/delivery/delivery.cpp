@@ -70,11 +70,15 @@ OutLink::Flight& OutLink::flight(std::uint32_t index) {
   return flights_[i];
 }
 
+Tick OutLink::slow_round_trip() const {
+  return static_cast<Tick>(std::ceil(srtt_ + 4 * rttvar_ + rate_.queue()));
+}
+
 // Lost: something sent clearly later has arrived, or it is overdue.
 bool OutLink::lost(const Flight& f, Tick now) const {
   if (heard_.seq == 0) return now - f.sent > kUnheard * std::min(f.times, 2);
   const auto slack = static_cast<Tick>(std::ceil(rttvar_));
-  const auto timeout = static_cast<Tick>(std::ceil(srtt_ + 4 * rttvar_ + rate_.queue())) + interval_ + 1;
+  const Tick timeout = slow_round_trip() + interval_ + 1;
   return newest_seen_sent_ > f.sent + slack || now - f.sent > timeout * std::min(f.times, 4);
 }
 
@@ -149,12 +153,11 @@ bool OutLink::fits(std::size_t bytes, std::size_t room) {
 bool OutLink::is_silent(const Context& c, const Ring<Bundle>& own, std::uint32_t first) const {
   const Tick silence = unanswered(c.now);
   if (silence >= kSilent) return true;
-  const Tick answer =
-      static_cast<Tick>(std::ceil(srtt_ + 4 * rttvar_ + rate_.queue())) + rate_.mark_interval(mark_bytes_);
-  if (silence < kAnswered + answer) return false;
+  const Tick patience = kAnswered + slow_round_trip() + rate_.mark_interval(mark_bytes_);
+  if (silence < patience) return false;
   const auto end = first + static_cast<std::uint32_t>(own.size());
   for (std::uint32_t i = std::max(acked_, first); i < end; ++i)
-    if (!arrived(i)) return c.now - own[i - first].tick >= kAnswered + answer;
+    if (!arrived(i)) return c.now - own[i - first].tick >= patience;
   return false;
 }
 

@@ -76,6 +76,8 @@ class OutLink {
   };
   void tell_heard(Tick now);
   bool arrived(std::uint32_t index) const;
+  /// What hardly any answer takes longer than, the queue included, ticks.
+  Tick slow_round_trip() const;
   bool is_silent(const Context& c, const Ring<Bundle>& own, std::uint32_t first) const;
   bool lost(const Flight& f, Tick now) const;
   bool echoes(const Flight& f, Tick now) const;

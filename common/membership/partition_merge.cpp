@@ -102,11 +102,14 @@ bool PartitionMerge::member_at(const Endpoint& where, const View& view) const {
   return false;
 }
 
+bool PartitionMerge::disowns_us(PeerId p, const View& view) const {
+  const auto disowned = disowned_by_.find(p);
+  return disowned != disowned_by_.end() && disowned->second == view.roster.seats[p].incarnation;
+}
+
 bool PartitionMerge::is_ours(PeerId p, const View& view) const {
   const Seat& n = view.roster.seats[p];
-  const auto disowned = disowned_by_.find(p);
-  const bool disowns = disowned != disowned_by_.end() && disowned->second == n.incarnation;
-  return p != view.roster.self && n.there() && n.proven && !disowns && !Evictions::suspected(view, p);
+  return p != view.roster.self && n.there() && n.proven && !disowns_us(p, view) && !Evictions::suspected(view, p);
 }
 
 bool PartitionMerge::has_company(const View& view) const {
@@ -172,9 +175,8 @@ void PartitionMerge::on_probe(const Endpoint& from, PeerId sender, const wire::P
   // Whoever has left to join anew and knows nobody any more has nothing to lose.
   const bool is_lost = view.roster.leaving && us.size() == 1;
   const bool stays = view.roster.now < stays_until_ || is_disowned(witness, view.roster.now);
-  const bool yields =
-      has_slept_through(probe, view) || is_outranked(probe, us, view) || is_larger_for_long(probe, us, view);
-  if (is_lost || (!stays && yields)) {
+  if (is_lost || (!stays && (has_slept_through(probe, view) || is_outranked(probe, us, view) ||
+                             is_larger_for_long(probe, us, view)))) {
     // Whoever tells of it has to be of it: anybody can repeat its list.
     if (!is_lost && !is_witness(from, probe, view)) return;
     if (!winner_)

@@ -153,6 +153,8 @@ class PartitionMerge {
   /// Nobody else is looked for where a member is.
   void note_member_at(const Endpoint& place);
   bool member_at(const Endpoint& where, const View& view) const;
+  /// Whether the occupant of slot p has said by a Probe that this peer is no member.
+  bool disowns_us(PeerId p, const View& view) const;
   /// Whether the peer in slot p is another one of our part.
   bool is_ours(PeerId p, const View& view) const;
   bool has_company(const View& view) const;

@@ -99,11 +99,8 @@ bool PartitionMerge::is_outranked(const wire::Probe& probe, const Side& us, cons
 bool PartitionMerge::has_slept_through(const wire::Probe& probe, const View& view) const {
   if (!is_awake_for_less(kDrowsy, view)) return false;
   std::size_t own = 1;
-  for (PeerId p = 0; p < view.roster.slots(); ++p) {
-    const auto disowned = disowned_by_.find(p);
-    const bool disowns = disowned != disowned_by_.end() && disowned->second == view.roster.seats[p].incarnation;
-    if (p != view.roster.self && view.roster.seats[p].there() && !disowns) ++own;
-  }
+  for (PeerId p = 0; p < view.roster.slots(); ++p)
+    if (p != view.roster.self && view.roster.seats[p].there() && !disowns_us(p, view)) ++own;
   return (session_.config.sealed ? evidence(probe.members, view).size() : probe.members.size()) >= own;
 }
 

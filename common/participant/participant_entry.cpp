@@ -285,12 +285,14 @@ void Participant::look_for_way_back(Micros local) {
   if (next_.session || local < try_again_ || !where || !where->is_set()) return;
   SessionConfig c = config_.session;
   c.join = *where;
-  if (!elsewhere) c.joins = current_.membership->joins_for(*where);
+  if (!elsewhere) {
+    c.joins = current_.membership->joins_for(*where);
+    c.most_offset = most_offset_;
+  }
   if (c.joins == 0) return;
   c.seed = derive_seed(c.seed, 0xBAC, ++tries_);
   c.patience = kReturnPatience;
   c.returns = true;
-  if (!elsewhere) c.most_offset = most_offset_;
   next_.session = std::make_unique<Session>(c, local);
 }
 

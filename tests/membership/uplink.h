@@ -7,6 +7,7 @@
 
 #include "common/model/rng.h"
 #include "tests/membership/party.h"
+#include "tests/seed.h"
 
 namespace padr::test {
 
