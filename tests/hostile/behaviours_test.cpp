@@ -89,7 +89,7 @@ INSTANTIATE_TEST_SUITE_P(Nightly, LyingSeeds,
                          testing::Values(123, 278, 338, 437, 597, 330320, 240250, 401108, 411211, 411184, 410354,
                                          450065, 450089, 460681, 540416, 540450, 560319, 570375, 570390, 581013, 590807,
                                          601328, 603423, 607017, 609021, 609493, 611129, 613260, 616481, 622547, 634743,
-                                         636622, 672329, 676038),
+                                         636622, 672329, 676038, 870098),
                          testing::PrintToStringParamName());
 
 // The one time in which it tells half of the members other updates is enough.
