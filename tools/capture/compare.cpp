@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <fstream>
@@ -13,6 +14,7 @@
 #include "tools/capture/names.h"
 #include "tools/capture/rebuild.h"
 #include "tools/capture/setting.h"
+#include "tools/capture/world_check.h"
 
 namespace padr::capture {
 namespace {
@@ -36,16 +38,6 @@ struct CompareOptions {
   std::vector<std::string> keylogs;
   std::string json;
   bool losses = false;
-};
-
-struct WorldCheck {
-  std::string label;
-  std::uint64_t compared = 0;
-  std::uint64_t alike = 0;
-  std::uint64_t beyond = 0;    ///< ticks that could not be rebuilt
-  std::uint64_t given_up = 0;  ///< ticks of which the capture has a world that another trace's peer gave up
-  bool superseded = false;
-  Tick first_difference = -1;
 };
 
 bool is_trace(const std::string& file) {
@@ -84,14 +76,6 @@ const SessionLog& ledger_of(const Bookkeeper& books, std::uint16_t session) {
                   (all.empty() ? "no state datagrams of PADR" : "others: " + all));
 }
 
-/// Whether a peer gave up this world of this tick for another incarnation: the capture may be its own.
-bool is_given_up(Tick tick, std::uint64_t hash, const std::vector<TraceStory>& traces) {
-  return std::any_of(traces.begin(), traces.end(), [&](const TraceStory& t) {
-    const auto found = t.confirmed.find(tick);
-    return t.superseded && found != t.confirmed.end() && found->second == hash;
-  });
-}
-
 WorldChecks compare_worlds(const Bookkeeper& books, const Contents& contents, const std::vector<TraceStory>& traces) {
   const SessionLog& session_log = ledger_of(books, traces.front().header.session);
   WorldChecks out;
@@ -101,35 +85,19 @@ WorldChecks compare_worlds(const Bookkeeper& books, const Contents& contents, co
   Tick until = 0;
   for (const TraceStory& t : traces)
     if (!t.confirmed.empty()) until = std::max(until, t.confirmed.rbegin()->first);
-  std::map<Tick, std::uint64_t> rebuilt;
-  const Rebuilt r = rebuild(session_log, setting, until,
-                            [&](const sync::FoldState& s, std::uint64_t hash) { rebuilt[s.tick] = hash; });
-  std::uint64_t beyond_begin = 0;
-  for (const TraceStory& t : traces) {
-    WorldCheck c;
-    c.label = t.label;
-    c.superseded = t.superseded;
-    for (const auto& [tick, hash] : t.confirmed) {
-      const auto ours = rebuilt.find(tick);
-      if (ours == rebuilt.end()) {
-        ++c.beyond;
-        continue;
-      }
-      if (ours->second != hash && is_given_up(tick, ours->second, traces)) {
-        ++c.given_up;
-        continue;
-      }
-      ++c.compared;
-      if (tick > 0) ++beyond_begin;
-      if (ours->second == hash) {
-        ++c.alike;
-      } else if (c.first_difference < 0) {
-        c.first_difference = tick;
-      }
+  RebuiltWorlds rebuilt;
+  const Rebuilt r = rebuild(session_log, setting, until, [&](const sync::FoldState& s, std::uint64_t hash) {
+    RebuiltWorld& w = rebuilt[s.tick] = {hash, {}};
+    for (const TraceStory& t : traces) {
+      if (t.header.peer >= s.members.size()) continue;
+      const sync::Member& m = s.members[t.header.peer];
+      if (t.superseded && m.present && m.incarnation == t.header.incarnation) w.given_up.push_back(t.who());
     }
-    out.traces.push_back(c);
-  }
-  if (beyond_begin == 0 && out.not_compared.empty())
+  });
+  out.traces = check_worlds(rebuilt, traces);
+  const bool beyond_begin =
+      std::any_of(out.traces.begin(), out.traces.end(), [](const WorldCheck& c) { return c.last > 0; });
+  if (!beyond_begin && out.not_compared.empty())
     out.not_compared = until == 0            ? "the traces have confirmed nothing beyond tick 0"
                        : r.stretches.empty() ? "the capture has neither the session's start nor a whole transfer"
                        : !r.got_anywhere()   ? "nothing beyond the beginning could be rebuilt: " + r.stretches[0].why
