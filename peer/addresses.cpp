@@ -29,19 +29,26 @@ std::optional<Endpoint> endpoint_of(const sockaddr& address, std::uint16_t port)
 
 }  // namespace
 
-std::optional<shell::Udp::endpoint> join_address(boost::asio::io_context& io, const Options& o) {
-  if (!o.join) return std::nullopt;
-  if (!o.listen) return shell::resolve(io, "--join", *o.join);
-  const shell::Udp::endpoint own = shell::resolve(io, "--listen", *o.listen);
-  return shell::resolve(io, "--join", *o.join, &own);
+std::vector<Contact> join_addresses(boost::asio::io_context& io, const Options& o) {
+  std::vector<Contact> all;
+  std::optional<shell::Udp::endpoint> own;
+  if (o.listen && !o.join.empty()) own = shell::resolve(io, "--listen", *o.listen);
+  for (const shell::HostPort& member : o.join) {
+    const auto found = shell::resolve_all(io, "--join", member, own ? &*own : nullptr);
+    for (const shell::Udp::endpoint& at : found) all.push_back({member.text, shell::to_endpoint(at)});
+    if (!own) own = found.front();
+  }
+  return all;
 }
 
-shell::Udp::endpoint listen_address(boost::asio::io_context& io, const Options& o,
-                                    const std::optional<shell::Udp::endpoint>& join) {
-  const bool v6 = join && join->address().is_v6();
+shell::Udp::endpoint listen_address(boost::asio::io_context& io, const Options& o, const std::vector<Contact>& join) {
+  const bool v6 = !join.empty() && !join.front().at.is_v4();
+  const auto outside =
+      std::find_if(join.begin(), join.end(), [](const auto& member) { return !member.at.is_loopback(); });
+  const std::string whom = outside == join.end() ? "" : outside->text;
   if (!o.listen) {
-    if (join && !join->address().is_loopback())
-      throw UserError("--join: " + o.join->text + " is not on this machine, and without --listen a peer stays on the " +
+    if (!whom.empty())
+      throw UserError("--join: " + whom + " is not on this machine, and without --listen a peer stays on the " +
                       "loopback address; give --listen " + (v6 ? "'[::]:0'" : "0.0.0.0:0") +
                       (o.key     ? ""
                        : o.crowd ? " and --insecure"
@@ -55,9 +62,8 @@ shell::Udp::endpoint listen_address(boost::asio::io_context& io, const Options& 
                     " can be reached by other machines, and nothing proves who sends a datagram; give " +
                     (o.crowd ? "" : "--key-file FILE, ") +
                     "a loopback address, or --insecure if you trust the network");
-  if (join && listen.address().is_loopback() && !join->address().is_loopback())
-    throw UserError("--listen: " + o.listen->text + " is a loopback address, which cannot reach --join " +
-                    o.join->text);
+  if (!whom.empty() && listen.address().is_loopback())
+    throw UserError("--listen: " + o.listen->text + " is a loopback address, which cannot reach --join " + whom);
   return listen;
 }
 

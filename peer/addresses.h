@@ -1,6 +1,6 @@
 #pragma once
 
-#include <optional>
+#include <string>
 #include <vector>
 
 #include "common/model/endpoint.h"
@@ -9,11 +9,17 @@
 
 namespace padr::peer {
 
-/// Where a peer joins, if it does. Throws UserError.
-std::optional<shell::Udp::endpoint> join_address(boost::asio::io_context& io, const Options& options);
+/// Somebody to join by.
+struct Contact {
+  std::string text;  ///< as it was written
+  Endpoint at;
+};
+
+/// Whom a peer joins by, in turn, if it does: all addresses of each. Throws UserError.
+std::vector<Contact> join_addresses(boost::asio::io_context& io, const Options& options);
 /// Where to listen, given where the others are. Throws UserError if that cannot be, or must not.
 shell::Udp::endpoint listen_address(boost::asio::io_context& io, const Options& options,
-                                    const std::optional<shell::Udp::endpoint>& join);
+                                    const std::vector<Contact>& join);
 
 /// Where a peer that listens there can be reached, as far as this machine knows: of each network interface that is up,
 /// addresses of one host, or `local` alone if it names one; kMostOwnAddresses at most, those of IPv4 first.

@@ -24,8 +24,9 @@ CrowdLoop::CrowdLoop(const Options& options, Log& log, const shell::Clock& clock
   say_where(shape_links());
   open_files();
   make_peer();
-  if (join_) log_.session->info("joining the crowd of {} ({})", options.join->text, to_string(*join_));
-  if (!join_) log_.session->info("founding a crowd, with seed {}", options.crowd->plane.seed);
+  if (!join_.empty())
+    log_.session->info("joining the crowd of {} ({})", join_.front().text, to_string(join_.front().at));
+  if (join_.empty()) log_.session->info("founding a crowd, with seed {}", options.crowd->plane.seed);
 }
 
 void CrowdLoop::make_peer() {
@@ -37,7 +38,7 @@ void CrowdLoop::make_peer() {
   c.seed = shell::unpredictable();
   c.secret = shell::unpredictable();
   c.start = o.start;
-  c.contact = join_;
+  if (!join_.empty()) c.contact = join_.front().at;
   c.on_confirmed = [this](crowd::Region r, const sync::FoldState& s, std::uint64_t hash) {
     record_.confirm(r, s.tick, hash);
   };
@@ -107,7 +108,7 @@ void CrowdLoop::end_if_over(Micros now) {
     end(shell::kExitFailure,
         peer_->finder().met()
             ? fmt::format("could not enter the region of --start within {} s", options_.join_timeout)
-            : fmt::format("no answer from {} within {} s{}", options_.join->text, options_.join_timeout,
+            : fmt::format("no answer from {} within {} s{}", join_.front().text, options_.join_timeout,
                           nobody_listens_ ? ": nobody listens there" : "; it may play in a session, not in a crowd"));
 }
 

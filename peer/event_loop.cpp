@@ -16,10 +16,14 @@ namespace {
 /// Time that a peer which has been told to leave goes on coming in. A transfer takes less, as a rule.
 constexpr Micros kComes = 2 * kMicrosPerSecond;
 
-node::SessionConfig session_config(const Options& o, const std::optional<Endpoint>& join, const Endpoint& local,
+node::SessionConfig session_config(const Options& o, const std::vector<Contact>& join, const Endpoint& local,
                                    const PortMapping* mapping) {
   node::SessionConfig c;
-  c.join = join;
+  for (const Contact& member : join)
+    if (!c.join)
+      c.join = member.at;
+    else
+      c.others.push_back(member.at);
   c.wanted = o.wait_peers;
   c.slots = o.slots;
   c.spectates = o.spectates;
@@ -44,8 +48,9 @@ EventLoop::EventLoop(const Options& options, Log& log, const shell::Clock& clock
                                gate_config(options, keylog_.get()), log, *recordings_, telemetry_.get(), clock_.now());
   if (telemetry_) controls_ = std::make_unique<Controls>(*player_, *egress_, cuts_, *telemetry_, log);
   say_where(links);
-  if (join_) log_.session->info("joining {} ({})", options.join->text, to_string(*join_));
-  if (!join_)
+  for (std::size_t i = 0; i < join_.size(); ++i)
+    log_.session->info("{} {} ({})", i == 0 ? "joining" : "or", join_[i].text, to_string(join_[i].at));
+  if (join_.empty())
     log_.session->info("founded, waiting for {}",
                        shell::counted(options.wait_peers, options.spectates ? "player" : "peer") +
                            (options.spectates ? "" : " in all"));

@@ -29,20 +29,19 @@ constexpr Micros kSayAgain = 60 * kMicrosPerSecond;
 Loop::Loop(const Options& options, Log& log, const shell::Clock& clock)
     : options_(options), log_(log), clock_(clock), io_(1), signals_(io_), timer_(io_) {
   shell::add_stop_signals(signals_);
-  const std::optional<shell::Udp::endpoint> join = look_up_whom_to_join();
-  socket_ = std::make_unique<shell::UdpSocket>(io_, listen_address(io_, options, join));
+  join_ = look_up_whom_to_join();
+  socket_ = std::make_unique<shell::UdpSocket>(io_, listen_address(io_, options, join_));
   local_ = shell::to_endpoint(socket_->local());
-  if (join) join_ = shell::to_endpoint(*join);
   if (options.map_port) map_port();
 }
 
 // A machine that boots may start a peer before it has its network.
-std::optional<shell::Udp::endpoint> Loop::look_up_whom_to_join() {
+std::vector<Contact> Loop::look_up_whom_to_join() {
   const Micros patience = in_micros(options_.join_timeout);
   Micros said = -kSayAgain;
   for (const Micros begin = clock_.now();;) {
     try {
-      return join_address(io_, options_);
+      return join_addresses(io_, options_);
     } catch (const shell::NotResolvedYet& e) {
       const Micros after = clock_.now() - begin;
       if (patience > 0 && after >= patience) throw;

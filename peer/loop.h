@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "peer/addresses.h"
 #include "peer/egress.h"
 #include "peer/link_cuts.h"
 #include "peer/log.h"
@@ -77,7 +78,7 @@ class Loop {
   Log& log_;
   const shell::Clock& clock_;
   boost::asio::io_context io_;
-  std::optional<Endpoint> join_;  ///< whom; nothing: it founds
+  std::vector<Contact> join_;  ///< by whom, in turn; nobody: it founds
   std::unique_ptr<shell::UdpSocket> socket_;
   std::unique_ptr<PortMapping> mapping_;  ///< null: not asked for
   Endpoint local_;
@@ -90,7 +91,7 @@ class Loop {
  private:
   void map_port();
   /// Tries on until a name server answers, for as long as joining may take. Throws UserError.
-  std::optional<shell::Udp::endpoint> look_up_whom_to_join();
+  std::vector<Contact> look_up_whom_to_join();
   /// Throws std::runtime_error if a signal comes meanwhile.
   void wait_for_a_second();
   void flush();

@@ -67,11 +67,11 @@ constexpr const char* kFooterEnd =
 
 /// What CLI11 fills in, before anything is checked.
 struct Raw {
-  std::string listen, join, json, trace, log_level = "info", log, key_file, seal;
+  std::string listen, json, trace, log_level = "info", log, key_file, seal;
   std::string monitor, monitor_detail = "all";
   int monitor_rate = 20;
   bool control = false;
-  std::vector<std::string> netem_to;
+  std::vector<std::string> join, netem_to;
   std::optional<int> wait_peers, slots;
   bool crowd = false;
   std::string start;
@@ -87,9 +87,12 @@ void declare_session(CLI::App& app, Raw& raw, Options& o) {
                  "Own address; port 0 means any free port; default: any free port of the loopback address")
       ->type_name("HOST:PORT")
       ->group(group);
-  app.add_option("--join", raw.join,
-                 "Address of any member of the session to join; without --join the peer founds a session")
+  app.add_option(
+         "--join", raw.join,
+         "Address of any member of the session to join; without --join the peer founds a session. May be given\n"
+         "several times: where nobody answers, the next one is asked")
       ->type_name("HOST:PORT")
+      ->allow_extra_args(false)
       ->group(group);
   app.add_option("--wait-peers", raw.wait_peers,
                  "Founder: start when this number of players is there, the founder included if it plays [2]")
@@ -290,7 +293,7 @@ void take_addresses(const Raw& raw, Options& o) {
   if (o.map_port && raw.listen.empty())
     throw UserError("--map-port: without --listen nobody else reaches this peer; give --listen 0.0.0.0:PORT, too");
   if (!raw.listen.empty()) o.listen = parse_host_port("--listen", raw.listen, 0);
-  if (!raw.join.empty()) o.join = parse_host_port("--join", raw.join, 1);
+  for (const std::string& member : raw.join) o.join.push_back(parse_host_port("--join", member, 1));
 }
 
 void take_key(const Raw& raw, Options& o) {
@@ -309,7 +312,7 @@ void take_key(const Raw& raw, Options& o) {
 }
 
 void take_sizes(const Raw& raw, Options& o) {
-  if (o.join) {
+  if (!o.join.empty()) {
     for (const auto& [flag, value] : {std::pair{"--wait-peers", raw.wait_peers}, std::pair{"--slots", raw.slots}})
       if (value) o.warnings.push_back(std::string(flag) + " is only for the founder and is ignored with --join");
     return;
@@ -403,6 +406,7 @@ Vec2 start_of(const std::string& text, const crowd::Plane& plane) {
 void take_crowd(const Raw& raw, Options& o) {
   if (!raw.crowd) return;
   if (o.key) throw UserError("--crowd: a crowd cannot have a key; leave PADR_KEY out");
+  if (o.join.size() > 1) throw UserError("--join: given more than once; a crowd is joined by one address");
   for (const NetemOverride& n : o.netem_to)
     if (n.peer) throw UserError("--netem-to: peers of a crowd have no number; give HOST:PORT=SPEC");
   if (raw.stroll && !o.input.starts_with("wander"))

@@ -44,7 +44,7 @@ struct CrowdOptions {
 
 struct Options {
   std::optional<shell::HostPort> listen;  ///< absent: any port on the loopback address of the family needed
-  std::optional<shell::HostPort> join;    ///< absent: found a session
+  std::vector<shell::HostPort> join;      ///< members to ask, in turn; none: found a session
   int wait_peers = 2;                     ///< founder: players that play waits for
   int slots = 2;                          ///< founder: slots, its own included
   bool map_port = false;

@@ -50,6 +50,11 @@ Udp::endpoint as_it_is(const Udp::endpoint& e) {
 
 Udp::endpoint resolve(asio::io_context& io, const std::string& flag, const shell::HostPort& where,
                       const Udp::endpoint* own) {
+  return resolve_all(io, flag, where, own).front();
+}
+
+std::vector<Udp::endpoint> resolve_all(asio::io_context& io, const std::string& flag, const shell::HostPort& where,
+                                       const Udp::endpoint* own) {
   Udp::resolver resolver(io);
   error_code error;
   const auto found = resolver.resolve(where.host, std::to_string(where.port), error);
@@ -58,9 +63,13 @@ Udp::endpoint resolve(asio::io_context& io, const std::string& flag, const shell
   if (error == asio::error::host_not_found_try_again) throw NotResolvedYet(failure);
   if (error || found.empty()) throw UserError(failure);
   const Udp wanted = own != nullptr ? own->protocol() : Udp::v4();
-  for (const auto& entry : found)
-    if (as_it_is(entry.endpoint()).protocol() == wanted) return as_it_is(entry.endpoint());
-  if (own == nullptr || !is_of_one_family(*own)) return as_it_is(found.begin()->endpoint());
+  std::vector<Udp::endpoint> all;
+  for (const auto& entry : found) all.push_back(as_it_is(entry.endpoint()));
+  const auto others = std::stable_partition(all.begin(), all.end(),
+                                            [wanted](const Udp::endpoint& e) { return e.protocol() == wanted; });
+  const bool is_wanted = others != all.begin();
+  if (own != nullptr ? is_of_one_family(*own) : is_wanted) all.erase(others, all.end());
+  if (!all.empty()) return all;
   throw UserError(flag + ": '" + where.host + "' has no " + (wanted == Udp::v4() ? "IPv4" : "IPv6") +
                   " address, and the own address, --listen, is of that kind");
 }

@@ -31,6 +31,9 @@ struct NotResolvedYet : UserError {
 /// before IPv6. Throws UserError, which names the flag, if there is none; NotResolvedYet if that may change.
 Udp::endpoint resolve(boost::asio::io_context& io, const std::string& flag, const shell::HostPort& where,
                       const Udp::endpoint* own = nullptr);
+/// All such addresses, that one first; of the other family none but to a socket of both.
+std::vector<Udp::endpoint> resolve_all(boost::asio::io_context& io, const std::string& flag,
+                                       const shell::HostPort& where, const Udp::endpoint* own = nullptr);
 
 Endpoint to_endpoint(const Udp::endpoint& e);
 

@@ -164,6 +164,7 @@ void Participant::found_anew(Micros local) {
   const Replica& before = replica();
   SessionConfig c = config_.session;
   c.join.reset();
+  c.others.clear();
   c.number = session().number();
   c.id = session().id();
   c.slots = before.config().slots;
@@ -285,6 +286,7 @@ void Participant::look_for_way_back(Micros local) {
   if (next_.session || local < try_again_ || !where || !where->is_set()) return;
   SessionConfig c = config_.session;
   c.join = *where;
+  c.others.clear();
   if (!elsewhere) {
     c.joins = current_.membership->joins_for(*where);
     c.most_offset = most_offset_;

@@ -11,6 +11,11 @@ namespace padr::node {
 namespace {
 
 constexpr int kMostRedirects = 4;
+/// Joins that one of several contacts is sent in its first turn; from turn to turn twice as many, kTurns times: an
+/// answer may take longer than the first turn.
+constexpr int kFirstAsks = SessionPace::kJoins;
+constexpr int kTurns = 2;
+constexpr int kMostAsks = kFirstAsks << kTurns;
 /// Time for which a newcomer goes on asking though all slots are taken: longer than until a member that has just
 /// crashed is missed.
 constexpr Micros kInsists = 2 * kMicrosPerSecond;
@@ -25,6 +30,20 @@ Joiner::Joiner(SessionState& session, Micros local) : session_(session), target_
     nonce_ = splitmix64(seed);
   } while (nonce_ == 0);
   ask(local);
+}
+
+const Endpoint& Joiner::contact(std::size_t turn) const {
+  const SessionConfig& c = session_.config;
+  const std::size_t i = turn % (1 + c.others.size());
+  return i == 0 ? *c.join : c.others[i - 1];
+}
+
+void Joiner::ask_next_if_unheard() {
+  const std::size_t contacts = 1 + session_.config.others.size();
+  const auto round = static_cast<int>(std::min<std::size_t>(turn_ / contacts, kTurns));
+  if (contacts == 1 || redirects_ > 0 || asks_ < kFirstAsks << round) return;
+  target_ = contact(++turn_);
+  asks_ = 0;
 }
 
 void Joiner::ask(Micros local) {
@@ -67,19 +86,21 @@ void Joiner::on_welcome(const Endpoint& from, const wire::Header& header, const 
   session_.tell({.kind = SessionEvent::Kind::kWelcomed, .peer = session_.self, .at = target_});
 }
 
-// The peer that we were redirected to may have crashed: then we ask the first address again.
+// The peer that we were redirected to may have crashed: then we ask the member that has redirected us again.
 void Joiner::start_over_if_unheard(Micros local) {
   if (redirects_ == 0 || local - redirected_ < SessionPace::kUnheard) return;
-  target_ = *session_.config.join;
+  target_ = contact(turn_);
   redirects_ = 0;
   asks_ = 0;
   ask(local);
 }
 
-// The member at the first address will soon know another coordinator: we ask it early.
+// The member that has redirected us will soon know another coordinator: we ask it early. Of several contacts the next
+// one gets its turn.
 void Joiner::on_unreachable(const Endpoint& at, Micros local) {
   if (session_.phase != SessionPhase::kJoining || at != target_) return;
   redirected_ = std::min(redirected_, local - SessionPace::kUnheard + SessionPace::kJoin);
+  if (redirects_ == 0 && !session_.config.others.empty()) asks_ = std::max(asks_, kMostAsks);
   refused_ = {target_, local};
 }
 
@@ -118,7 +139,9 @@ void Joiner::advance(Micros local) {
   if (session_.phase == SessionPhase::kFailed) return;
   tell_why_it_takes_long(local);
   start_over_if_unheard(local);
-  if (local - asked_ >= (asks_ <= SessionPace::kJoins ? SessionPace::kJoin : SessionPace::kRareJoin)) ask(local);
+  if (local - asked_ < (asks_ <= SessionPace::kJoins ? SessionPace::kJoin : SessionPace::kRareJoin)) return;
+  ask_next_if_unheard();
+  ask(local);
 }
 
 std::optional<Joiner::Introduction> Joiner::introduction(Micros local) const {
@@ -142,8 +165,10 @@ void Joiner::tell_why_it_takes_long(Micros local) {
 std::string Joiner::why_not_in(Micros after, Micros local) const {
   if (!full_.empty()) return full_;
   if (session_.config.waited > 0) return no_admission(target_, session_.config.waited + after, session_.config.failed);
+  std::string whom = to_string(target_);
+  for (std::size_t i = 0; i < session_.config.others.size(); ++i) whom += " or " + to_string(contact(turn_ + 1 + i));
   const bool refused = refused_ && refused_->at == target_ && local - refused_->when <= 2 * SessionPace::kRareJoin;
-  return "no answer from " + to_string(target_) + " within " + in_seconds(after) +
+  return "no answer from " + whom + " within " + in_seconds(after) +
          (refused                   ? ": nobody listens there"
           : session_.config.returns ? ""
           : session_.config.sealed  ? "; it may have another session key, or none, or nobody listens there"

@@ -7,8 +7,8 @@
 
 namespace padr::node {
 
-/// The first part of joining a session: asks a member for a slot, is redirected to the coordinator, and is welcomed or
-/// refused.
+/// The first part of joining a session: asks a member for a slot, or several in turn, is redirected to the coordinator,
+/// and is welcomed or refused.
 class Joiner {
  public:
   Joiner(SessionState& session, Micros local);
@@ -34,6 +34,8 @@ class Joiner {
 
  private:
   void ask(Micros local);
+  const Endpoint& contact(std::size_t turn) const;
+  void ask_next_if_unheard();
   bool is_target(const Endpoint& from);
   void start_over_if_unheard(Micros local);
   void give_up_if_late(Micros local);
@@ -44,6 +46,7 @@ class Joiner {
   SessionState& session_;
   std::uint64_t nonce_;
   Endpoint target_;                           ///< the peer that we ask
+  std::size_t turn_ = 0;                      ///< contacts that were given up
   std::optional<Introduction> introduction_;  ///< the last one
   int redirects_ = 0;
   Micros redirected_ = 0;

@@ -15,6 +15,7 @@ namespace padr::node {
 
 struct SessionConfig {
   std::optional<Endpoint> join;  ///< any member; absent: found a session
+  std::vector<Endpoint> others;  ///< members that are asked in turn where that one does not answer
   // Set by the founder:
   int wanted = 2;  ///< avatars that must be present for play to begin, 1 .. slots
   int slots = 2;   ///< avatar slots, wanted .. kMaxPeers

@@ -25,6 +25,15 @@ class Joining(Case):
         self.assertEqual([p.end() for p in (founder, second, third)], [0, 0, 0])
         self.check_agreement([founder, second, third], least_common=2)
 
+    def test_where_nobody_answers_the_next_member_is_asked(self):
+        founder, second = self.session(2, "--duration", 4)
+        second.wait_for("status:")
+        late = self.peer("--join", "127.0.0.1:1", "--join", f"127.0.0.1:{second.port()}", "--duration", 1)
+        late.wait_for(f"or 127.0.0.1:{second.port()}")
+        late.wait_for("welcomed by")
+        self.assertEqual([p.end() for p in (founder, second, late)], [0, 0, 0])
+        self.check_agreement([founder, second, late], least_common=1)
+
     def test_joiners_may_come_first(self):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as s:
             s.bind(("127.0.0.1", 0))
