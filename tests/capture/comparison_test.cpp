@@ -55,13 +55,16 @@ class ComparisonTest : public test::Shell {
     e.port = static_cast<std::uint16_t>(4001 + peer);
     return e;
   }
-  static void capture(const wire::Bytes& payload, PeerId from, Comparison& c, bool cut = false) {
+  static void capture(const wire::Bytes& payload, PeerId from, Comparison& c, bool cut = false, int hops = 0) {
     Datagram d;
     d.cut = cut;
+    if (hops > 0) d.carried_to = 7;
     d.from = end(from);
     d.to = end(1 - from);
     d.payload = payload;
     c.add(d);
+    d.second_hop = true;
+    if (hops > 1) c.add(d);
   }
   /// Of peer 0's datagrams, those for which `has` says so; of peer 1's, if `both`, the one that tells who it is.
   LinkStory link(const std::function<bool(Tick)>& has, bool both = true) const {
@@ -93,6 +96,30 @@ TEST_F(ComparisonTest, WhatArrivedAndIsMissingInTheMiddleContradicts) {
   const LinkStory l = link([](Tick t) { return t >= 200 && t != 400; });
   ASSERT_EQ(l.contradictions.size(), 1U);
   EXPECT_EQ(l.contradictions.front().tick, 400);
+}
+
+// A carrier's capture has a link's datagrams only while it carries. Once, those that went directly meanwhile
+// contradicted it.
+TEST_F(ComparisonTest, WhatACarrierDidNotPassOnIsNoContradiction) {
+  const auto compared = [&](bool carrier, bool sender) {
+    Comparison c;
+    trace_of(0, c);
+    trace_of(1, c);
+    capture(datagram(1, 1), 1, c);
+    for (Tick t = 1; t <= kSent; ++t) {
+      const bool carried = (t > 100 && t < 200) || t > 500;
+      const int hops = (sender ? 1 : 0) + (carrier ? 2 : 0);
+      if (carried && hops > 0) capture(datagram(static_cast<std::uint32_t>(t)), 0, c, false, hops);
+      if (!carried && sender && t != 300) capture(datagram(static_cast<std::uint32_t>(t)), 0, c);
+    }
+    return c.links()[0];
+  };
+  const LinkStory between = compared(true, false);
+  EXPECT_TRUE(between.contradictions.empty());
+  EXPECT_EQ(between.captured, 199U);
+  EXPECT_EQ(between.outside, 401U);
+  // Where the direct ones were captured, one that is missing among them still does.
+  for (const bool carrier : {false, true}) EXPECT_EQ(compared(carrier, true).contradictions.size(), 1U);
 }
 
 // Once, this was damage and a contradiction.

@@ -34,7 +34,7 @@ void judge(const Passage& p, Tick first, Tick last, Tick sender_end, Tick receiv
   l.captured += p.captured;
   l.received += p.received;
   const bool within = p.tick >= first && p.tick <= last;
-  const bool at_edge = p.tick <= first + kEdge || p.tick >= last - kEdge;
+  const bool at_edge = p.tick - kEdge <= first || p.tick + kEdge >= last;
   if (p.captured > std::max(p.sent, 1U)) l.duplicates += p.captured - std::max(p.sent, 1U);
   if (l.sender_told && p.sent == 0) {
     if (p.tick >= sender_end) {
@@ -107,8 +107,8 @@ void Comparison::add_trace(const std::string& file) {
 }
 
 void Comparison::add(const Datagram& d) {
-  if (d.second_hop) return;
   if (d.cut) {
+    if (d.second_hop) return;
     ++cut_;
     ++cut_on_[{d.from, d.to}];
     return;
@@ -117,7 +117,7 @@ void Comparison::add(const Datagram& d) {
   wire::StateScan scan;
   const auto o = wire::open(d.payload, error);
   if (!o) {
-    ++damaged_;
+    if (!d.second_hop) ++damaged_;
     return;
   }
   if (o->header.kind != wire::Kind::kState || traces_.empty() || o->header.session != traces_[0].header.session) return;
@@ -129,7 +129,9 @@ void Comparison::add(const Datagram& d) {
                        scan.to_incarnation,
                        content_of(d.payload),
                        scan.seq,
-                       static_cast<Tick>(scan.mark_tick)});
+                       static_cast<Tick>(scan.mark_tick),
+                       d.carried_to.has_value(),
+                       d.second_hop});
 }
 
 Incarnation Comparison::receiver_of(const Captured& c) const {
@@ -146,17 +148,29 @@ std::vector<LinkStory> Comparison::links() const {
     Tick first = std::numeric_limits<Tick>::max();
     Tick last = -1;
     std::uint64_t cut = 0;
+    bool direct = false;
+    bool passed_on = false;
+    void add(Tick t) {
+      first = std::min(first, t);
+      last = std::max(last, t);
+    }
   };
   std::map<std::pair<Incarnation, Incarnation>, Range> ranges;
   for (const Captured& c : captured_) {
+    Range& r = ranges[{c.from, receiver_of(c)}];
+    r.direct = r.direct || !c.carried;
+    r.passed_on = r.passed_on || c.second_hop;
+  }
+  for (const Captured& c : captured_) {
+    if (c.second_hop) continue;
     const Incarnation to = receiver_of(c);
     Passage& p = all[{c.from, to, c.content}];
     p.seq = c.seq;
     p.tick = c.tick;
     ++p.captured;
     Range& r = ranges[{c.from, to}];
-    r.first = std::min(r.first, c.tick);
-    r.last = std::max(r.last, c.tick);
+    // A carrier sees what it passes on, and not what goes directly.
+    if (!c.carried || !(r.direct || r.passed_on)) r.add(c.tick);
     if (const auto cut = cut_on_.find({c.at, c.to}); cut != cut_on_.end()) r.cut = cut->second;
   }
   const auto trace_of = [this](const Incarnation& who) {

@@ -40,7 +40,9 @@ struct LinkStory {
   /// Datagrams of which the capture has not all (snaplen), so that they cannot be told from one another. If there are
   /// any, nothing is judged.
   std::uint64_t cut = 0;
-  std::uint64_t outside = 0;            ///< before the first or after the last datagram that the capture has of it
+  /// Before the first or after the last datagram that the capture has of it; of a link that was captured by a carrier
+  /// only, what it did not pass on, too.
+  std::uint64_t outside = 0;
   std::vector<Passage> lost_before;     ///< sent, and not in the capture: lost before it came there
   std::vector<Passage> lost_after;      ///< in the capture and not received
   std::vector<Passage> after_trace;     ///< in the capture, after the sender's or the receiver's trace broke off
@@ -77,6 +79,8 @@ class Comparison {
     std::uint64_t content = 0;
     std::uint32_t seq = 0;
     Tick tick = 0;
+    bool carried = false;
+    bool second_hop = false;
   };
   void from_trace(std::span<const std::byte> datagram, const TraceStory& story, PeerId to);
   /// By the address that it was sent to, or, where the capture has nothing that was sent from there, by the traces.

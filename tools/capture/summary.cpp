@@ -88,17 +88,19 @@ std::string lives_text(const Tally& t, std::uint16_t session) {
 
 std::string links_text(const Tally& t, std::uint16_t session) {
   const auto [tick0, by_clock] = t.tick0(session);
+  bool between = false;
   shell::Table table({"link",  "dgrams", "lost",         "of",    "loss %",   "told %", "of",
                       "dupl",  "late",   "gap ms",       "p95",   "delay ms", "p50",    "p95",
                       "least", "jitter", "peers' least", "marks", "resent",   "ack ms"});
   for (const auto& [key, tally] : links_of(t, session)) {
     const LinkTally& link = *tally;
+    between = between || (link.passed_on && !link.direct);
     const DelayFigures d = delays_of(link, tick0);
     table.row({link_name(t, key),
                count(link.traffic.datagrams),
-               t.cut() > 0 ? "-" : count(link.seqs.missing()),
-               t.cut() > 0 ? "-" : count(link.seqs.span()),
-               t.cut() > 0 ? "-" : shell::fixed_or_dash(loss_percent(link), 2),
+               t.judges(link) ? count(link.seqs.missing()) : "-",
+               t.judges(link) ? count(link.seqs.span()) : "-",
+               t.judges(link) ? shell::fixed_or_dash(loss_percent(link), 2) : "-",
                link.told_loss.of() == 0 ? "-" : shell::fixed_or_dash(link.told_loss.percent(), 1),
                count(link.told_loss.of()),
                count(link.duplicates),
@@ -124,6 +126,8 @@ std::string links_text(const Tally& t, std::uint16_t session) {
   out +=
       ",\nto the capture. Peers' least: the delay to the receiver, as it tells it. Ack: until an update is "
       "acknowledged.\n";
+  if (between && t.cut() == 0)
+    out += "Of links without a loss the capture has only what a third peer carried: what went directly is not in it.\n";
   if (t.cut() > 0)
     out += "The capture has cut off " + shell::counted(t.cut(), "datagram") +
            " (snaplen; capture with -s 0): not known which links' they are, and so what was lost.\n";

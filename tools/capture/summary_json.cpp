@@ -39,7 +39,7 @@ void put(Json& j, const Tally& t, const LinkKey& key, const LinkTally& link, std
   }
   j.field("to_incarnation", key.to_incarnation).field("to_address", to_string(link.at));
   put(j, link.traffic);
-  const bool judged = t.cut() == 0;
+  const bool judged = t.judges(link);
   j.field("missing", judged ? std::optional(link.seqs.missing()) : std::nullopt);
   j.field("missing_of", judged ? std::optional(link.seqs.span()) : std::nullopt);
   j.field("loss_percent", judged ? std::optional(loss_percent(link)) : std::nullopt);

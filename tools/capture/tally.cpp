@@ -88,7 +88,7 @@ void Tally::take(const Datagram& d) {
     return;
   }
   kinds_[static_cast<std::size_t>(opened->header.kind)].add(d);
-  if (d.second_hop) return second_hop(*opened);
+  if (d.second_hop) return second_hop(d, *opened);
   switch (opened->header.kind) {
     case wire::Kind::kState:
       return state(d, *opened);
@@ -101,11 +101,15 @@ void Tally::take(const Datagram& d) {
   }
 }
 
-void Tally::second_hop(const wire::Opened& o) {
+void Tally::second_hop(const Datagram& d, const wire::Opened& o) {
   const bool is_state = o.header.kind == wire::Kind::kState;
   std::uint64_t updates = 0;
   if (is_state && wire::scan_state(o.payload, scan_))
     for (const auto& u : scan_.updates) updates += u.bytes;
+  if (is_state) {
+    const auto link = links_.find({{o.header.session, o.header.sender, scan_.incarnation}, d.to, scan_.to_incarnation});
+    if (link != links_.end()) link->second.passed_on = true;
+  }
   updates = std::min<std::uint64_t>(updates, o.payload.size());
   for (Traffic* t : {&all_, &kinds_[static_cast<std::size_t>(o.header.kind)]}) {
     t->repeat_bytes += updates;
@@ -167,6 +171,7 @@ void Tally::state_of_life(const Datagram& d, LifeTally& who) {
 std::uint64_t Tally::state_of_link(const Datagram& d, LinkTally& link) {
   if (link.traffic.datagrams > 0) link.gaps.add((d.time_ns - link.traffic.last_ns) / 1000);
   link.traffic.add(d);
+  link.direct = link.direct || !d.carried_to;
   const auto seen = link.seqs.add(scan_.seq);
   if (seen == NumberWindow::Seen::kAgain) ++link.duplicates;
   if (seen == NumberWindow::Seen::kNewLate) ++link.reordered;

@@ -66,6 +66,8 @@ struct LinkTally {
   Delays delays;  ///< capture time less the time of the tick of sending, on a clock whose zero is not known
   std::optional<std::int32_t> transit;  ///< 0.1 ms, the least that the receiver has told of this link
   ToldLoss told_loss;                   ///< by the receiver
+  bool direct = false;     ///< some datagrams went without a carrier
+  bool passed_on = false;  ///< some were captured on both hops: at the carrier, or everywhere
   Gaps acks;                            ///< from the first time an update is here until its acknowledgement is
   std::deque<std::pair<std::uint32_t, std::int64_t>> unacked;  ///< number and time, the latest 256
 };
@@ -110,6 +112,8 @@ class Tally {
   const std::map<std::string, std::uint64_t>& dropped() const { return dropped_; }
   /// Datagrams that the capture has cut off: of which links they are is not known, nor so which others were lost.
   std::uint64_t cut() const { return cut_; }
+  /// Whether what the capture lacks of a link was lost. A carrier sees what it passes on, and not what goes directly.
+  bool judges(const LinkTally& link) const { return cut_ == 0 && (link.direct || !link.passed_on); }
   /// Lives and links beyond what is kept apart; their datagrams count in the sums alone.
   std::uint64_t beyond() const { return beyond_; }
   /// Capture time of tick 0 of a session in `sessions`, us, and whether that is known from Pings and Pongs; otherwise
@@ -119,7 +123,7 @@ class Tally {
   PeerId receiver(const LinkKey& link) const;
 
  private:
-  void second_hop(const wire::Opened& o);
+  void second_hop(const Datagram& d, const wire::Opened& o);
   void state(const Datagram& d, const wire::Opened& o);
   void state_of_life(const Datagram& d, LifeTally& who);
   std::uint64_t state_of_link(const Datagram& d, LinkTally& link);
