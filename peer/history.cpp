@@ -1,5 +1,7 @@
 #include "peer/history.h"
 
+#include <utility>
+
 namespace padr::peer {
 namespace {
 
@@ -31,8 +33,7 @@ void History::play(int which, PeerId peer, std::uint32_t incarnation, Tick tick)
   l.peer = peer;
   l.incarnation = incarnation;
   l.came = tick;
-  checkpoints_.erase(checkpoints_.lower_bound(l.confirmed_from), checkpoints_.end());
-  checkpoints_.merge(pending_[static_cast<std::size_t>(which)]);
+  checkpoints_ = std::move(pending_[static_cast<std::size_t>(which)]);
 }
 
 void History::change(const node::MemberChange& c) {

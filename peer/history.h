@@ -34,8 +34,8 @@ class History {
 
   const std::vector<Incarnation>& incarnations() const { return incarnations_; }
   Checkpoint confirmed(int incarnation) const;
-  /// Hashes of confirmed ticks that are whole seconds, the last kCheckpointsKept of them; where two incarnations have
-  /// been at the same tick, what the later one says, for that is what it has in common with the others.
+  /// Hashes of the last incarnation's confirmed ticks that are whole seconds, the last kCheckpointsKept of them: those
+  /// are what it has in common with the others. An earlier one may have been given up, or of another session.
   const std::map<Tick, std::uint64_t>& checkpoints() const { return checkpoints_; }
 
   // Others, each once in each of their incarnations:

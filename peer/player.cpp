@@ -137,8 +137,8 @@ void Player::begin_incarnation() {
     log_.session->info("{}: waiting as peer {}, {} of {} are here, round trip {:.1f} ms", ours, self(), present(),
                        wanted, round_trip_ms);
   } else if (!waited_) {
-    log_.session->info("{}: in as peer {} of {} at tick {}, round trip {:.1f} ms", ours, self(), present(), next,
-                       round_trip_ms);
+    log_.session->info("{}: in as peer {}, with {}, at tick {}, round trip {:.1f} ms", ours, self(),
+                       shell::counted(present() - 1, "other"), next, round_trip_ms);
     say_what_is_played();
   }
 }

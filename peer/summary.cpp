@@ -91,8 +91,6 @@ void put_confirmed(Json& j, const Player& p) {
   j.end_object().end_object();
 }
 
-// From confirmed_from of its last incarnation on, a peer's confirmed worlds are those of the others; what it had
-// confirmed in an earlier incarnation while the others were agreeing that it is gone need not be.
 void put_lives(Json& j, const Player& p) {
   j.key("lives").begin_array();
   for (const History::Incarnation& incarnation : p.history().incarnations()) {

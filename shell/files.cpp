@@ -43,6 +43,19 @@ std::string read_file(std::string_view flag, const std::string& path, std::size_
   return text;
 }
 
+std::vector<std::string> without_empty(std::vector<std::string> files,
+                                       const std::function<void(const std::string&)>& note) {
+  const auto is_empty = [](const std::string& file) {
+    std::error_code error;
+    return std::filesystem::is_regular_file(file, error) && std::filesystem::file_size(file, error) == 0;
+  };
+  if (std::all_of(files.begin(), files.end(), is_empty)) return files;
+  for (const std::string& f : files)
+    if (is_empty(f)) note(f + ": is empty: left out");
+  std::erase_if(files, is_empty);
+  return files;
+}
+
 namespace {
 
 // All by one descriptor: what a path names may change between two calls.

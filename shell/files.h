@@ -9,12 +9,18 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace padr::shell {
 
 /// The whole of a regular file. `flag` is for the message. Throws UserError, which names the flag, the file and the
 /// system's reason, if it cannot be read or is larger than `limit` bytes.
 std::string read_file(std::string_view flag, const std::string& path, std::size_t limit = 64U << 20U);
+
+/// Of several recordings those that are not empty, in order; all, if all are. A peer that has not got into the session
+/// leaves an empty one, and the others' need not wait for it. `note`: "FILE: is empty: left out", for each that is.
+std::vector<std::string> without_empty(std::vector<std::string> files,
+                                       const std::function<void(const std::string&)>& note);
 
 /// Who may read a file that is written. A file for secrets is readable by its owner alone from before anything is in
 /// it, whatever it was before, and its path does not end in a symbolic link.

@@ -1,5 +1,8 @@
 #include "shell/session_words.h"
 
+#include <functional>
+#include <map>
+
 #include "common/membership/last_heard.h"
 #include "common/membership/misbehaviour_policy.h"
 #include "shell/text.h"
@@ -7,6 +10,26 @@
 namespace padr::shell {
 
 using Kind = node::SessionEvent::Kind;
+
+namespace {
+
+/// Why a datagram was dropped, by the name that files have for it.
+std::string why_dropped(const std::string& name) {
+  static const std::map<std::string, std::string, std::less<>> words{
+      {"malformed", "malformed"},
+      {"tick", "it is of a tick that cannot be now"},
+      {"order", "its updates contradict earlier ones"},
+      {"entity", "it tells of a body that does not exist, or of one twice"},
+      {"value", "its values are impossible"},
+      {"signature", "an update in it has no valid signature"},
+      {"right", "an order in it is not its sender's to give, or not yet"},
+      {"cut_off", "its sender is ignored"},
+      {"promise", "its sender had promised that there are no more updates of that time"}};
+  const auto found = words.find(name);
+  return found == words.end() ? name : found->second;
+}
+
+}  // namespace
 
 std::string words_of(const node::SessionEvent& e) {
   const std::string who = "peer " + std::to_string(e.peer);
@@ -35,13 +58,13 @@ std::string words_of(const node::SessionEvent& e) {
     case Kind::kHeardAgain:
       return who + " is heard again: it stays";
     case Kind::kCarried:
-      return who + " is reached through peer " + std::to_string(e.by) + ": the link to it does not work";
+      return who + " is reached through peer " + std::to_string(e.by) + ": the link to it is silent";
     case Kind::kRelayed:
       return who + " is not reached: the link to it does not work, and others relay its updates, which is slow";
     case Kind::kDirect:
       return who + " is reached directly again";
     case Kind::kDropped:
-      return "dropped " + counted(e.count, "datagram") + " of " + who + ": " + e.text;
+      return "dropped " + counted(e.count, "datagram") + " of " + who + ": " + why_dropped(e.text);
     case Kind::kMuted:
       return who + " " + e.text + ": ignored for " + std::to_string(e.tick / kTicksPerSecond) + " s";
     case Kind::kWithholds:

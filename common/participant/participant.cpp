@@ -364,6 +364,7 @@ void Participant::introduce_carried() {
   introduced_ = local_;
   for (PeerId to = 0; to < session().slots(); ++to) {
     const PeerSet carried = std::exchange(carried_to_[to], 0);
+    if (!replica().seat(to).reachable()) continue;  // it has gone since
     for (PeerId p = 0; p < session().slots(); ++p) {
       if ((carried & only(p)) == 0) continue;
       const Endpoint& who = replica().seat(p).at;

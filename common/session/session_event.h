@@ -26,7 +26,7 @@ struct SessionEvent {
     kCarried,      ///< `peer` is reached through `by`
     kRelayed,      ///< `peer` does not answer directly, and others relay its updates
     kDirect,       ///< `peer` is reached directly again
-    kDropped,      ///< `count` datagrams of `peer`; `text`: why
+    kDropped,      ///< `count` datagrams of `peer`; `text`: why, one of sync::kDropNames
     kWithholds,  ///< `peer` does not answer polls about lost peers, or does not send the updates that it claims to have
     kMuted,      ///< `peer` is ignored for `tick` ticks; `text`: why
     kCutOff,     ///< `peer`, for good; `text`: why

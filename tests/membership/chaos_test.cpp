@@ -67,6 +67,11 @@ TEST(Chaos, Holds852030) {
   play_in_full(852030, wire::SealMode::kNone);
 }
 
+// A carrier told a member that had gone of those for which it had carried, at no address.
+TEST(ChaosSealed, Holds500016) {
+  play_in_full(500016, wire::SealMode::kAuth);
+}
+
 // Whoever had stood still took an honest asker for a liar, and thawed the peer whose eviction was under way.
 TEST(ChaosSealed, Holds820007) {
   play_in_full(820007, wire::SealMode::kAuth);

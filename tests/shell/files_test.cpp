@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/model/user_error.h"
 
@@ -109,6 +110,24 @@ TEST(Files, OnlyTextIsReplacedAndNotTheLinkToIt) {
   EXPECT_TRUE(refused("/dev/null").starts_with("--csv: '/dev/null' is no regular file"));
   EXPECT_TRUE(refused(place("kept")).starts_with("--csv: '" + place("kept") + "' is no regular file"));
   EXPECT_TRUE(refused("-").starts_with("--csv: this cannot be printed"));
+  std::filesystem::remove_all(folder);
+}
+
+// One refused joiner's trace once made a folder of traces useless for the page and for audits.
+TEST(Files, OfSeveralRecordingsTheEmptyOnesAreLeftOut) {
+  const auto folder = std::filesystem::temp_directory_path() / "padr-empty-test";
+  std::filesystem::create_directories(folder);
+  const auto file = [&folder](const char* name) { return (folder / name).string(); };
+  for (const char* name : {"full", "empty", "none"})
+    OutputFile(".", file(name), Readers::kAsUsual, Content::kBinary).write(std::string_view(name[0] == 'f' ? "x" : ""));
+  std::vector<std::string> said;
+  const auto note = [&said](const std::string& text) { said.push_back(text); };
+  using Files = std::vector<std::string>;
+  EXPECT_EQ(without_empty({file("full"), file("empty"), file("missing")}, note),
+            (Files{file("full"), file("missing")}));
+  EXPECT_EQ(said, (Files{file("empty") + ": is empty: left out"}));
+  EXPECT_EQ(without_empty({file("empty"), file("none")}, note), (Files{file("empty"), file("none")}));
+  EXPECT_EQ(said.size(), 1U);
   std::filesystem::remove_all(folder);
 }
 

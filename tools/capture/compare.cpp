@@ -25,7 +25,8 @@ constexpr const char* kCompareFooter =
     "capture was lost before the capture (by --netem, or on the network). A datagram that is in the capture and was\n"
     "not received was lost behind it, or its receiver was not running. The program also rebuilds the confirmed world\n"
     "from the capture, and compares it with the world of the traces at every tick. A trace that breaks off, as of a\n"
-    "peer that crashed, is used as far as it goes.\n"
+    "peer that crashed, is used as far as it goes; an empty one, of a peer that has not got into the session, is left "
+    "out.\n"
     "\n"
     "Example:\n"
     "  padr-capture compare lo.pcap out/demo/peer*.trace\n"
@@ -205,7 +206,8 @@ std::string as_json(const Comparison& c, const std::vector<LinkStory>& links, co
 int run_compare(const CompareOptions& o) {
   Comparison comparison;
   std::vector<std::string> captures_files;
-  for (const std::string& f : o.files) {
+  const auto note = [](const std::string& text) { std::fprintf(stderr, "padr-capture: %s\n", text.c_str()); };
+  for (const std::string& f : shell::without_empty(o.files, note)) {
     if (is_trace(f)) {
       comparison.add_trace(f);
     } else {

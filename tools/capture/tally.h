@@ -66,8 +66,8 @@ struct LinkTally {
   Delays delays;  ///< capture time less the time of the tick of sending, on a clock whose zero is not known
   std::optional<std::int32_t> transit;  ///< 0.1 ms, the least that the receiver has told of this link
   ToldLoss told_loss;                   ///< by the receiver
-  bool direct = false;     ///< some datagrams went without a carrier
-  bool passed_on = false;  ///< some were captured on both hops: at the carrier, or everywhere
+  bool direct = false;                  ///< some datagrams went without a carrier
+  bool passed_on = false;               ///< some were captured on both hops: at the carrier, or everywhere
   Gaps acks;                            ///< from the first time an update is here until its acknowledgement is
   std::deque<std::pair<std::uint32_t, std::int64_t>> unacked;  ///< number and time, the latest 256
 };

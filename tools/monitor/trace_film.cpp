@@ -9,6 +9,7 @@
 #include "common/model/user_error.h"
 #include "common/monitor/sampler.h"
 #include "common/trace/fidelity.h"
+#include "shell/files.h"
 #include "shell/technique_text.h"
 #include "shell/text.h"
 #include "tools/lab/replay.h"
@@ -246,7 +247,8 @@ Cast cast(std::vector<NamedTrace> traces) {
 
 Film film_traces(const std::vector<std::string>& paths, const Note& note) {
   std::vector<NamedTrace> traces;
-  for (const std::string& file : traces_in(paths)) traces.push_back({file, lab::read_trace_file(file)});
+  for (const std::string& file : shell::without_empty(traces_in(paths), note))
+    traces.push_back({file, lab::read_trace_file(file)});
   return film_traces(std::move(traces), note);
 }
 

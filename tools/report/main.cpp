@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -16,14 +15,8 @@ namespace {
 
 int run(const Options& o, const std::vector<std::string>& command) {
   std::vector<TraceBytes> traces;
-  for (const std::string& file : o.traces) traces.push_back(read_trace(file));
-  // The peer has not got into the session; the others' report need not wait for it.
-  const auto is_empty = [](const TraceBytes& t) { return t.bytes.empty(); };
-  if (!std::all_of(traces.begin(), traces.end(), is_empty)) {
-    for (const TraceBytes& t : traces)
-      if (is_empty(t)) std::fprintf(stderr, "padr-report: %s: is empty: left out\n", t.label.c_str());
-    std::erase_if(traces, is_empty);
-  }
+  const auto note = [](const std::string& text) { std::fprintf(stderr, "padr-report: %s\n", text.c_str()); };
+  for (const std::string& file : shell::without_empty(o.traces, note)) traces.push_back(read_trace(file));
   const Report r = analyse(traces);
   if (o.json != "-") std::fputs(table(r).c_str(), stdout);
   if (!o.json.empty()) shell::write_text("--json", o.json, json(r, command));

@@ -1,5 +1,6 @@
 #include "tools/lab/audit/command.h"
 
+#include <cstdio>
 #include <iostream>
 #include <span>
 
@@ -38,10 +39,12 @@ void AuditCommand::declare(CLI::App& app) {
 
 int AuditCommand::run(const std::vector<std::string>& command) const {
   shell::check_writable("--json", json_);
+  const auto note = [](const std::string& text) { std::fprintf(stderr, "padr-lab: %s\n", text.c_str()); };
+  const std::vector<std::string> traces = shell::without_empty(traces_, note);
   std::vector<std::string> contents;
-  for (const std::string& file : traces_) contents.push_back(read_trace_file(file));
+  for (const std::string& file : traces) contents.push_back(read_trace_file(file));
   std::vector<audit::TraceText> texts;
-  for (std::size_t i = 0; i < traces_.size(); ++i) texts.push_back({traces_[i], std::as_bytes(std::span(contents[i]))});
+  for (std::size_t i = 0; i < traces.size(); ++i) texts.push_back({traces[i], std::as_bytes(std::span(contents[i]))});
   audit::Options options;
   options.pushes = !no_pushes_;
   const audit::Report report = audit::audit(texts, options);

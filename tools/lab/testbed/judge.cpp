@@ -77,6 +77,7 @@ void Judge::check_kept(int person, const node::Replica& n) {
 void Judge::turn(int person) {
   if (liars_.contains(person)) return;
   const node::Participant& p = network_.peer(person);
+  if (network_.sent_to_nowhere(person)) blame(name(person) + " has sent something to no address");
   if (p.playing() && liars_.empty()) check_drops(person);
   if (p.playing() && !p.replica().expelled()) {
     const node::Replica& n = p.replica();

@@ -173,6 +173,7 @@ void VirtualNetwork::turn(int person) {
     p.peer->step(target, now);
   }
   for (const node::Parcel& d : p.peer->take_outgoing()) {
+    p.to_nowhere = p.to_nowhere || !d.to.is_set();
     const auto to = at_place(p, d.to);
     if (!to) continue;
     if (on_datagram) on_datagram(p.place, *to, d.bytes);

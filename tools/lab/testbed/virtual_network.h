@@ -87,6 +87,8 @@ class VirtualNetwork {
   bool knocks_in_vain(int person) const;
   /// Whether one of the two knows the other's place: as a member's, or as one where it looks for a former one.
   bool know_of_each_other(int p, int q) const;
+  /// It has sent something to no address.
+  bool sent_to_nowhere(int person) const { return persons_[at(person)].to_nowhere; }
   bool paused(int person) const { return persons_[at(person)].paused; }
   const node::Participant& peer(int person) const { return *persons_[at(person)].peer; }
   /// When it was first a part of the session, after its start; -1: not yet.
@@ -126,6 +128,7 @@ class VirtualNetwork {
     Micros took = -1;
     bool runs = true;
     bool paused = false;
+    bool to_nowhere = false;
     std::deque<std::pair<Endpoint, std::vector<std::byte>>> buffer;  ///< the socket's
     std::vector<Endpoint> refused;
     std::vector<std::string> notes;
