@@ -49,7 +49,12 @@ std::vector<std::string> without_empty(std::vector<std::string> files,
     std::error_code error;
     return std::filesystem::is_regular_file(file, error) && std::filesystem::file_size(file, error) == 0;
   };
-  if (std::all_of(files.begin(), files.end(), is_empty)) return files;
+  const auto exists = [](const std::string& file) {
+    std::error_code error;
+    return std::filesystem::exists(file, error);
+  };
+  const bool are_there = std::all_of(files.begin(), files.end(), exists);
+  if (!are_there || std::all_of(files.begin(), files.end(), is_empty)) return files;
   for (const std::string& f : files)
     if (is_empty(f)) note(f + ": is empty: left out");
   std::erase_if(files, is_empty);

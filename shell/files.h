@@ -17,8 +17,9 @@ namespace padr::shell {
 /// system's reason, if it cannot be read or is larger than `limit` bytes.
 std::string read_file(std::string_view flag, const std::string& path, std::size_t limit = 64U << 20U);
 
-/// Of several recordings those that are not empty, in order; all, if all are. A peer that has not got into the session
-/// leaves an empty one, and the others' need not wait for it. `note`: "FILE: is empty: left out", for each that is.
+/// Of several recordings those that are not empty, in order; all, if all are, or if one is missing. A peer that has not
+/// got into the session leaves an empty one, and the others' need not wait for it. `note`: "FILE: is empty: left out",
+/// for each that is.
 std::vector<std::string> without_empty(std::vector<std::string> files,
                                        const std::function<void(const std::string&)>& note);
 
