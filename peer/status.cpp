@@ -35,12 +35,14 @@ std::string carried(const Player& player) {
   return list;
 }
 
-/// What the links carry that were found to be narrow, if any were: "2 at 8.0 kbit/s, 3 at 16.0 kbit/s".
+/// What the links carry that are too narrow for what there was to tell of late, if any are: "2 at 8.0 kbit/s, 3 at 16.0
+/// kbit/s".
 std::string narrow(const Player& player) {
   std::string list;
   for (PeerId p = 0; p < player.replica().config().slots; ++p) {
     const auto rate = link_kbit(player.replica(), p);
-    if (rate && player.replica().seat(p).there())
+    const bool limits = player.replica().link(p).out.rate().holds_back(player.replica().now());
+    if (rate && limits && player.replica().seat(p).there())
       list += fmt::format("{}{} at {:.1f} kbit/s", list.empty() ? "" : ", ", p, *rate);
   }
   return list;

@@ -13,6 +13,8 @@ namespace {
 constexpr Micros kGreetAgain = 100'000;
 /// The same to somebody whom we knew and have not heard for kQuiet.
 constexpr Micros kGreetQuiet = 1'000'000;
+/// What follows within this time goes by one way only, where it is not known which works: 5 ticks.
+constexpr Micros kClosely = 80'000;
 /// Whoever has a cookie counts on less than its maker does.
 constexpr Micros kCookieFresh = 5'000'000;
 
@@ -116,10 +118,17 @@ void SecureChannels::keep_company(Channel& c, Micros local) {
   greet(c.at, c.nonce, c.greeted, c.met ? kGreetQuiet : kGreetAgain, local);
 }
 
+// Where it is not known which way works, both are tried: with each datagram, or in turn where those of states follow
+// closely, as they do to whoever has fallen silent.
 void SecureChannels::post(Channel& to, PeerId state_to, std::span<const std::byte> datagram) {
+  const bool is_state = state_to != kNoPeer;
+  const bool closely = is_state && local_ - std::exchange(to.posted, local_) < kClosely;
+  const bool in_turn = closely && is_carried(to) && to.directly_too;
+  to.turn = in_turn && !to.turn;
   wire::seal_with(to.keys.out(), config_.mode, id_, ++number_, datagram, sealed_);
+  if (in_turn && to.turn) return transmit_directly(to, state_to, sealed_);
   transmit(to, state_to, sealed_);
-  if (is_carried(to)) try_directly(to, state_to, datagram);
+  if (is_carried(to) && !in_turn) try_directly(to, state_to, datagram);
 }
 
 // Sealed anew: what comes second of two with one number would be dropped, and the receiver not know that it came.

@@ -100,8 +100,9 @@ class SecureChannels {
   /// `state_to`: as in Parcel.
   void send(const Endpoint& to, PeerId state_to, std::span<const std::byte> datagram, Micros local);
   /// What is for one peer goes through another one for the next kCarries. Meanwhile a state datagram now and then goes
-  /// directly, too, so that both can see whether their link works again; or all datagrams, if `directly_too`. With each
-  /// of the former, a Hello goes to every one of `elsewhere`, where the peer says that it is.
+  /// directly, too, so that both can see whether their link works again; or all datagrams, if `directly_too`, though
+  /// state datagrams by one way only, in turn, where one follows another within kClosely. With each of the former, a
+  /// Hello goes to every one of `elsewhere`, where the peer says that it is.
   void carry(const PublicKey& to, const PublicKey& by, bool directly_too, Micros local,
              std::span<const Endpoint> elsewhere = {});
   /// Another peer says that somebody with this key is at this place since so long ago: sends a few Hellos there, and
@@ -171,6 +172,8 @@ class SecureChannels {
     PublicKey carrier{};              ///< who carries what is for it
     Micros carried_until = kNever;    ///< until then
     bool directly_too = false;        ///< and it is sent there, too
+    Micros posted = kNever;           ///< when a state datagram was, last
+    bool turn = false;                ///< it went directly only
     std::vector<Endpoint> elsewhere;  ///< where it says that it is, too
     Micros tried = kNever;            ///< then: when something was sent directly all the same
     Micros try_again = kTryAgain;     ///< after so long

@@ -34,8 +34,6 @@ std::size_t first_that_may_have_begun_it(std::size_t last) {
 constexpr float kFull = 24;
 // What came through is measured over no less than this.
 constexpr Tick kMeasured = 6;
-// The quickest datagram is that of one to two such spans.
-constexpr Tick kSpan = 10 * kTicksPerSecond;
 // What came so many ticks before it was sent, and before all of late, came to a peer whose ticks were far behind its
 // clock. It is believed only of so many in a row: then a clock was set.
 constexpr Tick kTooQuick = 6;
@@ -85,7 +83,10 @@ bool LinkRate::may_tell(Tick now) {
 bool LinkRate::may_send(Tick now) {
   drain(now);
   const bool may = queued_ <= 0 && !window_is_full();
-  held_back_ = held_back_ || !may;
+  if (!may) {
+    held_back_ = true;
+    held_at_ = now;
+  }
   return may;
 }
 

@@ -53,6 +53,8 @@ class LinkRate {
   double rate() const { return rate_; }
   /// Whether the link was found to carry less than was sent.
   bool is_limited() const { return rate_ < kMost; }
+  /// Whether that has held something back of late.
+  bool holds_back(Tick now) const { return is_limited() && now - held_at_ < kSpan; }
   /// How long nothing would have to be sent for all that was sent to keep within what is meant for this link, s, from 0
   /// to kMostAhead: its bound, or most of what it carries.
   double ahead(Tick now) const;
@@ -79,6 +81,9 @@ class LinkRate {
     Tick transit = 0;
     std::size_t bytes = 0;
   };
+  // The quickest datagram is that of one to two such spans.
+  static constexpr Tick kSpan = 10 * kTicksPerSecond;
+  static constexpr Tick kNever = -1'000'000;
   // Datagrams whose time of sending is remembered: 4 s at one a tick.
   static constexpr std::size_t kRemembered = 256;
   static constexpr std::size_t kReceipts = 8;
@@ -120,8 +125,7 @@ class LinkRate {
   Tick changed_ = kNever;                  ///< when the estimate last did
   Tick until_trial_ = 0;                   ///< time without a change after which it grows on trial, ticks
   bool held_back_ = false;                 ///< since the rate last grew
-
-  static constexpr Tick kNever = -1'000'000;
+  Tick held_at_ = kNever;                  ///< when something was, last
 };
 
 }  // namespace padr::sync

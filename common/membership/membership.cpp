@@ -300,7 +300,7 @@ void Membership::find_paths() {
   links_.resize(roster().slots());
   for (PeerId p = 0; p < roster().slots(); ++p) {
     const sync::OutLink& out = replica_.replica().link(p).out;
-    links_[p] = {out.unanswered(roster().now), out.round_trip() / 2};
+    links_[p] = {out.unanswered(roster().now), out.round_trip() / 2, relay_.unheard_by(p, roster().now)};
   }
   for (const Paths::Change& c : paths_.advance(roster(), links_)) {
     if (!roster().seats[c.to].there()) continue;

@@ -29,6 +29,8 @@ constexpr double kIntroducedAtOnce = 64'000;
 constexpr Micros kIntroduceAgain = 3 * kMicrosPerSecond;
 /// Interval between two events about datagrams that do not fit the session's key.
 constexpr Micros kWarnAgain = 10 * kMicrosPerSecond;
+/// Time in which whoever sent one may yet turn out to be a member.
+constexpr Micros kGrace = kMicrosPerSecond;
 
 /// Throws UserError for a session that cannot be founded in this scene.
 void check_founder(const SessionConfig& c, const Scene& scene) {
@@ -89,17 +91,23 @@ void Participant::receive(const Endpoint& from, std::span<const std::byte> datag
   warn_of_drops(from, local);
 }
 
-// A peer with a wrong key, or none, keeps trying: an event tells why it gets no answer.
+// A peer with a wrong key, or none, keeps trying: an event tells why it gets no answer. Where this peer's process has
+// begun anew, members send what is for the one before until they have met this one.
 void Participant::warn_of_drops(const Endpoint& place, Micros local) {
   const auto& dropped = channels_->stats().dropped;
   const std::uint64_t drops =
       dropped[static_cast<std::size_t>(ChannelDrop::kUnsealed)] + dropped[static_cast<std::size_t>(ChannelDrop::kTag)];
-  // What comes from a member after this peer's process has begun anew is sealed for the one before.
   const std::uint64_t news = drops - std::exchange(drops_seen_, drops);
   if (channels_->hears(place, local)) {
     drops_told_ += news;
   } else if (news > 0) {
     dropped_at_ = place;
+    if (!doubtful_) doubtful_ = local;
+  }
+  if (!doubtful_ || local - *doubtful_ < kGrace) return;
+  if (channels_->hears(dropped_at_, local)) {
+    drops_told_ = drops;
+    doubtful_.reset();
   }
   if (drops == drops_told_ || local - warned_ < kWarnAgain) return;
   events_.push_back({.kind = SessionEvent::Kind::kWrongKey, .at = dropped_at_, .count = drops - drops_told_});

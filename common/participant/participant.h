@@ -207,7 +207,8 @@ class Participant {
   int steps_ = 0;                                     ///< made with it
   std::uint64_t drops_seen_ = 0;
   std::uint64_t drops_told_ = 0;
-  Endpoint dropped_at_;  ///< where the last of them came from
+  Endpoint dropped_at_;             ///< where the last of them came from
+  std::optional<Micros> doubtful_;  ///< since when something of somebody that is not heard has been dropped
   Micros warned_;
   bool last_key_told_ = false;
   Incarnation current_;             ///< the present one, once there is one

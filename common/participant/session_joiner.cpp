@@ -171,8 +171,10 @@ std::string Joiner::why_not_in(Micros after, Micros local) const {
   return "no answer from " + whom + " within " + in_seconds(after) +
          (refused                   ? ": nobody listens there"
           : session_.config.returns ? ""
-          : session_.config.sealed  ? "; it may have another session key, or none, or nobody listens there"
-                                    : "; it may have a session key, or play in a crowd, or nobody listens there");
+          : session_.config.sealed
+              ? "; it may have another session key, or none, nobody may listen there, or large datagrams get lost"
+              : "; it may have a session key, or play in a crowd, nobody may listen there, or large datagrams get "
+                "lost");
 }
 
 }  // namespace padr::node

@@ -71,7 +71,11 @@ std::optional<float> Paths::cost(const Roster& roster, const std::vector<Link>& 
   const bool reached = has_told(w, roster.now) ? w.hears.contains(roster.self) : hears(roster, by);
   if (!reached || unanswered(roster, links, by) >= kUnheard) return std::nullopt;
   const float first = links[by].delay + (to.has_failed(by, w.incarnation, roster.now) ? kLast : 0);
-  if (!has_told(to, roster.now)) return first;
+  if (!has_told(to, roster.now)) {
+    // Of somebody who is gone each would send what it has for it through all others in turn.
+    if ((links[p].unheard & only(by)) != 0) return std::nullopt;
+    return first;
+  }
   const auto second = to.hears.find(by);
   if (second == to.hears.end()) return std::nullopt;
   return first + static_cast<float>(second->second);

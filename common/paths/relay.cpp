@@ -49,6 +49,13 @@ Tick Relay::note_unheard(PeerId from, PeerId about, const View& view) {
   return u.last - u.since;
 }
 
+PeerSet Relay::unheard_by(PeerId about, Tick now) const {
+  PeerSet members = 0;
+  for (const auto& [who, u] : unheard_)
+    if (who.second == about && now - u.last < kAsksLately) members |= only(who.first);
+  return members;
+}
+
 void Relay::on_fetched(PeerId from, const wire::Fetched& fetched, const View& view, Commands& out) {
   if (fetched.slot >= session_.slots) return;
   Question& q = questions_[fetched.slot];

@@ -30,6 +30,8 @@ class Relay {
   void serve(PeerId asker, const wire::Fetch& wanted, const View& view, Commands& out);
   /// Member `from` does not hear `about`. Returns for how long it has been saying so, ticks.
   Tick note_unheard(PeerId from, PeerId about, const View& view);
+  /// Members that have lately asked for updates of `about`.
+  PeerSet unheard_by(PeerId about, Tick now) const;
   /// Time after which a member that does not hear a peer may have it evicted, though others hear it; ticks. A little
   /// less than kRelayUntil, as it asks one member after the other.
   static constexpr Tick kUnheardForLong = kRelayUntil - 10 * kTicksPerSecond;
@@ -41,6 +43,9 @@ class Relay {
   /// A member that has not asked for this time hears the peer again, ticks. It asks the others in turn; and once it
   /// must ask no more it still waits for a while before it polls.
   static constexpr Tick kAsksOn = 15 * kTicksPerSecond;
+  /// A member's question counts as a sign that it does not hear the peer for this time, ticks: less than until a peer
+  /// that is heard again has told by whom.
+  static constexpr Tick kAsksLately = 2 * kTicksPerSecond;
 
  private:
   struct Question {

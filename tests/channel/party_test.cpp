@@ -75,16 +75,18 @@ TEST(SealedParty, WhoCrashesAndIsStartedAnewComesBackWithNewKeys) {
 // Once, it was told that the others have another key: until it was missed they sent what only the process before could
 // open.
 TEST(SealedParty, WhoIsStartedAnewAtTheSamePlaceIsNotToldOfAnotherKey) {
-  Party party(keyed(3, "delay 5ms", 29, wire::SealMode::kAuth));
-  ASSERT_TRUE(party.run_until(10, [&] { return party.united(); })) << party.story();
-  party.run(3);
-  const Endpoint place = party.net().place_of(2);
-  party.net().kill(2);
-  party.net().move(party.net().start(0), place);
-  ASSERT_TRUE(party.run_until(20, [&] { return party.united(); })) << party.story();
-  party.run(10);
-  EXPECT_EQ(party.story().find("not made with this session's key"), std::string::npos) << party.story();
-  EXPECT_GT(party.net().peer(3).channels()->stats().dropped[static_cast<std::size_t>(node::ChannelDrop::kTag)], 0U);
+  for (const char* netem : {"delay 5ms", "delay 150ms"}) {
+    Party party(keyed(3, netem, 29, wire::SealMode::kAuth));
+    ASSERT_TRUE(party.run_until(10, [&] { return party.united(); })) << party.story();
+    party.run(3);
+    const Endpoint place = party.net().place_of(2);
+    party.net().kill(2);
+    party.net().move(party.net().start(0), place);
+    ASSERT_TRUE(party.run_until(20, [&] { return party.united(); })) << party.story();
+    party.run(10);
+    EXPECT_EQ(party.story().find("not made with this session's key"), std::string::npos) << party.story();
+    EXPECT_GT(party.net().peer(3).channels()->stats().dropped[static_cast<std::size_t>(node::ChannelDrop::kTag)], 0U);
+  }
 }
 
 TEST(SealedParty, APartitionHeals) {
