@@ -300,7 +300,9 @@ void Membership::find_paths() {
   links_.resize(roster().slots());
   for (PeerId p = 0; p < roster().slots(); ++p) {
     const sync::OutLink& out = replica_.replica().link(p).out;
-    links_[p] = {out.unanswered(roster().now), out.round_trip() / 2, relay_.unheard_by(p, roster().now)};
+    const Tick unanswered = out.unanswered(roster().now);
+    const bool is_silent = unanswered >= Paths::kUnheard;
+    links_[p] = {unanswered, out.round_trip() / 2, is_silent ? relay_.unheard_by(p, roster().now) : PeerSet{0}};
   }
   for (const Paths::Change& c : paths_.advance(roster(), links_)) {
     if (!roster().seats[c.to].there()) continue;

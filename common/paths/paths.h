@@ -22,7 +22,7 @@ class Paths {
   struct Link {
     Tick unanswered = 0;  ///< since the member last acknowledged something new of ours, by whatever way, ticks
     float delay = 0;      ///< one way, ticks
-    PeerSet unheard = 0;  ///< members that have lately asked this one for the member's updates, as they lack them
+    PeerSet unheard = 0;  ///< of a silent member: who has asked this one for its updates lately, and so lacks them, too
   };
   /// `to` has been reached through `by` for kReported and has answered; kNoPeer: directly again.
   struct Change {

@@ -43,8 +43,8 @@ class Relay {
   /// A member that has not asked for this time hears the peer again, ticks. It asks the others in turn; and once it
   /// must ask no more it still waits for a while before it polls.
   static constexpr Tick kAsksOn = 15 * kTicksPerSecond;
-  /// A member's question counts as a sign that it does not hear the peer for this time, ticks: less than until a peer
-  /// that is heard again has told by whom.
+  /// Time for which a member's question shows that it does not hear the peer, ticks. It asks all in turn, one each
+  /// kPace.
   static constexpr Tick kAsksLately = 2 * kTicksPerSecond;
 
  private:
